@@ -1,0 +1,49 @@
+use crc::{CRC_32_ISCSI, CRC_64_XZ, Crc};
+
+/// First four bytes of every blob.
+pub const MAGIC: [u8; 4] = *b"TARM";
+/// The layout this version writes and reads.
+pub const LAYOUT: u16 = 1;
+/// More joints than any arm.
+pub const MAX_JOINTS: usize = 16;
+
+pub(super) const HEADER: usize = 68;
+pub(super) const RECORD: usize = 60;
+pub(super) const CHECKSUM: usize = 4;
+
+pub(super) const FLAG_ORIENTATION: u8 = 1;
+pub(super) const HAS_LIMITS: u8 = 1;
+pub(super) const HAS_COVERED: u8 = 2;
+
+/// Bytes of a blob for this many joints.
+#[must_use]
+pub const fn encoded_len(joints: usize) -> usize {
+    HEADER + RECORD * joints + CHECKSUM
+}
+
+static CRC32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
+
+pub(super) fn checksum(bytes: &[u8]) -> u32 {
+    CRC32C.checksum(bytes)
+}
+
+/// The id a blob carries: CRC-64/XZ of model name, a zero byte, and serial.
+/// A controller compares it with its own and refuses another robot's blob.
+#[must_use]
+pub const fn robot_id(name: &str, serial: &str) -> u64 {
+    const CRC64: Crc<u64, crc::NoTable> = Crc::<u64, crc::NoTable>::new(&CRC_64_XZ);
+    let mut digest = CRC64.digest();
+    digest = update(digest, name.as_bytes());
+    digest = update(digest, &[0]);
+    digest = update(digest, serial.as_bytes());
+    return digest.finalize();
+
+    const fn update<'a>(
+        digest: crc::Digest<'a, u64, crc::NoTable>,
+        bytes: &[u8],
+    ) -> crc::Digest<'a, u64, crc::NoTable> {
+        let mut digest = digest;
+        digest.update(bytes);
+        digest
+    }
+}

@@ -1,0 +1,11 @@
+//! Rigid kinematics: MD-H links, the chain, its Jacobians.
+
+mod chain;
+mod jacobian;
+mod link;
+mod pose;
+
+pub use chain::Chain;
+pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, Twist};
+pub use link::{JointKind, Link, LinkParameter, MdhParameters};
+pub use pose::Pose;

@@ -1,0 +1,111 @@
+use nalgebra::{Matrix3, Vector3};
+
+use crate::scalar::Scalar;
+
+/// A rigid transform: `p -> rotation * p + translation`, lengths in metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose<T> {
+    /// Rotation matrix; its columns are the axes of the moved frame.
+    pub rotation: Matrix3<T>,
+    /// Origin of the moved frame, m.
+    pub translation: Vector3<T>,
+}
+
+impl<T: Scalar> Pose<T> {
+    /// The transform that moves nothing.
+    #[must_use]
+    pub fn identity() -> Self {
+        let (o, l) = (T::ZERO, T::ONE);
+        Self {
+            rotation: Matrix3::new(l, o, o, o, l, o, o, o, l),
+            translation: Vector3::new(o, o, o),
+        }
+    }
+
+    /// Translation by `x, y, z` in m.
+    #[must_use]
+    pub fn translation(x: T, y: T, z: T) -> Self {
+        Self { translation: Vector3::new(x, y, z), ..Self::identity() }
+    }
+
+    /// A translation (m) and a rotation vector (axis times angle, rad;
+    /// Rodrigues' formula). Exact to rounding for any angle, zero included.
+    #[must_use]
+    pub fn from_rotation_vector(translation: Vector3<T>, w: Vector3<T>) -> Self {
+        let angle2 = dot(&w, &w);
+        let angle = angle2.sqrt();
+        let (sin, cos) = angle.sin_cos();
+        // sin(x)/x and (1 - cos x)/x^2; below 1e-2 rad by series, where the
+        // quotients would cancel.
+        let (s, c) = if angle2 < T::from_f32(1e-4) {
+            let (sixth, half) = (T::from_f64(1.0 / 6.0), T::from_f64(0.5));
+            let (a, b) = (T::from_f64(1.0 / 120.0), T::from_f64(1.0 / 24.0));
+            let d = T::from_f64(1.0 / 720.0);
+            (T::ONE - angle2 * (sixth - angle2 * a), half - angle2 * (b - angle2 * d))
+        } else {
+            (sin / angle, (T::ONE - cos) / angle2)
+        };
+        let (x, y, z) = (w.x, w.y, w.z);
+        let l = T::ONE;
+        let rotation = Matrix3::new(
+            l - c * (y * y + z * z),
+            c * x * y - s * z,
+            c * x * z + s * y,
+            c * x * y + s * z,
+            l - c * (x * x + z * z),
+            c * y * z - s * x,
+            c * x * z - s * y,
+            c * y * z + s * x,
+            l - c * (x * x + y * y),
+        );
+        Self { rotation, translation }
+    }
+
+    /// `self * other`: first `other`, then `self`.
+    #[must_use]
+    pub fn compose(&self, other: &Self) -> Self {
+        let column = |j: usize| rotate(&self.rotation, &axis(&other.rotation, j));
+        Self {
+            rotation: Matrix3::from_columns(&[column(0), column(1), column(2)]),
+            translation: self.transform_point(&other.translation),
+        }
+    }
+
+    /// The transform that undoes this one.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.transpose();
+        let moved = rotate(&rotation, &self.translation);
+        Self { rotation, translation: -moved }
+    }
+
+    /// `rotation * p + translation`, m.
+    #[must_use]
+    pub fn transform_point(&self, p: &Vector3<T>) -> Vector3<T> {
+        rotate(&self.rotation, p) + self.translation
+    }
+}
+
+/// Column `j` of a rotation matrix: an axis of the moved frame.
+#[inline]
+pub(crate) fn axis<T: Scalar>(m: &Matrix3<T>, j: usize) -> Vector3<T> {
+    Vector3::new(m[(0, j)], m[(1, j)], m[(2, j)])
+}
+
+/// `m * v`, summed in a fixed order, so that no build of nalgebra can change
+/// a bit of it.
+#[inline]
+pub(crate) fn rotate<T: Scalar>(m: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
+    let row = |i: usize| m[(i, 0)] * v.x + m[(i, 1)] * v.y + m[(i, 2)] * v.z;
+    Vector3::new(row(0), row(1), row(2))
+}
+
+#[inline]
+pub(crate) fn cross<T: Scalar>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+#[inline]
+pub(crate) fn dot<T: Scalar>(a: &Vector3<T>, b: &Vector3<T>) -> T {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}

@@ -1,0 +1,18 @@
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+#![doc = include_str!("../README.md")]
+
+pub mod arm;
+pub mod blob;
+pub mod kinematics;
+pub mod scalar;
+pub mod solve;
+
+pub use arm::{Arm, ArmParameters};
+pub use kinematics::{Chain, JointKind, Link, LinkParameter, MdhParameters, Pose};
+pub use scalar::Scalar;
+
+/// A six-joint arm, the usual case.
+pub type Arm6<T> = Arm<T, 6>;
+/// The parameters of a six-joint arm.
+pub type ArmParameters6<T> = ArmParameters<T, 6>;

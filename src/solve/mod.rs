@@ -1,0 +1,81 @@
+//! Fixed-size regularised least squares for controllers without a heap.
+//!
+//! Both solvers take one row `u . x = s` at a time and minimise
+//! `|U x - S|^2 + lambda |x / scale|^2` (paper Eq. 11, with a scale for every
+//! parameter). Setting the derivative to zero gives
+//! `(U'U + lambda D) x = U'S` with `D = diag(1 / scale^2)`. Eq. 14 of the paper
+//! prints the last term as `2 (lambda I)' lambda I`, without the unknown and
+//! with lambda squared; it must read `2 lambda x`.
+//!
+//! * [`NormalEquations`] squares the condition number: cheap, good to a
+//!   condition of about `EPSILON^-1/2` (or any, with enough lambda).
+//! * [`Triangle`] keeps the QR factor by Householder reflections: for the
+//!   ill-conditioned case.
+
+mod normal;
+mod triangle;
+
+use crate::scalar::Scalar;
+
+pub use normal::NormalEquations;
+pub use triangle::Triangle;
+
+/// What a solve returned and what it did to get there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solution<T, const P: usize> {
+    /// The solution, in the units of the columns.
+    pub x: [T; P],
+    /// `|U x - S|^2`.
+    pub residual_square: T,
+    /// `|x / scale|^2`.
+    pub norm_square: T,
+    /// The lambda used.
+    pub lambda: T,
+    /// Directions without information at working precision: their unknown was
+    /// set to zero instead of dividing by rounding noise.
+    pub dropped: usize,
+}
+
+/// Why a solve gave no solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// Lambda is negative or not a number.
+    BadLambda,
+    /// The scale of this parameter is not a positive number.
+    BadScale {
+        /// 0-based index of the parameter.
+        parameter: usize,
+    },
+    /// A row or the result holds an infinity or a NaN.
+    NotFinite,
+}
+
+impl core::fmt::Display for SolveError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::BadLambda => f.write_str("lambda must be zero or positive"),
+            Self::BadScale { parameter } => {
+                write!(f, "the scale of parameter {parameter} must be positive")
+            }
+            Self::NotFinite => f.write_str("a measurement or the result is not finite"),
+        }
+    }
+}
+
+impl core::error::Error for SolveError {}
+
+fn check<T: Scalar, const P: usize>(lambda: T, scale: &[T; P]) -> Result<(), SolveError> {
+    if !(lambda >= T::ZERO && lambda.is_finite()) {
+        return Err(SolveError::BadLambda);
+    }
+    match scale.iter().position(|s| !(*s > T::ZERO && s.is_finite())) {
+        Some(parameter) => Err(SolveError::BadScale { parameter }),
+        None => Ok(()),
+    }
+}
+
+/// Relative size below which a pivot is rounding noise.
+fn noise<T: Scalar, const P: usize>() -> T {
+    T::EPSILON * T::from_f32(16.0 * P as f32)
+}
