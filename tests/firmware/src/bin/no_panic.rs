@@ -1,0 +1,49 @@
+//! A proof by the linker that the tick path cannot panic: the panic handler
+//! calls a function that does not exist, so the image links only if no panic
+//! can be reached. With the feature `negative_control` it must not link.
+
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use core::panic::PanicInfo;
+
+use cortex_m_rt::entry;
+use cortex_m_semihosting::debug;
+use truearm::Arm;
+use truearm::blob::{Blob, DecodeError};
+
+/// What a controller calls, on values the compiler knows nothing about.
+fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), DecodeError> {
+    let parameters = Blob::check(black_box(bytes))?.parameters::<f32, 6>()?;
+    let arm = Arm::new(black_box(&parameters));
+    black_box(arm.real_pose(black_box(q)));
+    black_box(arm.covers(black_box(q)));
+    black_box(arm.real().jacobian(black_box(q)));
+    #[cfg(feature = "negative_control")]
+    black_box(bytes[black_box(7)]);
+    Ok(())
+}
+
+#[entry]
+fn main() -> ! {
+    let status = match tick_path(black_box(&[0; 4096]), black_box(&[0.0; 6])) {
+        Ok(()) => debug::EXIT_SUCCESS,
+        Err(_) => debug::EXIT_FAILURE,
+    };
+    debug::exit(status);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+unsafe extern "C" {
+    fn truearm_panic_is_reachable() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo) -> ! {
+    // SAFETY: never called: the function does not exist, and nothing links
+    // that could get here.
+    unsafe { truearm_panic_is_reachable() }
+}

@@ -1,0 +1,137 @@
+//! The image that QEMU runs: finds its parameters as a controller would,
+//! computes the shipped poses, compares their bits with those of the host and
+//! counts instructions. Exits by semihosting with 0 or 1.
+
+#![no_std]
+#![no_main]
+
+mod measure;
+mod memory;
+mod vectors;
+
+use core::hint::black_box;
+use core::panic::PanicInfo;
+
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+use truearm::blob::{Blob, DecodeError};
+use truearm::kinematics::Jacobian;
+use truearm::{Arm, ArmParameters, Pose};
+
+use measure::Counter;
+use vectors::{JOINTS, Joints, Vectors};
+
+/// Why the image exits with 1; the reason has been printed.
+struct Refused;
+
+#[entry]
+fn main() -> ! {
+    debug::exit(match run() {
+        Ok(()) => debug::EXIT_SUCCESS,
+        Err(Refused) => debug::EXIT_FAILURE,
+    });
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+fn run() -> Result<(), Refused> {
+    let (bytes, parameters) = find_parameters()?;
+    let arm = Arm::new(&parameters);
+    let vectors = Vectors::parse(memory::vector_region()).map_err(|error| {
+        hprintln!("vectors at {:#010x}: {}", memory::VECTORS, error);
+        Refused
+    })?;
+    let hash = vectors::hash(&arm, vectors.poses());
+    hprintln!("poses: {}", vectors.poses().len());
+    hprintln!("hash: {:016x}", hash);
+    measure(bytes, &parameters, &arm, vectors.poses());
+    if hash != vectors.expected {
+        hprintln!("FAILED: the host computed {:016x}", vectors.expected);
+        return Err(Refused);
+    }
+    hprintln!("ok: bit for bit what the host computed");
+    Ok(())
+}
+
+/// The first slot that holds a valid blob for this arm.
+fn find_parameters() -> Result<(&'static [u8], ArmParameters<f32, JOINTS>), Refused> {
+    for (slot, bytes) in memory::parameter_slots() {
+        match decode(bytes) {
+            Ok(parameters) => {
+                hprintln!("slot {} at {:p}: a valid blob", slot, bytes.as_ptr());
+                hprintln!("robot id: {:016x}", parameters.robot_id);
+                return Ok((bytes, parameters));
+            }
+            Err(error) => hprintln!("slot {} at {:p}: {}", slot, bytes.as_ptr(), error),
+        }
+    }
+    hprintln!("FAILED: no valid parameter blob in either slot");
+    Err(Refused)
+}
+
+/// Prints one line `instructions NAME COUNT` for each piece of work; xtask
+/// holds these against budgets.toml.
+fn measure(
+    bytes: &[u8],
+    parameters: &ArmParameters<f32, JOINTS>,
+    arm: &Arm<f32, JOINTS>,
+    poses: impl Iterator<Item = Joints>,
+) {
+    let Some(systick) = cortex_m::Peripherals::take().map(|p| p.SYST) else { return };
+    let mut counter = Counter::new(systick);
+    let print = |name, tenths: u64| {
+        hprintln!("instructions {} {}.{}", name, tenths / 10, tenths % 10);
+    };
+    let mut inputs = [[0.0; JOINTS]; 1024];
+    for (input, q) in inputs.iter_mut().zip(poses) {
+        *input = q;
+    }
+    let count = counter.tenths_per_call(4, &inputs, |q| {
+        black_box(&forward(black_box(arm), q));
+    });
+    print("forward", count);
+    let count = counter.tenths_per_call(4, &inputs, |q| {
+        black_box(&jacobian(black_box(arm), q));
+    });
+    print("jacobian", count);
+    let count = counter.tenths_per_call(1000, &[bytes], |bytes| {
+        let _ = black_box(&decode(bytes));
+    });
+    print("check+parameters", count);
+    let count = counter.tenths_per_call(1000, &[parameters], |parameters| {
+        black_box(&load(parameters));
+    });
+    print("load", count);
+}
+
+// What is measured, as calls of their own.
+
+#[inline(never)]
+fn decode(bytes: &[u8]) -> Result<ArmParameters<f32, JOINTS>, DecodeError> {
+    Blob::check(bytes)?.parameters()
+}
+
+#[inline(never)]
+fn load(parameters: &ArmParameters<f32, JOINTS>) -> Arm<f32, JOINTS> {
+    Arm::new(parameters)
+}
+
+#[inline(never)]
+fn forward(arm: &Arm<f32, JOINTS>, q: &Joints) -> Pose<f32> {
+    arm.real_pose(q)
+}
+
+#[inline(never)]
+fn jacobian(arm: &Arm<f32, JOINTS>, q: &Joints) -> Jacobian<f32, JOINTS> {
+    arm.real().jacobian(q)
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    hprintln!("{}", info);
+    debug::exit(debug::EXIT_FAILURE);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
