@@ -1,1 +1,56 @@
-fn main() {}
+//! `cargo xtask VERB`: what continuous integration runs, and what a developer
+//! runs before it. One file a verb.
+
+mod ci;
+mod firmware;
+mod qemu;
+mod run;
+mod test;
+mod vectors;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "Tasks of the truearm repository")]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Host tests, then the controller image under QEMU
+    Test,
+    /// Build the controller image, prove it panic-free, run it under QEMU
+    Firmware {
+        /// Parameter blob to run with instead of the shipped one
+        #[arg(long)]
+        blob: Option<PathBuf>,
+    },
+    /// Rewrite the shipped blob and vector file from a parameter blob
+    Vectors {
+        /// Parameter blob of a six-joint arm
+        blob: PathBuf,
+    },
+    /// Formatting, lints and everything of `test`
+    Ci,
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().verb {
+        Verb::Test => test::run(),
+        Verb::Firmware { blob } => firmware::run(blob.as_deref()),
+        Verb::Vectors { blob } => vectors::ship(&blob),
+        Verb::Ci => ci::run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("\nFAILED {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! `cargo xtask ci`: what a change must pass.
+
+use crate::firmware::directory;
+use crate::run::{Result, call, cargo, root, step};
+use crate::{qemu, test};
+
+pub fn run() -> Result {
+    qemu::ensure_tools()?;
+    let places = [("the workspace", root()), ("the firmware", directory())];
+    for (name, dir) in &places {
+        step(&format!("format of {name}"), || call(&mut cargo(dir, "fmt --all --check")))?;
+    }
+    for (name, dir) in &places {
+        step(&format!("lints of {name}"), || {
+            call(&mut cargo(dir, "clippy --workspace --all-targets -- -D warnings"))
+        })?;
+    }
+    test::run()
+}

@@ -1,0 +1,120 @@
+//! `cargo xtask firmware`: the controller image, from build to budget.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::qemu::{self, TARGET};
+use crate::run::{Result, call, cargo, root, step, target_dir};
+use crate::vectors;
+
+/// The function that does not exist, see `tests/firmware/src/bin/no_panic.rs`.
+const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
+
+/// The firmware's workspace. Its `.cargo/config.toml` counts only for a cargo
+/// that runs here.
+pub fn directory() -> PathBuf {
+    root().join("tests/firmware")
+}
+
+pub fn run(blob: Option<&Path>) -> Result {
+    qemu::ensure_tools()?;
+    step("build of the image", || call(&mut build("firmware")))?;
+    step("proof that the tick path cannot panic", prove_no_panic)?;
+    let output = step("run under QEMU", || qemu::run(&qemu_command(blob)?, &directory()))?;
+    step("instruction budgets", || check_budgets(&output))
+}
+
+fn build(binary: &str) -> Command {
+    let mut command = cargo(&directory(), "build --release --locked --bin");
+    command.arg(binary).arg("--target-dir").arg(build_dir());
+    command
+}
+
+fn build_dir() -> PathBuf {
+    target_dir().join("firmware")
+}
+
+/// The proof must link, and must not link once there is a panic to reach.
+fn prove_no_panic() -> Result {
+    call(&mut build("no_panic"))?;
+    let mut control = build("no_panic");
+    let output = control.args(["--features", "negative_control"]).output()?;
+    if output.status.success() {
+        return Err("the negative control links: the proof proves nothing".into());
+    }
+    let message = String::from_utf8_lossy(&output.stderr);
+    if !message.contains(PANIC_SYMBOL) {
+        return Err(format!("the negative control failed for another reason:\n{message}").into());
+    }
+    eprintln!("it links; with a panic built in it does not ({PANIC_SYMBOL})");
+    Ok(())
+}
+
+/// The runner of `.cargo/config.toml`, with the image, and with the files for
+/// another blob in place of the shipped ones.
+fn qemu_command(blob: Option<&Path>) -> Result<Vec<String>> {
+    let config = read_toml(&directory().join(".cargo/config.toml"))?;
+    let runner = config
+        .get("target")
+        .and_then(|table| table.get(TARGET)?.get("runner")?.as_array())
+        .ok_or("no runner in tests/firmware/.cargo/config.toml")?;
+    let mut command: Vec<String> =
+        runner.iter().filter_map(|word| Some(word.as_str()?.to_owned())).collect();
+    command.push(build_dir().join(TARGET).join("release/firmware").display().to_string());
+    if let Some(blob) = blob {
+        let vectors = target_dir().join("firmware/other.vectors");
+        fs::write(&vectors, vectors::for_blob(blob)?)?;
+        replace(&mut command, "ur10.blob", &std::path::absolute(blob)?)?;
+        replace(&mut command, "fk.vectors", &vectors)?;
+    }
+    Ok(command)
+}
+
+/// Lets the loader that loads `shipped` load `file`.
+fn replace(command: &mut [String], shipped: &str, file: &Path) -> Result {
+    let old = format!("../data/firmware/{shipped}");
+    // A comma would end the name.
+    let new = file.display().to_string().replace(',', ",,");
+    let word = command.iter_mut().find(|word| word.contains(&old));
+    let word = word.ok_or_else(|| format!("the runner does not load {old}"))?;
+    *word = word.replace(&old, &new);
+    Ok(())
+}
+
+/// Holds the counts that the image printed against `budgets.toml`.
+fn check_budgets(output: &str) -> Result {
+    let budgets = read_toml(&directory().join("budgets.toml"))?;
+    let compiler = Command::new("rustc").arg("--version").current_dir(directory()).output()?;
+    let compiler = String::from_utf8_lossy(&compiler.stdout).trim().to_owned();
+    let judged = budgets.get("rustc").and_then(toml::Value::as_str) == Some(&compiler);
+    let limits = budgets.get("instructions").and_then(toml::Value::as_table);
+    let mut over = Vec::new();
+    for (work, limit) in limits.ok_or("no [instructions] in budgets.toml")? {
+        let limit = limit.as_integer().ok_or_else(|| format!("{work}: not an integer"))?;
+        let count = count(output, work).ok_or_else(|| format!("the image counted no {work}"))?;
+        eprintln!("{work}: {count} of {limit} instructions");
+        if count > limit as f64 {
+            over.push(work.as_str());
+        }
+    }
+    if !judged {
+        eprintln!("not judged: the budgets are not for {compiler}");
+    } else if !over.is_empty() {
+        return Err(format!("over budget: {}", over.join(", ")).into());
+    }
+    Ok(())
+}
+
+/// From a line `instructions WORK COUNT`.
+fn count(output: &str, work: &str) -> Option<f64> {
+    output.lines().find_map(|line| {
+        let rest = line.strip_prefix("instructions ")?.strip_prefix(work)?;
+        rest.strip_prefix(' ')?.parse().ok()
+    })
+}
+
+fn read_toml(path: &Path) -> Result<toml::Table> {
+    let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    text.parse().map_err(|error| format!("{}: {error}", path.display()).into())
+}

@@ -1,0 +1,88 @@
+//! The tools the firmware needs, and a QEMU run that cannot hang.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::run::{Result, call, exists, shown, step};
+
+/// What rustc calls the controller.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+const QEMU: &str = "qemu-system-arm";
+const LIMIT: Duration = Duration::from_secs(60);
+
+/// Installs the target and QEMU where that is possible without asking.
+pub fn ensure_tools() -> Result {
+    step("tools", || {
+        if !has_target()? {
+            call(Command::new("rustup").args(["target", "add", TARGET]))?;
+        }
+        if !exists(QEMU) {
+            install_qemu()?;
+        }
+        Ok(())
+    })
+}
+
+fn has_target() -> Result<bool> {
+    let output = Command::new("rustup").args(["target", "list", "--installed"]).output();
+    let output = output.map_err(|error| {
+        format!("rustup: {error}; without rustup, install the Rust target {TARGET} by hand")
+    })?;
+    Ok(String::from_utf8_lossy(&output.stdout).lines().any(|line| line == TARGET))
+}
+
+fn install_qemu() -> Result {
+    let user = Command::new("id").arg("-u").output();
+    let is_root = user.is_ok_and(|output| output.stdout.trim_ascii() == b"0");
+    if !(is_root && exists("apt-get")) {
+        return Err(format!(
+            "{QEMU} is not installed. Install it:\n  \
+             Debian, Ubuntu  sudo apt-get install qemu-system-arm\n  \
+             Fedora          sudo dnf install qemu-system-arm-core\n  \
+             macOS           brew install qemu"
+        )
+        .into());
+    }
+    let apt = |arguments: &[&str]| {
+        call(Command::new("apt-get").env("DEBIAN_FRONTEND", "noninteractive").args(arguments))
+    };
+    apt(&["update"])?;
+    apt(&["install", "-y", "--no-install-recommends", "qemu-system-arm"])
+}
+
+/// Runs a QEMU command in `dir`, echoes its output and returns it. A status
+/// other than 0 is an error, and so is more than a minute.
+pub fn run(command: &[String], dir: &Path) -> Result<String> {
+    let (program, arguments) = command.split_first().ok_or("an empty QEMU command")?;
+    let mut command = Command::new(program);
+    command.args(arguments).current_dir(dir).stdin(Stdio::null()).stdout(Stdio::piped());
+    eprintln!("{}", shown(&command));
+    let mut child = command.spawn().map_err(|error| format!("{program}: {error}"))?;
+    let output = child.stdout.take().ok_or("QEMU without an output")?;
+    let echo = thread::spawn(move || {
+        let mut text = String::new();
+        for line in BufReader::new(output).lines().map_while(std::io::Result::ok) {
+            println!("{line}");
+            text.push_str(&line);
+            text.push('\n');
+        }
+        text
+    });
+    let start = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait()? {
+            break status;
+        }
+        if start.elapsed() > LIMIT {
+            child.kill()?;
+            child.wait()?;
+            return Err(format!("the image did not end within {} s", LIMIT.as_secs()).into());
+        }
+        thread::sleep(Duration::from_millis(20));
+    };
+    let text = echo.join().map_err(|_| "reading QEMU's output failed")?;
+    if status.success() { Ok(text) } else { Err(format!("the image ended with {status}").into()) }
+}

@@ -1,0 +1,57 @@
+//! Child processes, steps and places that all verbs share.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What a verb returns; the message goes to the user as it is.
+pub type Result<T = ()> = std::result::Result<T, Box<dyn Error>>;
+
+/// The repository.
+pub fn root() -> PathBuf {
+    let xtask = Path::new(env!("CARGO_MANIFEST_DIR"));
+    xtask.parent().unwrap_or(xtask).to_path_buf()
+}
+
+/// Where cargo puts what it builds.
+pub fn target_dir() -> PathBuf {
+    match std::env::var_os("CARGO_TARGET_DIR") {
+        // As cargo does: relative to where the user called it.
+        Some(dir) => std::path::absolute(&dir).unwrap_or_else(|_| dir.into()),
+        None => root().join("target"),
+    }
+}
+
+/// Announces a step and puts its name before its error.
+pub fn step<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    eprintln!("\n== {name}");
+    work().map_err(|error| format!("{name}: {error}").into())
+}
+
+/// `cargo` with these arguments, to be run in `dir`.
+pub fn cargo(dir: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.current_dir(dir).args(arguments.split_whitespace());
+    // Set by the cargo that started xtask; would differ from a call by hand.
+    command.env_remove("CARGO_MANIFEST_DIR");
+    command
+}
+
+/// Runs a command with inherited output; any status but 0 is an error.
+pub fn call(command: &mut Command) -> Result {
+    let line = shown(command);
+    let status = command.status().map_err(|error| format!("`{line}`: {error}"))?;
+    if status.success() { Ok(()) } else { Err(format!("`{line}`: {status}").into()) }
+}
+
+/// The command as one would type it.
+pub fn shown(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    let words: Vec<_> = words.map(|word| word.to_string_lossy()).collect();
+    words.join(" ")
+}
+
+/// Whether a program can be started at all.
+pub fn exists(program: &str) -> bool {
+    Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
+}
