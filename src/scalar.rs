@@ -141,27 +141,31 @@ impl Scalar for f64 {
 #[inline]
 fn sin_cos_f32(x: f32) -> (f32, f32) {
     // pi/2 in three parts. The first two have 8 and 11 significant bits, so
-    // that quadrant * part is exact up to 8192 rad.
+    // that quadrant * part is exact up to 8192 rad. The third is negative: an
+    // infinite quadrant, see below, meets both signs here and becomes NaN.
     const HALF_PI_1: f32 = 1.570_312_5;
-    const HALF_PI_2: f32 = 4.837_513e-4;
-    const HALF_PI_3: f32 = 7.549_79e-8;
+    const HALF_PI_2: f32 = 4.839_897_2e-4;
+    const HALF_PI_3: f32 = -1.629_206_8e-7;
     // Adding and subtracting 1.5 * 2^23 rounds to the nearest integer and
     // leaves that integer in the low bits.
     const ROUND: f32 = 12_582_912.0;
-    // Overflows from 8192 rad on; infinity times zero is NaN. Two instructions
-    // without a branch instead of a compare, a flag transfer and a jump.
-    const RANGE: f32 = f32::from_bits((127 + 115) << 23);
+    // x * 2^115 overflows from 8192 rad on; below, the scaling is exact: a
+    // range check for the price of one multiplication.
+    const SCALE: f32 = f32::from_bits((127 + 115) << 23);
+    const TURNS: f32 = core::f32::consts::FRAC_2_PI / SCALE;
 
-    let x = x + (x * RANGE) * 0.0;
-    let shifted = x * core::f32::consts::FRAC_2_PI + ROUND;
+    let shifted = x * SCALE * TURNS + ROUND;
     let quadrant = shifted.to_bits();
     let turns = shifted - ROUND;
     let r = ((x - turns * HALF_PI_1) - turns * HALF_PI_2) - turns * HALF_PI_3;
     let r2 = r * r;
+    // -1 for a turn by a half, the second bit of the quadrant; multiplying by
+    // it costs less than negating on a condition.
+    let half = f32::from_bits(1_f32.to_bits() | (quadrant & 2) << 30);
+    let r = r * half;
     let sin = r + r * r2 * (-1.666_665_5e-1 + r2 * (8.332_161e-3 + r2 * -1.951_529_6e-4));
-    let cos = (1.0 - 0.5 * r2)
-        + (r2 * r2) * (4.166_664_6e-2 + r2 * (-1.388_731_6e-3 + r2 * 2.443_315_7e-5));
-    let (s, c) = if quadrant & 1 == 0 { (sin, cos) } else { (cos, sin) };
-    let flip = |v: f32, bit: u32| f32::from_bits(v.to_bits() ^ ((bit & 2) << 30));
-    (flip(s, quadrant), flip(c, quadrant.wrapping_add(1)))
+    let cos = half
+        + r2 * half * (-0.5 + r2 * (4.166_664_6e-2 + r2 * (-1.388_731_6e-3 + r2 * 2.443_315_7e-5)));
+    // The first bit turns by a quarter.
+    if quadrant & 1 == 0 { (sin, cos) } else { (cos, -sin) }
 }

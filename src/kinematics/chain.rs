@@ -40,6 +40,15 @@ impl<T: Scalar> FoldedLink<T> {
         }
     }
 
+    /// `Tz(d) Ry(beta)`, what lies between the joint and the next frame.
+    fn behind(&self) -> Pose<T> {
+        let (s, c, o, l) = (self.sin_beta, self.cos_beta, T::ZERO, T::ONE);
+        Pose {
+            rotation: Matrix3::new(c, o, s, o, l, o, -s, o, c),
+            translation: Vector3::new(o, o, self.d),
+        }
+    }
+
     /// `(sin, cos, d)` of the joint at joint value `q` (rad or m).
     #[inline]
     pub fn at(&self, q: T) -> (T, T, T) {
@@ -63,8 +72,10 @@ pub struct Chain<T, const N: usize> {
     pub(super) links: [FoldedLink<T>; N],
     pub(super) base: Pose<T>,
     pub(super) tool: Pose<T>,
-    /// `base * Rx(alpha_0) Tx(a_0)`: constant, so folded.
+    /// All before the first joint, `base Rx(alpha_1) Tx(a_1)`.
     root: Pose<T>,
+    /// All behind the last joint, `Tz(d_N) Ry(beta_N) tool`.
+    tip: Pose<T>,
 }
 
 impl<T: Scalar, const N: usize> Chain<T, N> {
@@ -81,13 +92,14 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
                 translation: Vector3::new(first.a, o, o),
             });
         }
-        Self { links, base, tool, root }
+        Self { links, base, tool, root, tip: tool }.with_tool(tool)
     }
 
     /// The same chain with another tool pose in the last frame.
     #[must_use]
     pub fn with_tool(&self, tool: Pose<T>) -> Self {
-        Self { tool, ..*self }
+        let tip = self.links.last().map_or(tool, |last| last.behind().compose(&tool));
+        Self { tool, tip, ..*self }
     }
 
     /// Pose of the base.
@@ -112,32 +124,38 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[inline]
     pub fn forward(&self, q: &[T; N]) -> Pose<T> {
         let column = |j: usize| {
-            let m = &self.tool.rotation;
+            let m = &self.tip.rotation;
             [m[(0, j)], m[(1, j)], m[(2, j)]]
         };
-        let t = &self.tool.translation;
+        let t = &self.tip.translation;
         let mut state = [column(0), column(1), [t.x, t.y, t.z]];
-        let mut previous: Option<&FoldedLink<T>> = None;
-        for (link, &q) in self.links.iter().zip(q).rev() {
-            // Tx(a) and Rx(alpha) of the link behind; those of the first link
-            // are in `root`.
-            if let Some(behind) = previous {
-                state[2][0] += behind.a;
-                let (s, c) = (behind.sin_alpha, behind.cos_alpha);
-                for v in &mut state {
-                    *v = [v[0], c * v[1] - s * v[2], s * v[1] + c * v[2]];
+        let mut joints = self.links.iter().zip(q).rev();
+        let mut next = joints.next();
+        while let Some((link, &q)) = next {
+            let (sin, cos) = match link.kind {
+                JointKind::Revolute => (q + link.theta).sin_cos(),
+                JointKind::Prismatic => {
+                    state[2][2] += q;
+                    (link.sin_theta, link.cos_theta)
                 }
-            }
-            let (sin, cos, d) = link.at(q);
-            let (s, c) = (link.sin_beta, link.cos_beta);
-            for v in &mut state {
-                *v = [c * v[0] + s * v[2], v[1], c * v[2] - s * v[0]];
-            }
-            state[2][2] += d;
+            };
             for v in &mut state {
                 *v = [cos * v[0] - sin * v[1], sin * v[0] + cos * v[1], v[2]];
             }
-            previous = Some(link);
+            next = joints.next();
+            // To the joint before: Tx(a), Rx(alpha) of this link, then Ry(beta),
+            // Tz(d) of the one before.
+            let Some((before, _)) = next else { break };
+            state[2][0] += link.a;
+            let (s, c) = (link.sin_alpha, link.cos_alpha);
+            for v in &mut state {
+                *v = [v[0], c * v[1] - s * v[2], s * v[1] + c * v[2]];
+            }
+            let (s, c) = (before.sin_beta, before.cos_beta);
+            for v in &mut state {
+                *v = [c * v[0] + s * v[2], v[1], c * v[2] - s * v[0]];
+            }
+            state[2][2] += before.d;
         }
         let [x, y, p] = state.map(|[x, y, z]| Vector3::new(x, y, z));
         let x = rotate(&self.root.rotation, &x);
