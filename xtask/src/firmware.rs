@@ -6,7 +6,7 @@ use std::process::Command;
 
 use crate::qemu::{self, TARGET};
 use crate::run::{Result, call, cargo, root, step, target_dir};
-use crate::vectors;
+use crate::{refusals, vectors};
 
 /// The function that does not exist, see `tests/firmware/src/bin/no_panic.rs`.
 const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
@@ -21,13 +21,20 @@ pub fn run(blob: Option<&Path>) -> Result {
     qemu::ensure_tools()?;
     step("build of the image", || call(&mut build("firmware")))?;
     step("proof that the tick path cannot panic", prove_no_panic)?;
-    let output = step("run under QEMU", || qemu::run(&qemu_command(blob)?, &directory()))?;
-    step("instruction budgets", || check_budgets(&output))
+    let command = qemu_command(blob)?;
+    let ended = step("run under QEMU", || match qemu::run(&command, &directory())? {
+        ended if ended.success => Ok(ended),
+        _ => Err("the image found a fault".into()),
+    })?;
+    step("instruction budgets", || check_budgets(&ended.output))?;
+    step("slot B and refusals", || refusals::check(&command))
 }
 
 fn build(binary: &str) -> Command {
     let mut command = cargo(&directory(), "build --release --locked --bin");
     command.arg(binary).arg("--target-dir").arg(build_dir());
+    // Would replace the flags of .cargo/config.toml, the linker script among them.
+    command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
     command
 }
 
@@ -65,21 +72,23 @@ fn qemu_command(blob: Option<&Path>) -> Result<Vec<String>> {
     if let Some(blob) = blob {
         let vectors = target_dir().join("firmware/other.vectors");
         fs::write(&vectors, vectors::for_blob(blob)?)?;
-        replace(&mut command, "ur10.blob", &std::path::absolute(blob)?)?;
-        replace(&mut command, "fk.vectors", &vectors)?;
+        let blob = std::path::absolute(blob)?;
+        for word in &mut command {
+            if word.contains("/ur10.blob,") {
+                *word = loading(word, &blob);
+            } else if word.contains("/fk.vectors,") {
+                *word = loading(word, &vectors);
+            }
+        }
     }
     Ok(command)
 }
 
-/// Lets the loader that loads `shipped` load `file`.
-fn replace(command: &mut [String], shipped: &str, file: &Path) -> Result {
-    let old = format!("../data/firmware/{shipped}");
-    // A comma would end the name.
-    let new = file.display().to_string().replace(',', ",,");
-    let word = command.iter_mut().find(|word| word.contains(&old));
-    let word = word.ok_or_else(|| format!("the runner does not load {old}"))?;
-    *word = word.replace(&old, &new);
-    Ok(())
+/// A word `loader,file=OLD,addr=...` with another file.
+pub fn loading(word: &str, file: &Path) -> String {
+    let address = word.split_once(",addr=").map_or("", |(_, rest)| rest);
+    // A lone comma would end the name.
+    format!("loader,file={},addr={address}", file.display().to_string().replace(',', ",,"))
 }
 
 /// Holds the counts that the image printed against `budgets.toml`.

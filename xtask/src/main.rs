@@ -4,6 +4,7 @@
 mod ci;
 mod firmware;
 mod qemu;
+mod refusals;
 mod run;
 mod test;
 mod vectors;

@@ -53,9 +53,17 @@ fn install_qemu() -> Result {
     apt(&["install", "-y", "--no-install-recommends", "qemu-system-arm"])
 }
 
-/// Runs a QEMU command in `dir`, echoes its output and returns it. A status
-/// other than 0 is an error, and so is more than a minute.
-pub fn run(command: &[String], dir: &Path) -> Result<String> {
+/// How an image ended.
+pub struct Ended {
+    /// Whether it exited with 0.
+    pub success: bool,
+    /// What it printed.
+    pub output: String,
+}
+
+/// Runs a QEMU command in `dir` and echoes its output; more than a minute is
+/// an error.
+pub fn run(command: &[String], dir: &Path) -> Result<Ended> {
     let (program, arguments) = command.split_first().ok_or("an empty QEMU command")?;
     let mut command = Command::new(program);
     command.args(arguments).current_dir(dir).stdin(Stdio::null()).stdout(Stdio::piped());
@@ -83,6 +91,6 @@ pub fn run(command: &[String], dir: &Path) -> Result<String> {
         }
         thread::sleep(Duration::from_millis(20));
     };
-    let text = echo.join().map_err(|_| "reading QEMU's output failed")?;
-    if status.success() { Ok(text) } else { Err(format!("the image ended with {status}").into()) }
+    let output = echo.join().map_err(|_| "reading QEMU's output failed")?;
+    Ok(Ended { success: status.success(), output })
 }

@@ -32,8 +32,10 @@ pub fn step<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
 pub fn cargo(dir: &Path, arguments: &str) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(dir).args(arguments.split_whitespace());
-    // Set by the cargo that started xtask; would differ from a call by hand.
-    command.env_remove("CARGO_MANIFEST_DIR");
+    if std::env::var_os("CARGO_TARGET_DIR").is_some() {
+        // A relative one means another place in another directory.
+        command.env("CARGO_TARGET_DIR", target_dir());
+    }
     command
 }
 
