@@ -1,1 +1,16 @@
+//! Host side of truearm: from tracker files to an identified arm and a blob.
+//!
+//! Data flow one way: [`files`] -> [`identify`] -> [`report`] and
+//! [`files::Model`] -> [`mod@evaluate`], [`mod@pack`]. The kinematics are those of the
+//! [`truearm`] crate, the same code that runs on the controller.
 
+pub mod chain;
+pub mod error;
+pub mod evaluate;
+pub mod files;
+pub mod identify;
+pub mod pack;
+pub mod report;
+pub mod tikhonov;
+
+pub use error::{Error, Result};

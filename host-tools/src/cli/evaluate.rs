@@ -1,0 +1,75 @@
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use truearm_host::Result;
+use truearm_host::evaluate::{Reregister, evaluate};
+use truearm_host::files::{Measurements, Model};
+
+use super::{table, warn};
+
+/// Score a model on measurements it was not identified from.
+#[derive(Args)]
+pub struct Evaluate {
+    /// model.toml of `identify`
+    model: PathBuf,
+    /// Measured points
+    data: PathBuf,
+    /// Fit these on the file itself, for another tracker station or target
+    #[arg(long, value_enum)]
+    reregister: Option<Frames>,
+    /// Print JSON instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// What may be fitted on the scored file.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub enum Frames {
+    /// Each station's base
+    Base,
+    /// Each station's base and each marker
+    #[value(name = "base+tool")]
+    BaseAndTool,
+}
+
+impl From<Frames> for Reregister {
+    fn from(frames: Frames) -> Self {
+        match frames {
+            Frames::Base => Self::Base,
+            Frames::BaseAndTool => Self::BaseAndTool,
+        }
+    }
+}
+
+#[derive(serde::Serialize)]
+struct Report<'a> {
+    schema: &'static str,
+    command: &'static str,
+    model: String,
+    validation: &'a truearm_host::report::Validation,
+    warnings: &'a [String],
+}
+
+impl Evaluate {
+    pub fn run(self) -> Result<()> {
+        let model = Model::read(&self.model)?;
+        let data = Measurements::read(&self.data, &model.robot)?;
+        warn(&data.warnings);
+        let frames = self.reregister.map(Into::into).unwrap_or_default();
+        let validation = evaluate(&model, &data, frames)?;
+        if self.json {
+            let report = Report {
+                schema: "truearm-report-1",
+                command: "evaluate",
+                model: self.model.display().to_string(),
+                validation: &validation,
+                warnings: &data.warnings,
+            };
+            let json = serde_json::to_string_pretty(&report);
+            println!("{}", json.unwrap_or_else(|e| unreachable!("a plain struct: {e}")));
+        } else {
+            print!("{}", table::validation(&validation));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,138 @@
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use truearm_host::evaluate::evaluate;
+use truearm_host::files::{Measurements, Robot, write};
+use truearm_host::identify::{LambdaRule, Options, RowResult, Scaling, identify};
+use truearm_host::{Error, Result};
+
+use super::evaluate::Frames;
+use super::progress::Bar;
+use super::{table, warn};
+
+/// Identify base, tool and all MD-H parameters; flag gross errors.
+#[derive(Args)]
+pub struct Identify {
+    /// The nominal arm, robot.toml
+    robot: PathBuf,
+    /// Measured points, measurements.csv
+    data: PathBuf,
+    /// Score the model on other measurements as well
+    #[arg(long, value_name = "DATA2")]
+    validate: Option<PathBuf>,
+    /// Fit these on the validation file itself
+    #[arg(long, value_enum, requires = "validate")]
+    reregister: Option<Frames>,
+    /// Write model.toml, report.json and residuals.csv into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print report.json instead of the table
+    #[arg(long)]
+    json: bool,
+    /// map, l-curve, two-step, or a number
+    #[arg(long, value_name = "RULE")]
+    lambda: Option<String>,
+    /// What lambda weighs: deviations from nominal in tolerances against
+    /// residuals in sigmas, or lambda I in metres and radians as the paper prints
+    #[arg(long, value_enum, default_value_t = Mode::Prior)]
+    scaling: Mode,
+    /// Go on with fewer equations than unknowns
+    #[arg(long)]
+    allow_few_poses: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Mode {
+    Prior,
+    Printed,
+}
+
+impl Identify {
+    pub fn run(self) -> Result<()> {
+        let options = self.options()?;
+        let robot = Robot::read(&self.robot)?;
+        let data = Measurements::read(&self.data, &robot)?;
+        let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
+        let bar = Bar::new("identifying");
+        let found = identify(&robot, &data, &options, &|done, total| bar.update(done, total));
+        bar.finish();
+        let mut found = found?;
+        if let Some(other) = &other {
+            let frames = self.reregister.map(Into::into).unwrap_or_default();
+            found.report.warnings.extend(other.warnings.clone());
+            found.report.validation = Some(evaluate(&found.model, other, frames)?);
+        }
+        let json = serde_json::to_string_pretty(&found.report)
+            .unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
+            + "\n";
+        warn(&found.report.warnings);
+        if self.json {
+            print!("{json}");
+        } else {
+            print!("{}", table::report(&found.report));
+        }
+        if let Some(folder) = &self.out {
+            write(&folder.join("model.toml"), found.model.to_toml().as_bytes())?;
+            write(&folder.join("report.json"), json.as_bytes())?;
+            write(&folder.join("residuals.csv"), residuals(&data, &found.rows).as_bytes())?;
+            if !self.json {
+                println!(
+                    "wrote {}",
+                    folder.join("{model.toml,report.json,residuals.csv}").display()
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn options(&self) -> Result<Options> {
+        let scaling = match self.scaling {
+            Mode::Prior => Scaling::Prior,
+            Mode::Printed => Scaling::Printed,
+        };
+        let rule = match (self.lambda.as_deref(), scaling) {
+            (None | Some("map"), Scaling::Prior) => LambdaRule::MaximumAPosteriori,
+            (Some("map"), Scaling::Printed) => {
+                return Err(Error::data(
+                    "--lambda map needs --scaling prior",
+                    "lambda = 1 is the maximum a posteriori estimate only where parameters count \
+                     tolerances",
+                ));
+            }
+            (None | Some("two-step"), _) => LambdaRule::TwoStep,
+            (Some("l-curve"), _) => LambdaRule::LCurve,
+            (Some(text), _) => match text.parse::<f64>() {
+                Ok(lambda) if lambda >= 0.0 && lambda.is_finite() => LambdaRule::Fixed(lambda),
+                _ => {
+                    return Err(Error::data(
+                        format!("--lambda {text}"),
+                        "give map, l-curve, two-step, or a number from 0 on",
+                    ));
+                }
+            },
+        };
+        Ok(Options { rule, scaling, allow_few_poses: self.allow_few_poses })
+    }
+}
+
+/// One line a data row: residuals in mm with nominal geometry, identified, and
+/// held out.
+fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
+    let mut out = "row,line,station,marker,flagged,nominal_dx_mm,nominal_dy_mm,nominal_dz_mm,\
+                   dx_mm,dy_mm,dz_mm,held_out_dx_mm,held_out_dy_mm,held_out_dz_mm\n"
+        .to_owned();
+    for (i, (row, result)) in data.rows.iter().zip(rows).enumerate() {
+        let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
+        let flagged = u8::from(result.flagged);
+        out += &format!("{},{},{station},{marker},{flagged}", i + 1, row.line);
+        for v in [result.nominal, result.identified].iter().flat_map(|v| v.iter()) {
+            out += &format!(",{:.5}", v * 1e3);
+        }
+        match result.held_out {
+            Some(v) => v.iter().for_each(|x| out += &format!(",{:.5}", x * 1e3)),
+            None => out += ",,,",
+        }
+        out.push('\n');
+    }
+    out
+}

@@ -1,0 +1,204 @@
+//! Scoring a model on other data, in the frames of its training or, when asked
+//! for, in frames fitted to that data.
+
+use nalgebra::Vector3;
+use truearm::{Link, Pose};
+
+use crate::chain::chain;
+use crate::error::{Error, Result};
+use crate::files::{Measurements, Model};
+use crate::identify::fit::{Freedom, fit};
+use crate::identify::registration::{register, rigid_transform};
+use crate::identify::{Problem, Scaling, State};
+use crate::report::{Stats, Validation, own_evidence};
+
+/// What may be fitted on the scored file itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reregister {
+    /// Nothing: its stations and markers are those of the training.
+    #[default]
+    Nothing,
+    /// Each station's base; markers are those of the training.
+    Base,
+    /// Each station's base and each marker.
+    BaseAndTool,
+}
+
+impl Reregister {
+    /// As in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "none",
+            Self::Base => "base",
+            Self::BaseAndTool => "base+tool",
+        }
+    }
+}
+
+/// A reading beyond the covered range by less than this is inside, rad or m.
+const MARGIN: f64 = 0.01;
+
+/// Scores a model.
+///
+/// # Errors
+/// A station or marker the training did not have, naming `--reregister`.
+pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Result<Validation> {
+    let links = model.links();
+    let state = match frames {
+        Reregister::Nothing => trained(model, data)?,
+        Reregister::Base => {
+            let markers = known_markers(model, data)?;
+            with_bases(data, &links, markers)?
+        }
+        Reregister::BaseAndTool => registered(model, data, &links)?,
+    };
+    let residuals = residuals(data, &state);
+    let left_out = own_evidence(&residuals);
+    let kept: Vec<_> =
+        (0..residuals.len()).filter(|i| !left_out.contains(i)).map(|i| residuals[i]).collect();
+    let stats = |r: &[Vector3<f64>]| {
+        Stats::of(r).ok_or_else(|| Error::data("no rows to score", "give a file with rows"))
+    };
+    let rms_without = |state: &State| -> Result<f64> {
+        let all = self::residuals(data, state);
+        let kept: Vec<_> =
+            (0..all.len()).filter(|i| !left_out.contains(i)).map(|i| all[i]).collect();
+        Ok(stats(&kept)?.rms_mm)
+    };
+    let nominal = registered(model, data, &model.robot.nominal())?;
+    let base_refitted = match frames {
+        Reregister::Nothing => {
+            let refitted = with_bases(data, &links, state.markers.clone());
+            // Too few rows to fit a base are no reason not to score them.
+            refitted.ok().map(|s| rms_without(&s)).transpose()?
+        }
+        _ => None,
+    };
+    Ok(Validation {
+        file: data.path.display().to_string(),
+        rows: data.rows.len(),
+        reregistered: frames.name(),
+        left_out: left_out.iter().map(|i| i + 1).collect(),
+        stats: stats(&kept)?,
+        all_rows: stats(&residuals)?,
+        nominal_rms_mm: rms_without(&nominal)?,
+        base_refitted_rms_mm: base_refitted,
+        joints_not_covered: not_covered(model, data),
+    })
+}
+
+/// Measured minus predicted of every row, m.
+#[must_use]
+pub fn residuals(data: &Measurements, state: &State) -> Vec<Vector3<f64>> {
+    let markers = state.markers.len();
+    let pairs = (0..state.bases.len()).flat_map(|s| (0..markers).map(move |m| (s, m)));
+    let chains: Vec<_> = pairs.map(|(s, m)| state.chain(s, m)).collect();
+    let of = |r: &crate::files::Row| {
+        r.point - chains[r.station * markers + r.marker].pose(&r.q).translation
+    };
+    data.rows.iter().map(of).collect()
+}
+
+fn unknown(data: &Measurements, what: &str, label: &str, known: &str, option: &str) -> Error {
+    let message = if label.is_empty() {
+        format!(
+            "{}: no column `{what}`, but the model was identified with {what} {known}",
+            data.path.display()
+        )
+    } else {
+        format!(
+            "{}: {what} \"{label}\" is unknown to the model, which knows {known}",
+            data.path.display()
+        )
+    };
+    Error::data(
+        message,
+        format!(
+            "a new {what} has its own frame; --reregister {option} fits it on this file and says so in the report"
+        ),
+    )
+}
+
+fn find<'a, T>(
+    data: &Measurements,
+    what: &str,
+    label: &str,
+    known: &'a [(String, T)],
+    option: &str,
+) -> Result<&'a T> {
+    let names = || known.iter().map(|(l, _)| format!("\"{l}\"")).collect::<Vec<_>>().join(", ");
+    let found = known.iter().find(|(l, _)| l == label);
+    found.map(|(_, v)| v).ok_or_else(|| unknown(data, what, label, &names(), option))
+}
+
+fn known_markers(model: &Model, data: &Measurements) -> Result<Vec<Vector3<f64>>> {
+    let marker = |m: &String| find(data, "marker", m, &model.markers, "base+tool").copied();
+    data.markers.iter().map(marker).collect()
+}
+
+fn trained(model: &Model, data: &Measurements) -> Result<State> {
+    let station = |s: &String| find(data, "station", s, &model.stations, "base").copied();
+    Ok(State {
+        bases: data.stations.iter().map(station).collect::<Result<_>>()?,
+        markers: known_markers(model, data)?,
+        links: model.links(),
+    })
+}
+
+/// Bases fitted by SVD (Eq. 17) on the rows of each station, without those that
+/// stand out by their own evidence.
+fn with_bases(
+    data: &Measurements,
+    links: &[Link<f64>],
+    markers: Vec<Vector3<f64>>,
+) -> Result<State> {
+    let tools: Vec<_> = markers.iter().map(|m| chain(links, Pose::identity(), *m)).collect();
+    let mut bases = Vec::new();
+    for (s, label) in data.stations.iter().enumerate() {
+        let rows: Vec<_> = data.rows.iter().filter(|r| r.station == s).collect();
+        let from: Vec<_> = rows.iter().map(|r| tools[r.marker].pose(&r.q).translation).collect();
+        let to: Vec<_> = rows.iter().map(|r| r.point).collect();
+        let fail = || {
+            Error::data(
+                format!("station \"{label}\": {} rows do not fix a tracker frame", rows.len()),
+                "measure at least three points that are not on a line",
+            )
+        };
+        let mut weights = vec![1.0; rows.len()];
+        let mut base =
+            rigid_transform(&from, &to, &weights).filter(|_| rows.len() >= 3).ok_or_else(fail)?;
+        for _ in 0..3 {
+            let errors: Vec<_> =
+                from.iter().zip(&to).map(|(a, b)| base.transform_point(a) - b).collect();
+            let out = own_evidence(&errors);
+            weights = (0..rows.len()).map(|i| f64::from(u8::from(!out.contains(&i)))).collect();
+            base = rigid_transform(&from, &to, &weights).ok_or_else(fail)?;
+        }
+        bases.push(base);
+    }
+    Ok(State { bases, markers, links: links.to_vec() })
+}
+
+/// Base and tool registered on the file, links as given.
+fn registered(model: &Model, data: &Measurements, links: &[Link<f64>]) -> Result<State> {
+    let tool = model.markers.first().map_or(model.robot.tool, |m| m.1);
+    let start = register(data, links, tool)?;
+    let problem = Problem::new(data, links.to_vec(), Scaling::Prior);
+    let mut rows: Vec<usize> = (0..data.rows.len()).collect();
+    let mut state = fit(&problem, &rows, None, &start, Freedom::Frames)?.state;
+    let out = own_evidence(&residuals(data, &state));
+    if !out.is_empty() {
+        rows.retain(|r| !out.contains(r));
+        state = fit(&problem, &rows, None, &start, Freedom::Frames)?.state;
+    }
+    Ok(state)
+}
+
+fn not_covered(model: &Model, data: &Measurements) -> Vec<usize> {
+    let outside = |j: &usize| {
+        let [low, high] = model.covered[*j];
+        data.rows.iter().any(|r| r.q[*j] < low - MARGIN || r.q[*j] > high + MARGIN)
+    };
+    (0..model.covered.len()).filter(outside).map(|j| j + 1).collect()
+}

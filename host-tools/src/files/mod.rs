@@ -1,0 +1,49 @@
+//! The files a user meets: robot.toml, measurements.csv, model.toml. Millimetres
+//! and degrees exist only here; everything inside is SI.
+
+mod measurements;
+mod model;
+mod robot;
+
+pub use measurements::{Measurements, Row};
+pub use model::{Model, Provenance};
+pub use robot::{Joint, LinkMass, Robot};
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// Reads a text file, without the byte-order mark some programs put in front.
+pub(crate) fn read(path: &Path) -> Result<String> {
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let line = e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n');
+        Error::file(
+            path,
+            crate::error::Place::line(line.count() + 1),
+            "not UTF-8 text",
+            "save the file as UTF-8",
+        )
+    })?;
+    Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
+}
+
+/// Writes a file whole or not at all: into a temporary file beside it, which
+/// then takes its name.
+///
+/// # Errors
+/// What the system says; an existing file is then as it was.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let error = |e| Error::io(path, e);
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    std::fs::create_dir_all(folder).map_err(error)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(error)?;
+    file.write_all(bytes).map_err(error)?;
+    file.as_file().sync_all().map_err(error)?;
+    file.persist(path).map_err(|e| error(e.error))?;
+    Ok(())
+}

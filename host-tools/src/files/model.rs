@@ -1,0 +1,367 @@
+use std::path::Path;
+
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+use truearm::{JointKind, LinkParameter, MdhParameters, Pose};
+
+use super::robot::{Robot, mm, parse};
+use crate::error::{Error, Place, Result};
+
+/// First line of every model.toml.
+const SCHEMA: &str = "truearm-model-1";
+
+/// An identified arm: what `identify` writes, `evaluate` scores, `pack` flashes.
+/// SI units.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// The nominal arm.
+    pub robot: Robot,
+    /// Identified corrections of each link.
+    pub corrections: Vec<MdhParameters<f64>>,
+    /// One standard deviation of each correction.
+    pub uncertainties: Vec<MdhParameters<f64>>,
+    /// Joint ranges of the identification, rad or m.
+    pub covered: Vec<[f64; 2]>,
+    /// Robot base in the frame of each tracker station.
+    pub stations: Vec<(String, Pose<f64>)>,
+    /// Each marker in the flange frame, m.
+    pub markers: Vec<(String, Vector3<f64>)>,
+    /// Carries identified tool points onto nominal ones: translation, m.
+    pub frame_translation: Vector3<f64>,
+    /// The same: rotation vector, rad.
+    pub frame_rotation: Vector3<f64>,
+    /// Where the model came from.
+    pub provenance: Provenance,
+    /// Directions the data could not determine, in words.
+    pub unidentifiable: Vec<String>,
+}
+
+/// Where a model came from.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Version of truearm.
+    pub version: String,
+    /// UTC, RFC 3339.
+    pub created: String,
+    /// The measurements.
+    pub data: String,
+    /// Rows of the measurements.
+    pub rows: usize,
+    /// Distinct poses.
+    pub poses: usize,
+    /// Rows left out as gross errors, counted from 1.
+    pub outlier_rows: Vec<usize>,
+    /// The regularisation parameter.
+    pub lambda: f64,
+    /// How it was chosen.
+    pub lambda_rule: String,
+    /// RMS error with nominal geometry, mm.
+    pub nominal_rms_mm: f64,
+    /// Cross-validated RMS error, mm.
+    pub cross_validated_rms_mm: f64,
+}
+
+/// The file. The keys of robot.toml stand in it as they do there, so that a
+/// model is a robot file with more in it.
+#[derive(Serialize)]
+struct ModelFile {
+    schema: &'static str,
+    name: String,
+    serial: String,
+    measurement_sigma_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gravity_m_s2: Option<[f64; 3]>,
+    reference_temperature_c: f64,
+    unidentifiable: Vec<String>,
+    provenance: Provenance,
+    frame: FrameFile,
+    tool: ToolFile,
+    payload: PayloadFile,
+    joints: Vec<JointFile>,
+    corrections: Vec<CorrectionFile>,
+    stations: Vec<StationFile>,
+    markers: Vec<MarkerFile>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    links: Vec<LinkFile>,
+}
+
+/// What model.toml has beyond robot.toml.
+#[derive(Deserialize)]
+struct ModelPart {
+    schema: String,
+    #[serde(default)]
+    unidentifiable: Vec<String>,
+    provenance: Provenance,
+    frame: FrameFile,
+    corrections: Vec<CorrectionFile>,
+    stations: Vec<StationFile>,
+    markers: Vec<MarkerFile>,
+}
+
+#[derive(Serialize)]
+struct ToolFile {
+    xyz_mm: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct PayloadFile {
+    com_mm: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct LinkFile {
+    mass_kg: f64,
+    com_mm: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct JointFile {
+    kind: &'static str,
+    alpha_deg: f64,
+    a_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    d_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    d_offset_mm: Option<f64>,
+    theta_offset_deg: f64,
+    beta_deg: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limits_deg: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limits_mm: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gear_ratio: Option<f64>,
+}
+
+/// Corrections to a joint and one standard deviation of each.
+#[derive(Serialize, Deserialize)]
+struct CorrectionFile {
+    joint: usize,
+    alpha_deg: f64,
+    a_mm: f64,
+    theta_offset_deg: f64,
+    d_mm: f64,
+    beta_deg: f64,
+    sigma: SigmaFile,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    covered_deg: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    covered_mm: Option<[f64; 2]>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SigmaFile {
+    alpha_deg: f64,
+    a_mm: f64,
+    theta_offset_deg: f64,
+    d_mm: f64,
+    beta_deg: f64,
+}
+
+/// The small rigid transform taken out before packing.
+#[derive(Serialize, Deserialize)]
+struct FrameFile {
+    xyz_mm: [f64; 3],
+    rotation_vector_deg: [f64; 3],
+}
+
+#[derive(Serialize, Deserialize)]
+struct StationFile {
+    label: String,
+    xyz_mm: [f64; 3],
+    quaternion_xyzw: [f64; 4],
+}
+
+#[derive(Serialize, Deserialize)]
+struct MarkerFile {
+    label: String,
+    xyz_mm: [f64; 3],
+}
+
+fn to_mm(v: &Vector3<f64>) -> [f64; 3] {
+    [v.x * 1e3, v.y * 1e3, v.z * 1e3]
+}
+
+/// Angles in degrees, lengths in mm, in the order of [`LinkParameter::ALL`].
+fn to_file(p: &MdhParameters<f64>) -> [f64; 5] {
+    let mut out = p.to_array();
+    for (x, parameter) in out.iter_mut().zip(LinkParameter::ALL) {
+        *x = if parameter.is_length() { *x * 1e3 } else { x.to_degrees() };
+    }
+    out
+}
+
+fn from_file(mut values: [f64; 5]) -> MdhParameters<f64> {
+    for (x, parameter) in values.iter_mut().zip(LinkParameter::ALL) {
+        *x = if parameter.is_length() { *x * 1e-3 } else { x.to_radians() };
+    }
+    MdhParameters::from_array(values)
+}
+
+impl Model {
+    /// The text of a model.toml.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let robot = &self.robot;
+        let revolute = |i: usize| robot.joints[i].link.kind == JointKind::Revolute;
+        let joints = robot.joints.iter().enumerate().map(|(i, joint)| {
+            let [alpha_deg, a_mm, theta_offset_deg, d, beta_deg] = to_file(&joint.link.parameters);
+            JointFile {
+                kind: if revolute(i) { "revolute" } else { "prismatic" },
+                alpha_deg,
+                a_mm,
+                d_mm: revolute(i).then_some(d),
+                d_offset_mm: (!revolute(i)).then_some(d),
+                theta_offset_deg,
+                beta_deg,
+                limits_deg: joint.limits.filter(|_| revolute(i)).map(|l| l.map(f64::to_degrees)),
+                limits_mm: joint.limits.filter(|_| !revolute(i)).map(|l| l.map(|x| x * 1e3)),
+                gear_ratio: joint.gear_ratio,
+            }
+        });
+        let corrections = (0..robot.joints.len()).map(|i| {
+            let [alpha_deg, a_mm, theta_offset_deg, d_mm, beta_deg] = to_file(&self.corrections[i]);
+            let s = to_file(&self.uncertainties[i]);
+            let range = self.covered[i];
+            CorrectionFile {
+                joint: i + 1,
+                alpha_deg,
+                a_mm,
+                theta_offset_deg,
+                d_mm,
+                beta_deg,
+                sigma: SigmaFile {
+                    alpha_deg: s[0],
+                    a_mm: s[1],
+                    theta_offset_deg: s[2],
+                    d_mm: s[3],
+                    beta_deg: s[4],
+                },
+                covered_deg: revolute(i).then_some(range.map(f64::to_degrees)),
+                covered_mm: (!revolute(i)).then_some(range.map(|x| x * 1e3)),
+            }
+        });
+        let stations = self.stations.iter().map(|(label, pose)| {
+            let rotation = Rotation3::from_matrix_unchecked(pose.rotation);
+            let q = UnitQuaternion::from_rotation_matrix(&rotation);
+            StationFile {
+                label: label.clone(),
+                xyz_mm: to_mm(&pose.translation),
+                quaternion_xyzw: [q.i, q.j, q.k, q.w],
+            }
+        });
+        let markers = self
+            .markers
+            .iter()
+            .map(|(label, point)| MarkerFile { label: label.clone(), xyz_mm: to_mm(point) });
+        let links = robot.links.iter().map(|l| LinkFile { mass_kg: l.mass, com_mm: to_mm(&l.com) });
+        let w = &self.frame_rotation;
+        let file = ModelFile {
+            schema: SCHEMA,
+            name: robot.name.clone(),
+            serial: robot.serial.clone(),
+            measurement_sigma_mm: robot.sigma * 1e3,
+            gravity_m_s2: robot.gravity.map(Into::into),
+            reference_temperature_c: robot.reference_temperature,
+            unidentifiable: self.unidentifiable.clone(),
+            provenance: self.provenance.clone(),
+            frame: FrameFile {
+                xyz_mm: to_mm(&self.frame_translation),
+                rotation_vector_deg: [w.x, w.y, w.z].map(f64::to_degrees),
+            },
+            tool: ToolFile { xyz_mm: to_mm(&robot.tool) },
+            payload: PayloadFile { com_mm: to_mm(&robot.payload) },
+            joints: joints.collect(),
+            corrections: corrections.collect(),
+            stations: stations.collect(),
+            markers: markers.collect(),
+            links: links.collect(),
+        };
+        let body = toml::to_string(&file).unwrap_or_else(|e| unreachable!("a plain struct: {e}"));
+        format!(
+            "# An arm identified by truearm. Lengths mm, angles degrees. `corrections` add to\n\
+             # the nominal `joints`; `stations` are the robot base in each tracker frame.\n{body}"
+        )
+    }
+
+    /// Reads a model.toml.
+    ///
+    /// # Errors
+    /// Names file, line and remedy.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = super::read(path)?;
+        let help = "give a model.toml as written by `truearm identify`";
+        let mut robot = Robot::parse(path, &text)?;
+        robot.warnings.clear();
+        let part: ModelPart = match parse(path, &text, &mut Vec::new()) {
+            Err(Error::File { path, place, message, .. }) => {
+                return Err(Error::file(&path, place, message, help));
+            }
+            other => other?,
+        };
+        let fail = |message: String| Error::file(path, Place::default(), message, help);
+        if part.schema != SCHEMA {
+            return Err(fail(format!("schema {} where {SCHEMA} is read", part.schema)));
+        }
+        let n = robot.joints.len();
+        let numbered = part.corrections.iter().enumerate().all(|(i, c)| c.joint == i + 1);
+        if part.corrections.len() != n || !numbered {
+            return Err(fail(format!("[[corrections]] do not match the {n} joints in order")));
+        }
+        let mut model = Self {
+            corrections: Vec::new(),
+            uncertainties: Vec::new(),
+            covered: Vec::new(),
+            stations: Vec::new(),
+            markers: part.markers.into_iter().map(|m| (m.label, mm(m.xyz_mm))).collect(),
+            frame_translation: mm(part.frame.xyz_mm),
+            frame_rotation: Vector3::from(part.frame.rotation_vector_deg.map(f64::to_radians)),
+            provenance: part.provenance,
+            unidentifiable: part.unidentifiable,
+            robot,
+        };
+        for c in &part.corrections {
+            let s = &c.sigma;
+            let all = [c.alpha_deg, c.a_mm, c.theta_offset_deg, c.d_mm, c.beta_deg];
+            if all.iter().any(|x| !x.is_finite()) {
+                return Err(fail(format!("correction of joint {} is not finite", c.joint)));
+            }
+            model.corrections.push(from_file(all));
+            model.uncertainties.push(from_file([
+                s.alpha_deg,
+                s.a_mm,
+                s.theta_offset_deg,
+                s.d_mm,
+                s.beta_deg,
+            ]));
+            model.covered.push(match (c.covered_deg, c.covered_mm) {
+                (Some(range), _) => range.map(f64::to_radians),
+                (None, Some(range)) => range.map(|x| x * 1e-3),
+                (None, None) => {
+                    return Err(fail(format!("joint {} has no covered range", c.joint)));
+                }
+            });
+        }
+        for s in part.stations {
+            let [x, y, z, w] = s.quaternion_xyzw;
+            let q = Quaternion::new(w, x, y, z);
+            if (q.norm() - 1.0).abs() > 1e-6 {
+                return Err(fail(format!("station \"{}\": not a unit quaternion", s.label)));
+            }
+            let rotation: Matrix3<f64> =
+                UnitQuaternion::new_normalize(q).to_rotation_matrix().into_inner();
+            model.stations.push((s.label, Pose { rotation, translation: mm(s.xyz_mm) }));
+        }
+        if model.stations.is_empty() || model.markers.is_empty() {
+            return Err(fail("a model needs a station and a marker".to_owned()));
+        }
+        Ok(model)
+    }
+
+    /// The identified links: nominal plus corrections.
+    #[must_use]
+    pub fn links(&self) -> Vec<truearm::Link<f64>> {
+        let nominal = self.robot.nominal();
+        nominal.iter().zip(&self.corrections).map(|(l, c)| l.corrected(c)).collect()
+    }
+}

@@ -1,0 +1,120 @@
+//! What the data cannot determine: rank, condition number, and the redundant
+//! directions in words.
+
+use nalgebra::DMatrix;
+
+use super::problem::{Problem, Scaling};
+use super::unknowns::{State, Unknown};
+
+/// Singular values below this share of the largest are zero: structural
+/// redundancy gives 1e-16, the weakest real direction of an arm about 1e-6.
+const ZERO: f64 = 1e-10;
+/// Share of a direction below which a parameter is not worth naming.
+const NAMED: f64 = 0.02;
+
+/// Identifiability of a data set, at nominal geometry.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Redundancy {
+    /// Independent directions among all unknowns.
+    pub rank: usize,
+    /// Largest over smallest non-zero singular value, columns in tolerances.
+    pub condition: f64,
+    /// Eq. 24 of the paper: of the link columns in metres and radians,
+    /// redundant ones included; infinite at rounding level.
+    pub condition_raw: f64,
+    /// Combinations of parameters that move no measured point, in words.
+    pub redundant: Vec<String>,
+    /// Directions about which the data say less than the tolerances, in words.
+    pub weak: Vec<String>,
+}
+
+/// Analyses all `rows` with nominal links at the bases and markers of `state`.
+#[must_use]
+pub fn analyse(problem: &Problem, state: &State, rows: &[usize]) -> Redundancy {
+    let nominal = State { links: problem.nominal.clone(), ..state.clone() };
+    let scaled = Problem { scaling: Scaling::Prior, ..problem.clone() };
+    let matrix = scaled.linearise(&nominal).triangle(rows, None).matrix();
+    let svd = matrix.svd(false, true);
+    let v_t = svd.v_t.unwrap_or_default();
+    let s = &svd.singular_values;
+    let zero = ZERO * s[0];
+    let rank = s.iter().filter(|s| **s > zero).count();
+    let printed = Problem { scaling: Scaling::Printed, ..problem.clone() };
+    let raw = printed.linearise(&nominal).triangle(rows, None).matrix();
+    let free = problem.unknowns.free();
+    let raw = raw.columns(free, raw.ncols() - free).into_owned().singular_values();
+    let smallest = raw.iter().copied().fold(f64::INFINITY, f64::min);
+    let names: Vec<String> = problem
+        .unknowns
+        .list()
+        .iter()
+        .map(|u| u.name(&problem.data.stations, &problem.data.markers))
+        .collect();
+    let units = |k: usize| if problem.unknowns.list()[k].is_length() { "mm" } else { "mrad" };
+    let null = v_t.rows(rank, v_t.nrows() - rank).into_owned();
+    let weak = (0..rank).filter(|k| s[*k] < 1.0).map(|k| {
+        let mut parts: Vec<usize> = (0..v_t.ncols()).collect();
+        parts.sort_by(|a, b| v_t[(k, *b)].abs().total_cmp(&v_t[(k, *a)].abs()));
+        let named = parts.into_iter().take(4).filter(|j| v_t[(k, *j)].abs() > 0.3);
+        let named: Vec<&str> = named.map(|j| names[j].as_str()).collect();
+        format!("{} (known to {:.1} tolerances only)", named.join(" with "), 1.0 / s[k])
+    });
+    Redundancy {
+        rank,
+        condition: s[0] / s[rank.max(1) - 1],
+        condition_raw: if smallest > 0.0 { raw.max() / smallest } else { f64::INFINITY },
+        redundant: sentences(null, problem.unknowns.list(), &names, &units),
+        weak: weak.collect(),
+    }
+}
+
+/// A sparse basis of the null space, one sentence a direction.
+///
+/// Gauss-Jordan elimination: each direction gets a parameter that no other
+/// direction contains, link parameters first, from the base outwards.
+fn sentences(
+    mut null: DMatrix<f64>,
+    unknowns: &[Unknown],
+    names: &[String],
+    unit: &dyn Fn(usize) -> &'static str,
+) -> Vec<String> {
+    let count = null.nrows();
+    let mut order: Vec<usize> = (0..unknowns.len()).collect();
+    order.sort_by_key(|k| !matches!(unknowns[*k], Unknown::Link(..)));
+    let mut pivots = Vec::new();
+    for column in order {
+        let done = pivots.len();
+        if done == count {
+            break;
+        }
+        let row = (done..count)
+            .max_by(|a, b| null[(*a, column)].abs().total_cmp(&null[(*b, column)].abs()));
+        let Some(row) = row.filter(|r| null[(*r, column)].abs() > 0.05) else { continue };
+        null.swap_rows(done, row);
+        let pivot = null[(done, column)];
+        null.row_mut(done).unscale_mut(pivot);
+        for other in (0..count).filter(|r| *r != done) {
+            let factor = null[(other, column)];
+            let step = null.row(done) * factor;
+            let mut target = null.row_mut(other);
+            target -= step;
+        }
+        pivots.push(column);
+    }
+    let sentence = |(row, pivot): (usize, &usize)| {
+        let mut parts: Vec<usize> =
+            (0..names.len()).filter(|k| k != pivot && null[(row, *k)].abs() > NAMED).collect();
+        parts.sort_by(|a, b| null[(row, *b)].abs().total_cmp(&null[(row, *a)].abs()));
+        let rest = parts.len().saturating_sub(6);
+        let part = |k: &usize| format!("{} {:+.2} {}", names[*k], null[(row, *k)], unit(*k));
+        let listed: Vec<String> = parts.iter().take(6).map(part).collect();
+        let first = format!("{} +1.00 {}", names[*pivot], unit(*pivot));
+        let more = if rest > 0 { format!(", {rest} more") } else { String::new() };
+        if listed.is_empty() {
+            format!("{} moves no measured point", names[*pivot])
+        } else {
+            format!("{first} with {}{more} moves no measured point", listed.join(", "))
+        }
+    };
+    pivots.iter().enumerate().map(sentence).collect()
+}

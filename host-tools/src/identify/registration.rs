@@ -1,0 +1,165 @@
+//! First guesses: tool point by distance differences (paper Eq. 21), tracker
+//! frame by SVD (Eq. 17). Both withstand gross errors: rows far off lose weight.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use truearm::Pose;
+
+use super::robust::{mad_scale, median};
+use super::unknowns::State;
+use crate::chain::chain;
+use crate::error::{Error, Result};
+use crate::files::Measurements;
+
+/// Rigid transform that carries `from` onto `to`: minimises
+/// `sum w |R from + t - to|^2` (paper Eq. 17). `None` when the points lie on a
+/// line or in one place, so that the rotation is undetermined.
+#[must_use]
+pub fn rigid_transform(
+    from: &[Vector3<f64>],
+    to: &[Vector3<f64>],
+    weights: &[f64],
+) -> Option<Pose<f64>> {
+    let total: f64 = weights.iter().sum();
+    let mean = |points: &[Vector3<f64>]| {
+        points.iter().zip(weights).map(|(p, w)| p * *w).sum::<Vector3<f64>>() / total
+    };
+    let (centre_from, centre_to) = (mean(from), mean(to));
+    let mut h = Matrix3::zeros();
+    for ((a, b), w) in from.iter().zip(to).zip(weights) {
+        h += (b - centre_to) * (a - centre_from).transpose() * *w;
+    }
+    let svd = h.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    if !(svd.singular_values[1] > 1e-9 * svd.singular_values[0]) {
+        return None;
+    }
+    // A reflection fits planar or noisy points as well; it is no motion.
+    let mut sign = Matrix3::identity();
+    sign[(2, 2)] = (u * v_t).determinant().signum();
+    let rotation = u * sign * v_t;
+    Some(Pose { rotation, translation: centre_to - rotation * centre_from })
+}
+
+/// Like [`rigid_transform`], rows far off weighed down (Cauchy weights on the
+/// distance, scale from the median).
+fn robust_transform(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Option<(Pose<f64>, f64)> {
+    let mut weights = vec![1.0; from.len()];
+    let mut found = None;
+    for _ in 0..20 {
+        let pose = rigid_transform(from, to, &weights)?;
+        let distances: Vec<f64> =
+            from.iter().zip(to).map(|(a, b)| (pose.transform_point(a) - b).norm()).collect();
+        let scale = median(&distances).max(1e-9);
+        for (w, d) in weights.iter_mut().zip(&distances) {
+            *w = (1.0 + (d / (2.0 * scale)).powi(2)).recip();
+        }
+        found = Some((pose, scale));
+    }
+    found
+}
+
+/// Tool point from distances alone, which need no tracker frame: for pairs of
+/// rows the distance between the two measured points must equal that between
+/// the two modelled ones (paper Eq. 21, Gauss-Newton from `start`).
+fn tool_by_distances(
+    flanges: &[Pose<f64>],
+    points: &[Vector3<f64>],
+    start: Vector3<f64>,
+) -> Vector3<f64> {
+    let n = points.len();
+    let strides = [1, 2, 3, 5, 8, 13];
+    let pairs: Vec<(usize, usize)> = strides
+        .iter()
+        .filter(|s| **s < n)
+        .flat_map(|s| (0..n - s).map(move |i| (i, i + s)))
+        .collect();
+    let mut tool = start;
+    for _ in 0..15 {
+        let mut a = DMatrix::zeros(pairs.len(), 3);
+        let mut b = DVector::zeros(pairs.len());
+        for (k, (i, j)) in pairs.iter().enumerate() {
+            let turn = flanges[*j].rotation - flanges[*i].rotation;
+            let v = turn * tool + flanges[*j].translation - flanges[*i].translation;
+            let length = v.norm().max(1e-9);
+            a.row_mut(k).copy_from(&(v.transpose() * turn / length));
+            b[k] = (points[*j] - points[*i]).norm() - length;
+        }
+        let scale = mad_scale(b.as_slice()).max(1e-9);
+        for k in 0..pairs.len() {
+            let weight = (1.0 + (b[k] / (2.0 * scale)).powi(2)).recip().sqrt();
+            a.row_mut(k).scale_mut(weight);
+            b[k] *= weight;
+        }
+        let svd = a.svd(true, true);
+        let cut = 1e-3 * svd.singular_values.max();
+        let Ok(step) = svd.solve(&b, cut.max(1e-12)) else { break };
+        let step = Vector3::new(step[0], step[1], step[2]);
+        tool += step * (0.5_f64).min(step.norm()) / step.norm().max(1e-12);
+        if step.norm() < 1e-9 {
+            break;
+        }
+    }
+    tool
+}
+
+/// First state: nominal links; each marker from the robot file or from
+/// distance differences, whichever fits better; each base by SVD.
+///
+/// # Errors
+/// Stations or markers with too few rows, or points on a line.
+pub fn register(
+    data: &Measurements,
+    links: &[truearm::Link<f64>],
+    tool: Vector3<f64>,
+) -> Result<State> {
+    let flange = chain(links, Pose::identity(), Vector3::zeros());
+    let flanges: Vec<_> = data.rows.iter().map(|r| flange.pose(&r.q)).collect();
+    let mut bases = vec![Pose::identity(); data.stations.len()];
+    let mut candidates: Vec<Vec<Vector3<f64>>> = vec![vec![tool; data.markers.len()]];
+    // Distances within the station that saw the marker most.
+    let by_distance = (0..data.markers.len()).map(|m| {
+        let rows_of = |s: usize| {
+            let of = |(_, r): &(usize, &crate::files::Row)| r.marker == m && r.station == s;
+            data.rows.iter().enumerate().filter(of).map(|(i, _)| i).collect::<Vec<_>>()
+        };
+        let rows = (0..data.stations.len()).map(rows_of).max_by_key(Vec::len).unwrap_or_default();
+        let frames: Vec<_> = rows.iter().map(|i| flanges[*i]).collect();
+        let points: Vec<_> = rows.iter().map(|i| data.rows[*i].point).collect();
+        if rows.len() < 4 { tool } else { tool_by_distances(&frames, &points, tool) }
+    });
+    candidates.push(by_distance.collect());
+    let mut best: Option<(f64, State)> = None;
+    for markers in candidates {
+        let mut worst = 0.0_f64;
+        for (s, base) in bases.iter_mut().enumerate() {
+            let rows = || data.rows.iter().zip(&flanges).filter(|(r, _)| r.station == s);
+            let from: Vec<_> = rows().map(|(r, f)| f.transform_point(&markers[r.marker])).collect();
+            let to: Vec<_> = rows().map(|(r, _)| r.point).collect();
+            let label = if data.stations.len() > 1 {
+                format!("station \"{}\"", data.stations[s])
+            } else {
+                "the measurements".to_owned()
+            };
+            if from.len() < 3 {
+                return Err(Error::data(
+                    format!("{label}: {} rows cannot fix a tracker frame", from.len()),
+                    "measure at least three points that are not on a line, better ten",
+                ));
+            }
+            let Some((pose, scale)) = robust_transform(&from, &to) else {
+                return Err(Error::data(
+                    format!(
+                        "{label}: the points lie on a line or in one place, so that the tracker frame is undetermined"
+                    ),
+                    "measure poses spread over the workspace",
+                ));
+            };
+            *base = pose;
+            worst = worst.max(scale);
+        }
+        if best.as_ref().is_none_or(|(scale, _)| worst < *scale) {
+            best = Some((worst, State { bases: bases.clone(), markers, links: links.to_vec() }));
+        }
+    }
+    best.map(|(_, state)| state).ok_or_else(|| Error::data("no measurements", "add rows"))
+}

@@ -1,0 +1,223 @@
+//! Tikhonov solutions of one least-squares problem for every lambda from one
+//! factorisation.
+//!
+//! The unknowns come in two groups: *free* ones (tracker frames, markers),
+//! which are never penalised, and *penalised* ones (link parameters), of which
+//! `|A x - b|^2 + lambda |x_penalised|^2` keeps the norm small (paper Eq. 11).
+//! Columns are scaled beforehand, so that x counts tolerances.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Singular values below this share of the largest are rounding noise.
+pub const NOISE: f64 = 1e-10;
+
+/// `[R, Q'b; 0, rest]` of the QR factorisation of `[A, b]`: all that a
+/// least-squares problem needs of its rows, however many there are.
+#[derive(Debug, Clone)]
+pub struct Triangle(DMatrix<f64>);
+
+impl Triangle {
+    /// Of a matrix `[A, b]`, in pieces that stay in the processor's cache.
+    #[must_use]
+    pub fn new(rows: &DMatrix<f64>) -> Self {
+        let columns = rows.ncols();
+        let chunk = (4 * columns).max(64);
+        let mut r = DMatrix::zeros(0, columns);
+        for start in (0..rows.nrows().max(1)).step_by(chunk) {
+            let count = chunk.min(rows.nrows() - start);
+            let mut stacked = DMatrix::zeros(r.nrows() + count, columns);
+            stacked.rows_mut(0, r.nrows()).copy_from(&r);
+            stacked.rows_mut(r.nrows(), count).copy_from(&rows.rows(start, count));
+            r = stacked.qr().unpack_r();
+        }
+        // Few rows give a flat triangle; fill it up.
+        let have = r.nrows();
+        Self(r.resize_vertically(have.max(columns), 0.0))
+    }
+
+    /// Of all rows of several problems together.
+    #[must_use]
+    pub fn join<'a>(parts: impl Iterator<Item = &'a Self>) -> Self {
+        let parts: Vec<_> = parts.collect();
+        let columns = parts.first().map_or(0, |p| p.0.ncols());
+        let mut stacked = DMatrix::zeros(parts.len() * columns, columns);
+        for (i, part) in parts.iter().enumerate() {
+            stacked.rows_mut(i * columns, columns).copy_from(&part.0);
+        }
+        Self::new(&stacked)
+    }
+
+    /// Number of unknowns.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.0.ncols() - 1
+    }
+
+    /// The triangle of A.
+    #[must_use]
+    pub fn matrix(&self) -> DMatrix<f64> {
+        let p = self.unknowns();
+        self.0.view((0, 0), (p + 1, p)).into_owned()
+    }
+}
+
+/// A problem factorised for every lambda.
+#[derive(Debug, Clone)]
+pub struct Factorised {
+    free: usize,
+    /// Pseudo-inverse of the free block and its coupling to the penalised one.
+    free_inverse: DMatrix<f64>,
+    free_coupling: DMatrix<f64>,
+    free_rhs: DVector<f64>,
+    /// Singular values, right vectors and rotated right-hand side of the
+    /// penalised block, the free unknowns projected out.
+    s: DVector<f64>,
+    v_t: DMatrix<f64>,
+    beta: DVector<f64>,
+    /// What no solution reaches.
+    rest: f64,
+}
+
+impl Factorised {
+    /// Factorises; the first `free` unknowns are not penalised.
+    #[must_use]
+    pub fn new(triangle: &Triangle, free: usize) -> Self {
+        let t = &triangle.0;
+        let p = triangle.unknowns();
+        let penalised = p - free;
+        let top = t.view((0, 0), (free, free)).into_owned().svd(true, true);
+        let (u, v_t) = (top.u.unwrap_or_default(), top.v_t.unwrap_or_default());
+        let largest = top.singular_values.iter().copied().fold(0.0, f64::max);
+        let keep: Vec<bool> = top.singular_values.iter().map(|s| *s > NOISE * largest).collect();
+        let mut inverse = DMatrix::zeros(free, free);
+        for k in (0..free).filter(|k| keep[*k]) {
+            inverse += v_t.row(k).transpose() * u.column(k).transpose() / top.singular_values[k];
+        }
+        let coupling = t.view((0, free), (free, penalised)).into_owned();
+        let free_rhs = t.view((0, p), (free, 1)).column(0).into_owned();
+        // What the free unknowns cannot reach belongs to the penalised block.
+        let lost: Vec<usize> = (0..free).filter(|k| !keep[*k]).collect();
+        let below = p + 1 - free;
+        let mut block = DMatrix::zeros(below + lost.len(), penalised);
+        let mut rhs = DVector::zeros(below + lost.len());
+        block.rows_mut(0, below).copy_from(&t.view((free, free), (below, penalised)));
+        rhs.rows_mut(0, below).copy_from(&t.view((free, p), (below, 1)));
+        for (i, k) in lost.into_iter().enumerate() {
+            block.row_mut(below + i).copy_from(&(u.column(k).transpose() * &coupling));
+            rhs[below + i] = u.column(k).dot(&free_rhs);
+        }
+        let (s, v_t, beta) = if penalised == 0 {
+            (DVector::zeros(0), DMatrix::zeros(0, 0), DVector::zeros(0))
+        } else {
+            let svd = block.svd(true, true);
+            let beta = svd.u.unwrap_or_default().transpose() * &rhs;
+            (svd.singular_values, svd.v_t.unwrap_or_default(), beta)
+        };
+        let rest = (rhs.norm_squared() - beta.norm_squared()).max(0.0);
+        Self { free, free_inverse: inverse, free_coupling: coupling, free_rhs, s, v_t, beta, rest }
+    }
+
+    /// Singular values of the penalised block, largest first.
+    #[must_use]
+    pub fn singular_values(&self) -> &DVector<f64> {
+        &self.s
+    }
+
+    /// Gain of singular direction k; zero where it is rounding noise.
+    fn gain(&self, k: usize, lambda: f64) -> f64 {
+        let s = self.s[k];
+        if s > NOISE * self.s[0] { s / (s * s + lambda) } else { 0.0 }
+    }
+
+    /// The solution for one lambda, free unknowns first.
+    #[must_use]
+    pub fn solve(&self, lambda: f64) -> DVector<f64> {
+        let mut x = DVector::zeros(self.free + self.s.len());
+        let y = DVector::from_fn(self.s.len(), |k, _| self.gain(k, lambda) * self.beta[k]);
+        let penalised = self.v_t.transpose() * y;
+        let rhs = &self.free_rhs - &self.free_coupling * &penalised;
+        x.rows_mut(0, self.free).copy_from(&(&self.free_inverse * rhs));
+        x.rows_mut(self.free, self.s.len()).copy_from(&penalised);
+        x
+    }
+
+    /// The step of the free unknowns with the penalised ones held at `x`; the
+    /// step of these is zero.
+    #[must_use]
+    pub fn solve_free(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut step = DVector::zeros(x.len());
+        let held = x.rows(self.free, self.s.len());
+        let rhs = &self.free_rhs - &self.free_coupling * held;
+        step.rows_mut(0, self.free).copy_from(&(&self.free_inverse * rhs));
+        step
+    }
+
+    /// `|A x - b|^2` of the solution for one lambda.
+    #[must_use]
+    pub fn residual_square(&self, lambda: f64) -> f64 {
+        let left = |k: usize| (1.0 - self.gain(k, lambda) * self.s[k]) * self.beta[k];
+        self.rest + (0..self.s.len()).map(|k| left(k).powi(2)).sum::<f64>()
+    }
+
+    /// `|x_penalised|^2` of the solution for one lambda.
+    #[must_use]
+    pub fn norm_square(&self, lambda: f64) -> f64 {
+        (0..self.s.len()).map(|k| (self.gain(k, lambda) * self.beta[k]).powi(2)).sum()
+    }
+
+    /// The corner of the L-curve (paper Eq. 15-16): the lambda of greatest
+    /// curvature of log residual norm against log solution norm, with exact
+    /// derivatives. Points where neither axis moves by 1e-3 a decade are passed
+    /// over: on a rank-deficient problem the curve stalls there. `None` when
+    /// the curve has no corner.
+    #[must_use]
+    pub fn corner(&self) -> Option<f64> {
+        let largest = self.s.iter().copied().fold(0.0, f64::max).powi(2);
+        if largest <= 0.0 {
+            return None;
+        }
+        let grid = (0..=14 * 16).map(|i| largest * 10_f64.powf(-12.0 + f64::from(i) / 16.0));
+        let curved = grid.filter_map(|lambda| Some((lambda, self.curvature(lambda)?)));
+        let best = curved.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (best.1 > 0.0).then_some(best.0)
+    }
+
+    /// Curvature of the L-curve at lambda, positive where it bends as an L
+    /// does; `None` where the curve stands still.
+    #[must_use]
+    pub fn curvature(&self, lambda: f64) -> Option<f64> {
+        let (rho, eta) = (self.residual_square(lambda), self.norm_square(lambda));
+        // First and second derivative of eta by lambda; rho' = -lambda eta'.
+        let (mut d1, mut d2) = (0.0, 0.0);
+        for k in (0..self.s.len()).filter(|k| self.s[*k] > NOISE * self.s[0]) {
+            let (s2, b2) = (self.s[k].powi(2), self.beta[k].powi(2));
+            d1 -= 2.0 * s2 * b2 / (s2 + lambda).powi(3);
+            d2 += 6.0 * s2 * b2 / (s2 + lambda).powi(4);
+        }
+        // By ln(lambda).
+        let eta1 = lambda * d1;
+        let eta2 = lambda * d1 + lambda * lambda * d2;
+        let rho1 = -lambda * eta1;
+        let rho2 = -lambda * (eta1 + eta2);
+        let log =
+            |f: f64, f1: f64, f2: f64| (f1 / (2.0 * f), f2 / (2.0 * f) - (f1 / f).powi(2) / 2.0);
+        let ((u1, u2), (v1, v2)) = (log(rho, rho1, rho2), log(eta, eta1, eta2));
+        let stalled = u1.abs() < 1e-3 && v1.abs() < 1e-3;
+        let curvature = (u1 * v2 - v1 * u2) / (u1 * u1 + v1 * v1).powf(1.5);
+        (!stalled && curvature.is_finite()).then_some(curvature)
+    }
+}
+
+/// Covariance of the solution: `(A'A + lambda P)^-1` with P the identity on the
+/// penalised unknowns, unit noise; directions without information count zero.
+#[must_use]
+pub fn covariance(triangle: &Triangle, free: usize, lambda: f64) -> DMatrix<f64> {
+    let mut h = triangle.matrix().tr_mul(&triangle.matrix());
+    for k in free..h.nrows() {
+        h[(k, k)] += lambda;
+    }
+    let eigen = h.symmetric_eigen();
+    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    let inverse = eigen.eigenvalues.map(|e| if e > 1e-15 * largest { 1.0 / e } else { 0.0 });
+    &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * eigen.eigenvectors.transpose()
+}
