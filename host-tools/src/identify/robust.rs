@@ -93,8 +93,8 @@ pub fn robust_fit(problem: &Problem, rows: &[usize], start: &State) -> Result<Ro
 
 /// Rows that an M-estimate leaves far off.
 fn suspects(problem: &Problem, rows: &[usize], start: &State) -> Result<Vec<usize>> {
-    let ones = vec![Vector3::repeat(1.0); problem.data.rows.len()];
-    let (mut weights, mut state) = (ones, start.clone());
+    let mut state = start.clone();
+    let mut weights = first_weights(problem, rows, start);
     let count = 3.0 * rows.len() as f64;
     let unknowns = problem.unknowns.list().len() as f64;
     let freedom = (count / (count - unknowns).max(0.25 * count)).sqrt();
@@ -130,6 +130,21 @@ fn suspects(problem: &Problem, rows: &[usize], start: &State) -> Result<Vec<usiz
     // A fit needs rows; the farthest are then the suspects.
     flagged.truncate((MOST_FLAGGED * rows.len() as f64) as usize);
     Ok(flagged)
+}
+
+/// Weights for the first fit, from the registered nominal arm: a row metres off
+/// must not throw the first step out of reach.
+fn first_weights(problem: &Problem, rows: &[usize], start: &State) -> Vec<Vector3<f64>> {
+    let at = problem.linearise(start);
+    let residuals: Vec<(usize, Vector3<f64>)> =
+        rows.iter().map(|r| (*r, at.residual(*r))).collect();
+    let flat: Vec<f64> = residuals.iter().flat_map(|(_, r)| r.iter().copied()).collect();
+    let scale = mad_scale(&flat).max(1e-9);
+    let mut weights = vec![Vector3::repeat(1.0); problem.data.rows.len()];
+    for (row, r) in residuals {
+        weights[row] = r.map(|e| (1.0 + (e / (5.0 * scale)).powi(2)).powi(-2));
+    }
+    weights
 }
 
 /// Tests every row against what the fit without it predicts.
