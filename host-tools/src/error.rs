@@ -20,7 +20,7 @@ pub enum Error {
         /// The file.
         path: PathBuf,
         /// Where in the file.
-        place: Place,
+        place: Box<Place>,
         /// What is wrong there.
         message: String,
         /// What to do about it.
@@ -93,7 +93,12 @@ impl Error {
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> Self {
-        Self::File { path: path.to_owned(), place, message: message.into(), help: help.into() }
+        Self::File {
+            path: path.to_owned(),
+            place: Box::new(place),
+            message: message.into(),
+            help: help.into(),
+        }
     }
 
     /// Of the data as a whole.

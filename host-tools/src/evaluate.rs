@@ -195,7 +195,9 @@ fn registered(model: &Model, data: &Measurements, links: &[Link<f64>]) -> Result
     Ok(state)
 }
 
-fn not_covered(model: &Model, data: &Measurements) -> Vec<usize> {
+/// Joints, counted from 1, with readings outside the range of the identification.
+#[must_use]
+pub fn not_covered(model: &Model, data: &Measurements) -> Vec<usize> {
     let outside = |j: &usize| {
         let [low, high] = model.covered[*j];
         data.rows.iter().any(|r| r.q[*j] < low - MARGIN || r.q[*j] > high + MARGIN)

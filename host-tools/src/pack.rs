@@ -90,7 +90,8 @@ pub fn describe(bytes: &[u8]) -> std::result::Result<String, blob::DecodeError> 
 fn fields<const N: usize>(p: &ArmParameters<f64, N>) -> String {
     let when = std::time::UNIX_EPOCH + std::time::Duration::from_secs(u64::from(p.sequence));
     let vector = |v: &Vector3<f64>, factor: f64| {
-        format!("{:.4} {:.4} {:.4}", v.x * factor, v.y * factor, v.z * factor)
+        let [x, y, z] = [v.x, v.y, v.z].map(|x| shown(x * factor));
+        format!("{x:.4} {y:.4} {z:.4}")
     };
     let orientation =
         if p.orientation_identified { "identified" } else { "not identified (nominal)" };
@@ -127,11 +128,11 @@ fn fields<const N: usize>(p: &ArmParameters<f64, N>) -> String {
             };
             text += &format!(
                 "{name:7} {:>10.4} {:>10.4} {:>10.4} {:>10.4} {:>10.4}",
-                q.alpha.to_degrees(),
-                q.a * 1e3,
-                q.theta.to_degrees(),
-                q.d * 1e3,
-                q.beta.to_degrees(),
+                shown(q.alpha.to_degrees()),
+                shown(q.a * 1e3),
+                shown(q.theta.to_degrees()),
+                shown(q.d * 1e3),
+                shown(q.beta.to_degrees()),
             );
             if what.is_empty() {
                 text += &format!("   {:15} {}", range(&p.limits[i]), range(&p.covered[i]));
@@ -140,4 +141,9 @@ fn fields<const N: usize>(p: &ArmParameters<f64, N>) -> String {
         }
     }
     text + "\nRows marked + are the identified corrections, added to the nominal values above them.\n"
+}
+
+/// Four decimals without a minus zero.
+fn shown(x: f64) -> f64 {
+    (x * 1e4).round() / 1e4 + 0.0
 }

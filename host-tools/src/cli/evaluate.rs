@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use truearm_host::Result;
-use truearm_host::evaluate::{Reregister, evaluate};
+use truearm_host::evaluate::{Reregister, evaluate, not_covered};
 use truearm_host::files::{Measurements, Model};
 
 use super::{table, warn};
@@ -56,7 +56,10 @@ impl Evaluate {
         let data = Measurements::read(&self.data, &model.robot)?;
         warn(&data.warnings);
         let frames = self.reregister.map(Into::into).unwrap_or_default();
-        let validation = evaluate(&model, &data, frames)?;
+        let validation = evaluate(&model, &data, frames).inspect_err(|_| {
+            // Whoever mends the frames should know this as well.
+            warn(&table::not_covered(&not_covered(&model, &data)).into_iter().collect::<Vec<_>>());
+        })?;
         if self.json {
             let report = Report {
                 schema: "truearm-report-1",

@@ -125,12 +125,19 @@ pub fn validation(v: &Validation) -> String {
              (has the tracker moved? --reregister base)\n"
         );
     }
-    if !v.joints_not_covered.is_empty() {
-        let joints: Vec<String> = v.joints_not_covered.iter().map(usize::to_string).collect();
-        out += &format!(
-            "joint ranges not covered by the identification: joints {}; there the model extrapolates\n",
-            joints.join(", ")
-        );
+    if let Some(line) = not_covered(&v.joints_not_covered) {
+        out += &format!("{line}\n");
     }
     out
+}
+
+/// A remark about extrapolation, if there is any.
+pub fn not_covered(joints: &[usize]) -> Option<String> {
+    let list: Vec<String> = joints.iter().map(usize::to_string).collect();
+    (!joints.is_empty()).then(|| {
+        format!(
+            "joint ranges not covered by the identification: joints {}; there the model extrapolates",
+            list.join(", ")
+        )
+    })
 }

@@ -295,7 +295,7 @@ impl Model {
         robot.warnings.clear();
         let part: ModelPart = match parse(path, &text, &mut Vec::new()) {
             Err(Error::File { path, place, message, .. }) => {
-                return Err(Error::file(&path, place, message, help));
+                return Err(Error::file(&path, *place, message, help));
             }
             other => other?,
         };

@@ -122,7 +122,7 @@ pub fn cross_validate(
         progress();
         Ok(out)
     });
-    let judged: Vec<Result<Vec<(usize, Option<Vector3<f64>>)>>> = judged.collect();
+    let judged = judged.collect::<Vec<Result<Vec<_>>>>();
     let mut residuals = vec![None; data.rows.len()];
     for fold in judged {
         for (row, residual) in fold? {

@@ -72,7 +72,7 @@ pub fn choose(problem: &Problem, state: &State, rows: &[usize], folds: &[Fold]) 
                     let e = &equations[i].1;
                     // Back from weighted equations to metres.
                     let scale = problem.metres(*row);
-                    sum += ((&e.rhs - &e.block * &x) * scale).norm_squared();
+                    sum += ((e.rhs - &e.block * &x) * scale).norm_squared();
                 }
             }
         }

@@ -30,7 +30,8 @@ pub fn rigid_transform(
     }
     let svd = h.svd(true, true);
     let (u, v_t) = (svd.u?, svd.v_t?);
-    if !(svd.singular_values[1] > 1e-9 * svd.singular_values[0]) {
+    let spread = svd.singular_values[1] / svd.singular_values[0];
+    if spread.is_nan() || spread < 1e-9 {
         return None;
     }
     // A reflection fits planar or noisy points as well; it is no motion.
