@@ -21,13 +21,15 @@ pub fn run(blob: Option<&Path>) -> Result {
     qemu::ensure_tools()?;
     step("build of the image", || call(&mut build("firmware")))?;
     step("proof that the tick path cannot panic", prove_no_panic)?;
-    let command = qemu_command(blob)?;
-    let ended = step("run under QEMU", || match qemu::run(&command, &directory())? {
-        ended if ended.success => Ok(ended),
-        _ => Err("the image found a fault".into()),
-    })?;
-    step("instruction budgets", || check_budgets(&ended.output))?;
-    step("slot B and refusals", || refusals::check(&command))
+    let output = step("run under QEMU", || run_image(blob))?;
+    step("instruction budgets", || check_budgets(&output))?;
+    step("slot B and refusals", || refusals::check(&qemu_command(blob)?))
+}
+
+/// Runs the image, which must have been built; what it printed.
+pub fn run_image(blob: Option<&Path>) -> Result<String> {
+    let ended = qemu::run(&qemu_command(blob)?, &directory())?;
+    if ended.success { Ok(ended.output) } else { Err("the image found a fault".into()) }
 }
 
 fn build(binary: &str) -> Command {

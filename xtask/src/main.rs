@@ -3,6 +3,7 @@
 
 mod ci;
 mod firmware;
+mod line;
 mod qemu;
 mod refusals;
 mod run;

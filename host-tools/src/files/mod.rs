@@ -1,8 +1,10 @@
 //! The files a user meets: robot.toml, measurements.csv, model.toml. Millimetres
 //! and degrees exist only here; everything inside is SI.
 
+mod columns;
 mod measurements;
 mod model;
+mod model_file;
 mod robot;
 
 pub use measurements::{Measurements, Row};

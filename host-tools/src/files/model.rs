@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use truearm::{JointKind, LinkParameter, MdhParameters, Pose};
 
+use super::model_file::*;
 use super::robot::{Robot, mm, parse};
 use crate::error::{Error, Place, Result};
 
@@ -59,123 +60,6 @@ pub struct Provenance {
     pub nominal_rms_mm: f64,
     /// Cross-validated RMS error, mm.
     pub cross_validated_rms_mm: f64,
-}
-
-/// The file. The keys of robot.toml stand in it as they do there, so that a
-/// model is a robot file with more in it.
-#[derive(Serialize)]
-struct ModelFile {
-    schema: &'static str,
-    name: String,
-    serial: String,
-    measurement_sigma_mm: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    gravity_m_s2: Option<[f64; 3]>,
-    reference_temperature_c: f64,
-    unidentifiable: Vec<String>,
-    provenance: Provenance,
-    frame: FrameFile,
-    tool: ToolFile,
-    payload: PayloadFile,
-    joints: Vec<JointFile>,
-    corrections: Vec<CorrectionFile>,
-    stations: Vec<StationFile>,
-    markers: Vec<MarkerFile>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    links: Vec<LinkFile>,
-}
-
-/// What model.toml has beyond robot.toml.
-#[derive(Deserialize)]
-struct ModelPart {
-    schema: String,
-    #[serde(default)]
-    unidentifiable: Vec<String>,
-    provenance: Provenance,
-    frame: FrameFile,
-    corrections: Vec<CorrectionFile>,
-    stations: Vec<StationFile>,
-    markers: Vec<MarkerFile>,
-}
-
-#[derive(Serialize)]
-struct ToolFile {
-    xyz_mm: [f64; 3],
-}
-
-#[derive(Serialize)]
-struct PayloadFile {
-    com_mm: [f64; 3],
-}
-
-#[derive(Serialize)]
-struct LinkFile {
-    mass_kg: f64,
-    com_mm: [f64; 3],
-}
-
-#[derive(Serialize)]
-struct JointFile {
-    kind: &'static str,
-    alpha_deg: f64,
-    a_mm: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    d_mm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    d_offset_mm: Option<f64>,
-    theta_offset_deg: f64,
-    beta_deg: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    limits_deg: Option<[f64; 2]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    limits_mm: Option<[f64; 2]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    gear_ratio: Option<f64>,
-}
-
-/// Corrections to a joint and one standard deviation of each.
-#[derive(Serialize, Deserialize)]
-struct CorrectionFile {
-    joint: usize,
-    alpha_deg: f64,
-    a_mm: f64,
-    theta_offset_deg: f64,
-    d_mm: f64,
-    beta_deg: f64,
-    sigma: SigmaFile,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    covered_deg: Option<[f64; 2]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    covered_mm: Option<[f64; 2]>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct SigmaFile {
-    alpha_deg: f64,
-    a_mm: f64,
-    theta_offset_deg: f64,
-    d_mm: f64,
-    beta_deg: f64,
-}
-
-/// The small rigid transform taken out before packing.
-#[derive(Serialize, Deserialize)]
-struct FrameFile {
-    xyz_mm: [f64; 3],
-    rotation_vector_deg: [f64; 3],
-}
-
-#[derive(Serialize, Deserialize)]
-struct StationFile {
-    label: String,
-    xyz_mm: [f64; 3],
-    quaternion_xyzw: [f64; 4],
-}
-
-#[derive(Serialize, Deserialize)]
-struct MarkerFile {
-    label: String,
-    xyz_mm: [f64; 3],
 }
 
 fn to_mm(v: &Vector3<f64>) -> [f64; 3] {

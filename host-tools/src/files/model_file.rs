@@ -1,0 +1,122 @@
+//! The keys of a model.toml, in file units.
+
+use serde::{Deserialize, Serialize};
+
+use super::Provenance;
+
+/// The file. The keys of robot.toml stand in it as they do there, so that a
+/// model is a robot file with more in it.
+#[derive(Serialize)]
+pub(super) struct ModelFile {
+    pub schema: &'static str,
+    pub name: String,
+    pub serial: String,
+    pub measurement_sigma_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gravity_m_s2: Option<[f64; 3]>,
+    pub reference_temperature_c: f64,
+    pub unidentifiable: Vec<String>,
+    pub provenance: Provenance,
+    pub frame: FrameFile,
+    pub tool: ToolFile,
+    pub payload: PayloadFile,
+    pub joints: Vec<JointFile>,
+    pub corrections: Vec<CorrectionFile>,
+    pub stations: Vec<StationFile>,
+    pub markers: Vec<MarkerFile>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub links: Vec<LinkFile>,
+}
+
+/// What model.toml has beyond robot.toml.
+#[derive(Deserialize)]
+pub(super) struct ModelPart {
+    pub schema: String,
+    #[serde(default)]
+    pub unidentifiable: Vec<String>,
+    pub provenance: Provenance,
+    pub frame: FrameFile,
+    pub corrections: Vec<CorrectionFile>,
+    pub stations: Vec<StationFile>,
+    pub markers: Vec<MarkerFile>,
+}
+
+#[derive(Serialize)]
+pub(super) struct ToolFile {
+    pub xyz_mm: [f64; 3],
+}
+
+#[derive(Serialize)]
+pub(super) struct PayloadFile {
+    pub com_mm: [f64; 3],
+}
+
+#[derive(Serialize)]
+pub(super) struct LinkFile {
+    pub mass_kg: f64,
+    pub com_mm: [f64; 3],
+}
+
+#[derive(Serialize)]
+pub(super) struct JointFile {
+    pub kind: &'static str,
+    pub alpha_deg: f64,
+    pub a_mm: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub d_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub d_offset_mm: Option<f64>,
+    pub theta_offset_deg: f64,
+    pub beta_deg: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limits_deg: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limits_mm: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gear_ratio: Option<f64>,
+}
+
+/// Corrections to a joint and one standard deviation of each.
+#[derive(Serialize, Deserialize)]
+pub(super) struct CorrectionFile {
+    pub joint: usize,
+    pub alpha_deg: f64,
+    pub a_mm: f64,
+    pub theta_offset_deg: f64,
+    pub d_mm: f64,
+    pub beta_deg: f64,
+    pub sigma: SigmaFile,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covered_deg: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covered_mm: Option<[f64; 2]>,
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct SigmaFile {
+    pub alpha_deg: f64,
+    pub a_mm: f64,
+    pub theta_offset_deg: f64,
+    pub d_mm: f64,
+    pub beta_deg: f64,
+}
+
+/// The small rigid transform taken out before packing.
+#[derive(Serialize, Deserialize)]
+pub(super) struct FrameFile {
+    pub xyz_mm: [f64; 3],
+    pub rotation_vector_deg: [f64; 3],
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct StationFile {
+    pub label: String,
+    pub xyz_mm: [f64; 3],
+    pub quaternion_xyzw: [f64; 4],
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct MarkerFile {
+    pub label: String,
+    pub xyz_mm: [f64; 3],
+}
