@@ -4,6 +4,7 @@
 
 pub mod arm;
 pub mod blob;
+pub mod effects;
 pub mod kinematics;
 pub mod scalar;
 pub mod solve;

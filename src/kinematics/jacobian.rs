@@ -3,6 +3,7 @@ use nalgebra::Vector3;
 use super::chain::Chain;
 use super::link::{JointKind, LinkParameter};
 use super::pose::{Pose, axis, cross};
+use crate::effects::Bending;
 use crate::scalar::Scalar;
 
 /// Velocity of the tool for one joint moving at 1 rad/s or 1 m/s.
@@ -71,6 +72,25 @@ pub struct IdentificationJacobian<T, const N: usize> {
     pub tool: [Vector3<T>; 3],
 }
 
+/// Where a link is at one pose, in the frame the base is given in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkFrame<T> {
+    /// Axes of the link's frame, behind its joint.
+    pub x: Vector3<T>,
+    /// y axis.
+    pub y: Vector3<T>,
+    /// z axis.
+    pub z: Vector3<T>,
+    /// Origin of the link's frame, m.
+    pub origin: Vector3<T>,
+    /// Joint axis.
+    pub axis: Vector3<T>,
+    /// A point on the joint axis, m.
+    pub on_axis: Vector3<T>,
+    /// The joint slides along its axis instead of turning about it.
+    pub prismatic: bool,
+}
+
 /// The axes of one link on the way from base to tool.
 #[derive(Clone, Copy)]
 struct Axes<T> {
@@ -111,6 +131,57 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         }
         let flange = Pose { rotation: nalgebra::Matrix3::from_columns(&[x, y, z]), translation: o };
         (flange.compose(&self.tool), axes)
+    }
+
+    /// Frames of all links at joint values `q` (rad or m).
+    #[must_use]
+    pub fn link_frames(&self, q: &[T; N]) -> [LinkFrame<T>; N] {
+        let (_, axes) = self.walk(q);
+        let mut links = self.links.iter();
+        axes.map(|at| {
+            let link = links.next();
+            let (s, c) = link.map_or((T::ZERO, T::ONE), |l| (l.sin_beta, l.cos_beta));
+            // x before beta, from the axes that are known: y cross z.
+            let x = cross(&at.y, &at.z);
+            LinkFrame {
+                x: x * c - at.z * s,
+                y: at.y,
+                z: x * s + at.z * c,
+                origin: at.after,
+                axis: at.z,
+                on_axis: at.on_z,
+                prismatic: link.is_some_and(|l| l.kind == JointKind::Prismatic),
+            }
+        })
+    }
+
+    /// Tool pose with everything bent that terms bend: joints, base, lengths.
+    #[must_use]
+    pub fn forward_bent(&self, q: &[T; N], bending: &Bending<T, N>) -> Pose<T> {
+        let mut joints = *q;
+        for (q, bend) in joints.iter_mut().zip(&bending.joints) {
+            *q += *bend;
+        }
+        let mut pose = self.forward(&joints);
+        if bending.growth.iter().any(|g| *g != T::ZERO) {
+            // The tool point is linear in the lengths.
+            let (_, axes) = self.walk(&joints);
+            for ((link, at), growth) in self.links.iter().zip(&axes).zip(&bending.growth) {
+                pose.translation += (at.x * link.a + at.z * link.d) * *growth;
+            }
+        }
+        let [x, y] = bending.base;
+        if x != T::ZERO || y != T::ZERO {
+            let base = &self.base;
+            let turn = Pose::from_rotation_vector(
+                Vector3::new(T::ZERO, T::ZERO, T::ZERO),
+                axis(&base.rotation, 0) * x + axis(&base.rotation, 1) * y,
+            );
+            let arm = pose.translation - base.translation;
+            pose.translation = base.translation + turn.transform_point(&arm);
+            pose.rotation = turn.compose(&pose).rotation;
+        }
+        pose
     }
 
     /// Tool pose and geometric Jacobian at joint values `q` (rad or m).

@@ -6,6 +6,7 @@ mod link;
 mod pose;
 
 pub use chain::Chain;
-pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, Twist};
+pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, LinkFrame, Twist};
 pub use link::{JointKind, Link, LinkParameter, MdhParameters};
 pub use pose::Pose;
+pub(crate) use pose::{axis, cross, dot};

@@ -7,6 +7,7 @@ use truearm::{JointKind, LinkParameter, MdhParameters, Pose};
 use super::model_file::*;
 use super::robot::{Robot, mm, parse};
 use crate::error::{Error, Place, Result};
+use crate::identify::ModelTerm;
 
 /// First line of every model.toml.
 const SCHEMA: &str = "truearm-model-1";
@@ -23,6 +24,8 @@ pub struct Model {
     pub uncertainties: Vec<MdhParameters<f64>>,
     /// Joint ranges of the identification, rad or m.
     pub covered: Vec<[f64; 2]>,
+    /// Terms beyond geometry.
+    pub terms: Vec<ModelTerm>,
     /// Robot base in the frame of each tracker station.
     pub stations: Vec<(String, Pose<f64>)>,
     /// Each marker in the flange frame, m.
@@ -196,6 +199,7 @@ impl Model {
             corrections: Vec::new(),
             uncertainties: Vec::new(),
             covered: Vec::new(),
+            terms: Vec::new(),
             stations: Vec::new(),
             markers: part.markers.into_iter().map(|m| (m.label, mm(m.xyz_mm))).collect(),
             frame_translation: mm(part.frame.xyz_mm),

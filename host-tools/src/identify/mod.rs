@@ -11,10 +11,12 @@ mod problem;
 pub mod redundancy;
 pub mod registration;
 pub mod robust;
+mod term;
 mod unknowns;
 
 pub use lambda::{LambdaChoice, LambdaRule, choose};
 pub use problem::{Equations, Linearised, Problem, Scaling, link_corrections};
+pub use term::ModelTerm;
 pub use unknowns::{State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unknown, Unknowns};
 
 use nalgebra::{Rotation3, Vector3};
@@ -260,6 +262,7 @@ fn model(
         corrections: link_corrections(state, &problem.nominal),
         uncertainties: uncertainties.collect(),
         covered: data.covered(),
+        terms: Vec::new(),
         stations: labels(&data.stations).into_iter().zip(state.bases.iter().copied()).collect(),
         markers: labels(&data.markers).into_iter().zip(state.markers.iter().copied()).collect(),
         frame_translation: frame.translation,

@@ -1,0 +1,17 @@
+//! The repertoire: what an arm does beyond rigid geometry.
+//!
+//! A model is a list of [`Term`]s. Every term is linear in its coefficient and
+//! bends a joint, the base or a length a little; its derivative is a known
+//! [`Term::basis`] times a geometric column. Identification and controller
+//! share this code.
+
+mod inputs;
+mod statics;
+mod term;
+
+pub use inputs::Inputs;
+pub use statics::{Load, Masses};
+pub use term::{Bending, Effect, Term};
+
+/// Most terms of an arm.
+pub const MAX_TERMS: usize = 24;

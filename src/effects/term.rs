@@ -1,0 +1,212 @@
+use nalgebra::Vector3;
+
+use super::inputs::Inputs;
+use crate::kinematics::{JointKind, Link, LinkColumns};
+use crate::scalar::Scalar;
+
+/// What an arm does beyond rigid geometry. Each variant says what one
+/// coefficient of it means; to add an effect, add a variant and its row in
+/// [`Effect::NAMES`], [`Term::basis`] and the table of `FORMAT.md`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Effect {
+    /// A joint turns under its gravity torque: rad per N m.
+    JointCompliance,
+    /// The base tilts about its x (component 0) or y (component 1) axis under
+    /// the overturning moment: rad per N m.
+    BaseCompliance,
+    /// An eccentric encoder disc: cos or sin of `order` turns of the joint,
+    /// order 1 or 2: rad.
+    EncoderEccentricity,
+    /// A gear's kinematic error: cos or sin of `order` cycles a turn, a
+    /// multiple of the gear ratio: rad.
+    GearTransmissionError,
+    /// A periodic error of an order that is tied to nothing known: rad.
+    JointPeriodicError,
+    /// The encoder's scale: rad per rad.
+    JointGain,
+    /// Joint `joint` turns with joint `source`: rad per rad.
+    JointCoupling,
+    /// Half the play of a joint: rad. The side is the one the joint came to
+    /// rest from, unless the gravity torque exceeds the friction.
+    Backlash,
+    /// Lengths grow with temperature, all links' or those of `joint`: per K.
+    ThermalExpansion,
+}
+
+impl Effect {
+    /// Every effect with its name in reports and files; the place is its code
+    /// in a blob.
+    pub const NAMES: [(Self, &'static str); 9] = [
+        (Self::JointCompliance, "joint-compliance"),
+        (Self::BaseCompliance, "base-compliance"),
+        (Self::EncoderEccentricity, "encoder-eccentricity"),
+        (Self::GearTransmissionError, "gear-transmission-error"),
+        (Self::JointPeriodicError, "joint-periodic-error"),
+        (Self::JointGain, "joint-gain"),
+        (Self::JointCoupling, "joint-coupling"),
+        (Self::Backlash, "backlash"),
+        (Self::ThermalExpansion, "thermal-expansion"),
+    ];
+
+    /// Name in reports and files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(e, _)| *e == self).map_or("", |(_, name)| name)
+    }
+
+    /// The effect of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::NAMES.iter().find(|(_, n)| *n == name).map(|(e, _)| *e)
+    }
+
+    /// Unit of the coefficient for a revolute joint.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::JointCompliance | Self::BaseCompliance => "rad/Nm",
+            Self::EncoderEccentricity
+            | Self::GearTransmissionError
+            | Self::JointPeriodicError
+            | Self::Backlash => "rad",
+            Self::JointGain | Self::JointCoupling => "rad/rad",
+            Self::ThermalExpansion => "1/K",
+        }
+    }
+
+    /// A coefficient beyond this is no such effect but a wrong model.
+    #[must_use]
+    pub const fn plausible(self) -> f32 {
+        match self {
+            Self::JointCompliance | Self::BaseCompliance => 1e-2,
+            Self::EncoderEccentricity
+            | Self::GearTransmissionError
+            | Self::JointPeriodicError
+            | Self::Backlash => 5e-2,
+            Self::JointGain | Self::JointCoupling => 5e-2,
+            Self::ThermalExpansion => 1e-3,
+        }
+    }
+}
+
+/// One term of an arm's model: linear in its coefficient.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term<T> {
+    /// Which effect.
+    pub effect: Effect,
+    /// The joint it acts on, counted from 0; for thermal expansion the link, or
+    /// [`Term::ALL`]; unused by base compliance.
+    pub joint: u8,
+    /// The joint it follows, counted from 0; joint coupling only.
+    pub source: u8,
+    /// 0 for cos or x, 1 for sin or y; 0 where there is one coefficient only.
+    pub component: u8,
+    /// Cycles per turn of the joint (periodic effects), or the friction torque
+    /// in N m above which gravity decides the side (backlash; 0: never).
+    pub order: T,
+    /// The identified coefficient, unit of [`Effect::unit`].
+    pub coefficient: T,
+}
+
+impl<T: Scalar> Term<T> {
+    /// `joint` of a thermal expansion of all links.
+    pub const ALL: u8 = u8::MAX;
+
+    /// The known function that the coefficient multiplies.
+    #[must_use]
+    #[inline]
+    pub fn basis<const N: usize>(&self, inputs: &Inputs<T, N>) -> T {
+        let at = |values: &[T; N], joint: u8| values.get(usize::from(joint)).copied();
+        let value = match self.effect {
+            Effect::JointCompliance => at(&inputs.load.torque, self.joint),
+            Effect::BaseCompliance => inputs.load.moment.get(usize::from(self.component)).copied(),
+            Effect::EncoderEccentricity
+            | Effect::GearTransmissionError
+            | Effect::JointPeriodicError => at(&inputs.q, self.joint).map(|q| {
+                let (sin, cos) = (q * self.order).sin_cos();
+                if self.component == 0 { cos } else { sin }
+            }),
+            Effect::JointGain => at(&inputs.q, self.joint),
+            Effect::JointCoupling => at(&inputs.q, self.source),
+            Effect::Backlash => at(&inputs.load.torque, self.joint).map(|torque| {
+                if self.order > T::ZERO && torque.abs() > self.order {
+                    // Gravity pulls the link to the far side of the gap.
+                    if torque > T::ZERO { -T::ONE } else { T::ONE }
+                } else {
+                    at(&inputs.direction, self.joint).unwrap_or(T::ZERO)
+                }
+            }),
+            Effect::ThermalExpansion => Some(inputs.warmth),
+        };
+        value.unwrap_or(T::ZERO)
+    }
+
+    /// Derivative of the tool point to the coefficient, m per unit: the basis
+    /// times a geometric column (of the chain at the bent joint values).
+    #[must_use]
+    pub fn column<const N: usize>(
+        &self,
+        basis: T,
+        links: &[Link<T>; N],
+        columns: &[LinkColumns<T>; N],
+        base_rotation: &[Vector3<T>; 3],
+    ) -> Vector3<T> {
+        let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
+        let joint = usize::from(self.joint);
+        let column = match self.effect {
+            Effect::BaseCompliance => base_rotation.get(usize::from(self.component)).copied(),
+            Effect::ThermalExpansion => {
+                let mut sum = none;
+                for (i, (link, c)) in links.iter().zip(columns).enumerate() {
+                    if self.joint == Self::ALL || i == joint {
+                        sum += c.a * link.parameters.a + c.d * link.parameters.d;
+                    }
+                }
+                Some(sum)
+            }
+            _ => columns.get(joint).zip(links.get(joint)).map(|(c, link)| match link.kind {
+                JointKind::Revolute => c.theta,
+                JointKind::Prismatic => c.d,
+            }),
+        };
+        column.unwrap_or(none) * basis
+    }
+}
+
+/// What all terms together do to an arm at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bending<T, const N: usize> {
+    /// Added to each joint value, rad or m.
+    pub joints: [T; N],
+    /// Rotation of the base about its x and y axes, rad.
+    pub base: [T; 2],
+    /// Relative growth of each link's lengths.
+    pub growth: [T; N],
+}
+
+impl<T: Scalar, const N: usize> Bending<T, N> {
+    /// Sums the terms.
+    #[must_use]
+    #[inline]
+    pub fn of(terms: &[Term<T>], inputs: &Inputs<T, N>) -> Self {
+        let mut out = Self { joints: [T::ZERO; N], base: [T::ZERO; 2], growth: [T::ZERO; N] };
+        for term in terms {
+            let amount = term.coefficient * term.basis(inputs);
+            let slot = match term.effect {
+                Effect::BaseCompliance => out.base.get_mut(usize::from(term.component)),
+                Effect::ThermalExpansion if term.joint == Term::<T>::ALL => {
+                    for growth in &mut out.growth {
+                        *growth += amount;
+                    }
+                    None
+                }
+                Effect::ThermalExpansion => out.growth.get_mut(usize::from(term.joint)),
+                _ => out.joints.get_mut(usize::from(term.joint)),
+            };
+            if let Some(slot) = slot {
+                *slot += amount;
+            }
+        }
+        out
+    }
+}
