@@ -2,6 +2,7 @@
 //! `Chain<f64, N>` that the controller links, chosen by N.
 
 use nalgebra::Vector3;
+use truearm::effects::{Bending, Inputs, Load, Masses, Term};
 use truearm::{Chain, Link, Pose};
 
 /// Calls `$body` with the constant `N` equal to the run-time `$n`.
@@ -43,31 +44,125 @@ pub struct Derivatives {
     pub point: Vector3<f64>,
     /// To rotation and translation of the base, in the outer frame.
     pub base: [Vector3<f64>; 6],
+    /// To rotations about the robot's own base axes.
+    pub about: [Vector3<f64>; 3],
     /// To the tool point in the last frame.
     pub tool: [Vector3<f64>; 3],
     /// To alpha, a, theta, d, beta of each link.
     pub links: Vec<[Vector3<f64>; 5]>,
 }
 
-/// A chain of any number of joints.
+/// What terms depend on at one row, for any number of joints; SI units.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RowInputs {
+    /// Gravity torque of each joint; empty without masses.
+    pub torque: Vec<f64>,
+    /// Overturning moment about the base's x and y.
+    pub moment: [f64; 2],
+    /// Side each joint came to rest from; empty if unknown.
+    pub direction: Vec<f64>,
+    /// Temperature above reference, K.
+    pub warmth: f64,
+}
+
+impl RowInputs {
+    fn fixed<const N: usize>(&self, q: &[f64]) -> Inputs<f64, N> {
+        let or_zero = |v: &[f64]| v.try_into().unwrap_or([0.0; N]);
+        Inputs {
+            q: fixed(q),
+            load: Load { torque: or_zero(&self.torque), moment: self.moment },
+            direction: or_zero(&self.direction),
+            warmth: self.warmth,
+        }
+    }
+}
+
+/// An arm of any number of joints, seen from a station.
 pub trait Kinematics: Send + Sync {
     /// Tool pose at joint values `q`.
     fn pose(&self, q: &[f64]) -> Pose<f64>;
-    /// Tool point and derivatives at joint values `q`.
-    fn derivatives(&self, q: &[f64]) -> Derivatives;
+    /// Tool pose with the arm bent by `terms`.
+    fn bent(&self, q: &[f64], terms: &[Term<f64>], inputs: &RowInputs) -> Pose<f64>;
+    /// Tool point of the bent arm, its derivatives, and those to the terms'
+    /// coefficients.
+    fn derivatives(
+        &self,
+        q: &[f64],
+        terms: &[Term<f64>],
+        inputs: &RowInputs,
+    ) -> (Derivatives, Vec<Vector3<f64>>);
+    /// Gravity torques and overturning moment; the base must be the frame of
+    /// gravity.
+    fn load(&self, masses: &ArmMasses, q: &[f64], payload: f64) -> (Vec<f64>, [f64; 2]);
 }
 
-impl<const N: usize> Kinematics for Chain<f64, N> {
+/// Masses for any number of joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArmMasses {
+    /// Gravity in the base frame, m/s^2.
+    pub gravity: Vector3<f64>,
+    /// Mass and centre of mass of each link, kg and m.
+    pub links: Vec<(f64, Vector3<f64>)>,
+    /// Payload point in the last frame, m.
+    pub payload: Vector3<f64>,
+}
+
+struct SizedArm<const N: usize> {
+    links: [Link<f64>; N],
+    chain: Chain<f64, N>,
+}
+
+impl<const N: usize> Kinematics for SizedArm<N> {
     fn pose(&self, q: &[f64]) -> Pose<f64> {
-        self.forward(&fixed(q))
+        self.chain.forward(&fixed(q))
     }
 
-    fn derivatives(&self, q: &[f64]) -> Derivatives {
-        let j = self.identification_jacobian(&fixed(q));
+    fn bent(&self, q: &[f64], terms: &[Term<f64>], inputs: &RowInputs) -> Pose<f64> {
+        let bending = Bending::of(terms, &inputs.fixed::<N>(q));
+        self.chain.forward_bent(&fixed(q), &bending)
+    }
+
+    fn derivatives(
+        &self,
+        q: &[f64],
+        terms: &[Term<f64>],
+        inputs: &RowInputs,
+    ) -> (Derivatives, Vec<Vector3<f64>>) {
+        let inputs = inputs.fixed::<N>(q);
+        let bending = Bending::of(terms, &inputs);
+        let mut bent = inputs.q;
+        for (q, bend) in bent.iter_mut().zip(&bending.joints) {
+            *q += bend;
+        }
+        let j = self.chain.identification_jacobian(&bent);
+        // Base compliance turns about the axes of the robot, not the tracker.
+        let r = &self.chain.base().rotation;
+        let turn = |k: usize| {
+            j.base_rotation[0] * r[(0, k)]
+                + j.base_rotation[1] * r[(1, k)]
+                + j.base_rotation[2] * r[(2, k)]
+        };
+        let about = [turn(0), turn(1), turn(2)];
+        let columns =
+            terms.iter().map(|t| t.column(t.basis(&inputs), &self.links, &j.links, &about));
+        let columns = columns.collect();
         let [rx, ry, rz] = j.base_rotation;
         let [tx, ty, tz] = j.base_translation;
         let links = j.links.iter().map(|l| [l.alpha, l.a, l.theta, l.d, l.beta]).collect();
-        Derivatives { point: j.point, base: [rx, ry, rz, tx, ty, tz], tool: j.tool, links }
+        let point = self.chain.forward_bent(&inputs.q, &bending).translation;
+        (Derivatives { point, base: [rx, ry, rz, tx, ty, tz], about, tool: j.tool, links }, columns)
+    }
+
+    fn load(&self, masses: &ArmMasses, q: &[f64], payload: f64) -> (Vec<f64>, [f64; 2]) {
+        let links: [(f64, Vector3<f64>); N] = fixed(&masses.links);
+        let masses = Masses {
+            gravity: masses.gravity,
+            mass: links.map(|l| l.0),
+            com: links.map(|l| l.1),
+            payload_com: masses.payload,
+        };
+        let load = masses.load(&self.chain, &fixed(q), payload);
+        (load.torque.to_vec(), load.moment)
     }
 }
 
@@ -76,9 +171,12 @@ pub(crate) fn fixed<T: Copy, const N: usize>(q: &[T]) -> [T; N] {
     q.try_into().unwrap_or_else(|_| unreachable!("every row has a value for every joint"))
 }
 
-/// The chain of these links with this base and tool point.
+/// The arm of these links with this base and tool point.
 #[must_use]
 pub fn chain(links: &[Link<f64>], base: Pose<f64>, tool: Vector3<f64>) -> Box<dyn Kinematics> {
     let tool = Pose { translation: tool, ..Pose::identity() };
-    with_joints!(links.len(), N => Box::new(Chain::<f64, N>::new(&fixed(links), base, tool)))
+    with_joints!(links.len(), N => {
+        let links: [Link<f64>; N] = fixed(links);
+        Box::new(SizedArm { chain: Chain::new(&links, base, tool), links })
+    })
 }

@@ -4,12 +4,11 @@
 use nalgebra::Vector3;
 use truearm::{Link, Pose};
 
-use crate::chain::chain;
 use crate::error::{Error, Result};
 use crate::files::{Measurements, Model};
 use crate::identify::fit::{Freedom, fit};
 use crate::identify::registration::{register, rigid_transform};
-use crate::identify::{Problem, Scaling, State};
+use crate::identify::{Conditions, ModelTerm, Predictor, Problem, Scaling, State};
 use crate::report::{Stats, Validation, own_evidence};
 
 /// What may be fitted on the scored file itself.
@@ -44,16 +43,16 @@ const MARGIN: f64 = 0.01;
 /// # Errors
 /// A station or marker the training did not have, naming `--reregister`.
 pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Result<Validation> {
-    let links = model.links();
+    let conditions = Conditions::new(data, &model.robot);
     let state = match frames {
         Reregister::Nothing => trained(model, data)?,
         Reregister::Base => {
             let markers = known_markers(model, data)?;
-            with_bases(data, &links, markers)?
+            with_bases(data, &conditions, model, markers)?
         }
-        Reregister::BaseAndTool => registered(model, data, &links)?,
+        Reregister::BaseAndTool => registered(model, data, model.links(), arm_terms(model))?,
     };
-    let residuals = residuals(data, &state);
+    let residuals = residuals(data, &conditions, &state);
     let left_out = own_evidence(&residuals);
     let kept: Vec<_> =
         (0..residuals.len()).filter(|i| !left_out.contains(i)).map(|i| residuals[i]).collect();
@@ -61,15 +60,15 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
         Stats::of(r).ok_or_else(|| Error::data("no rows to score", "give a file with rows"))
     };
     let rms_without = |state: &State| -> Result<f64> {
-        let all = self::residuals(data, state);
+        let all = self::residuals(data, &conditions, state);
         let kept: Vec<_> =
             (0..all.len()).filter(|i| !left_out.contains(i)).map(|i| all[i]).collect();
         Ok(stats(&kept)?.rms_mm)
     };
-    let nominal = registered(model, data, &model.robot.nominal())?;
+    let nominal = registered(model, data, model.robot.nominal(), Vec::new())?;
     let base_refitted = match frames {
         Reregister::Nothing => {
-            let refitted = with_bases(data, &links, state.markers.clone());
+            let refitted = with_bases(data, &conditions, model, state.markers.clone());
             // Too few rows to fit a base are no reason not to score them.
             refitted.ok().map(|s| rms_without(&s)).transpose()?
         }
@@ -90,14 +89,10 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
 
 /// Measured minus predicted of every row, m.
 #[must_use]
-pub fn residuals(data: &Measurements, state: &State) -> Vec<Vector3<f64>> {
-    let markers = state.markers.len();
-    let pairs = (0..state.bases.len()).flat_map(|s| (0..markers).map(move |m| (s, m)));
-    let chains: Vec<_> = pairs.map(|(s, m)| state.chain(s, m)).collect();
-    let of = |r: &crate::files::Row| {
-        r.point - chains[r.station * markers + r.marker].pose(&r.q).translation
-    };
-    data.rows.iter().map(of).collect()
+pub fn residuals(data: &Measurements, conditions: &Conditions, state: &State) -> Vec<Vector3<f64>> {
+    let model = Predictor::new(state);
+    let rows = data.rows.iter().enumerate();
+    rows.map(|(i, row)| row.point - model.point(row, i, conditions)).collect()
 }
 
 fn unknown(data: &Measurements, what: &str, label: &str, known: &str, option: &str) -> Error {
@@ -143,6 +138,7 @@ fn trained(model: &Model, data: &Measurements) -> Result<State> {
         bases: data.stations.iter().map(station).collect::<Result<_>>()?,
         markers: known_markers(model, data)?,
         links: model.links(),
+        terms: model.terms.clone(),
     })
 }
 
@@ -150,15 +146,24 @@ fn trained(model: &Model, data: &Measurements) -> Result<State> {
 /// stand out by their own evidence.
 fn with_bases(
     data: &Measurements,
-    links: &[Link<f64>],
+    conditions: &Conditions,
+    model: &Model,
     markers: Vec<Vector3<f64>>,
 ) -> Result<State> {
-    let tools: Vec<_> = markers.iter().map(|m| chain(links, Pose::identity(), *m)).collect();
+    let mut state = State {
+        bases: vec![Pose::identity(); data.stations.len()],
+        markers,
+        links: model.links(),
+        terms: arm_terms(model),
+    };
+    let arm = Predictor::new(&state);
+    let points: Vec<_> =
+        data.rows.iter().enumerate().map(|(i, r)| arm.point(r, i, conditions)).collect();
     let mut bases = Vec::new();
     for (s, label) in data.stations.iter().enumerate() {
-        let rows: Vec<_> = data.rows.iter().filter(|r| r.station == s).collect();
-        let from: Vec<_> = rows.iter().map(|r| tools[r.marker].pose(&r.q).translation).collect();
-        let to: Vec<_> = rows.iter().map(|r| r.point).collect();
+        let rows: Vec<_> = (0..data.rows.len()).filter(|i| data.rows[*i].station == s).collect();
+        let from: Vec<_> = rows.iter().map(|i| points[*i]).collect();
+        let to: Vec<_> = rows.iter().map(|i| data.rows[*i].point).collect();
         let fail = || {
             Error::data(
                 format!("station \"{label}\": {} rows do not fix a tracker frame", rows.len()),
@@ -177,17 +182,28 @@ fn with_bases(
         }
         bases.push(base);
     }
-    Ok(State { bases, markers, links: links.to_vec() })
+    state.bases = bases;
+    Ok(state)
 }
 
-/// Base and tool registered on the file, links as given.
-fn registered(model: &Model, data: &Measurements, links: &[Link<f64>]) -> Result<State> {
+/// Terms of the arm itself: another session has its own drift and mounting.
+fn arm_terms(model: &Model) -> Vec<ModelTerm> {
+    model.terms.iter().filter(|t| matches!(t, ModelTerm::Arm(_))).cloned().collect()
+}
+
+/// Base and tool registered on the file, links and terms as given.
+fn registered(
+    model: &Model,
+    data: &Measurements,
+    links: Vec<Link<f64>>,
+    terms: Vec<ModelTerm>,
+) -> Result<State> {
     let tool = model.markers.first().map_or(model.robot.tool, |m| m.1);
-    let start = register(data, links, tool)?;
-    let problem = Problem::new(data, links.to_vec(), Scaling::Prior);
+    let start = State { terms, ..register(data, &links, tool)? };
+    let problem = Problem { nominal: links, ..Problem::new(data, &model.robot, Scaling::Prior) };
     let mut rows: Vec<usize> = (0..data.rows.len()).collect();
     let mut state = fit(&problem, &rows, None, &start, Freedom::Frames)?.state;
-    let out = own_evidence(&residuals(data, &state));
+    let out = own_evidence(&residuals(data, &problem.conditions, &state));
     if !out.is_empty() {
         rows.retain(|r| !out.contains(r));
         state = fit(&problem, &rows, None, &start, Freedom::Frames)?.state;

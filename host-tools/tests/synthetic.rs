@@ -25,7 +25,7 @@ fn cramer_rao(
 ) -> f64 {
     let state = truth.state();
     let rows = |data: &Measurements| {
-        let problem = Problem::new(data, robot.nominal(), Scaling::Prior);
+        let problem = Problem::new(data, robot, Scaling::Prior);
         let at = problem.linearise(&state);
         let mut m = DMatrix::zeros(3 * data.rows.len(), problem.unknowns.list().len());
         for i in 0..data.rows.len() {
@@ -49,7 +49,7 @@ fn cramer_rao(
 /// with the pseudo-inverse, nothing cut off. Its state and the norm of its
 /// corrections in tolerances.
 fn plain_least_squares(robot: &Robot, data: &Measurements) -> (State, f64) {
-    let problem = Problem::new(data, robot.nominal(), Scaling::Prior);
+    let problem = Problem::new(data, robot, Scaling::Prior);
     let state = register(data, &robot.nominal(), robot.tool).unwrap();
     let at = problem.linearise(&state);
     let (n, rows) = (problem.unknowns.list().len(), data.rows.len());
@@ -82,13 +82,13 @@ fn identification_reaches_the_cramer_rao_bound() {
             let found = identify(&robot, &data, &options, &|_, _| ()).unwrap();
             assert_eq!(found.report.rank, 27);
             assert!(found.report.outlier_rows.is_empty(), "seed {seed}");
-            ratios.push(rms(&state_of(&found, &check), &check) / bound);
+            ratios.push(rms(&robot, &state_of(&found, &check), &check) / bound);
             if *rule == LambdaRule::MaximumAPosteriori {
                 norm.push(found.report.correction_norm);
             }
         }
         let (state, corrections) = plain_least_squares(&robot, &data);
-        plain.push(rms(&state, &check) / bound);
+        plain.push(rms(&robot, &state, &check) / bound);
         plain_norm.push(corrections);
     }
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
@@ -120,7 +120,7 @@ fn stations_and_markers_have_their_own_frames() {
         assert_eq!(found.report.parameters, 30 + 3 * 6 + 2 * 3);
         assert_eq!(found.report.rows_not_cross_validated, 0);
         let bound = cramer_rao(found.report.rank, &robot, &data, &check, &truth);
-        let ratio = rms(&state_of(&found, &check), &check) / bound;
+        let ratio = rms(&robot, &state_of(&found, &check), &check) / bound;
         println!("seed {seed}: rank {}, ratio {ratio:.3}", found.report.rank);
         assert!(ratio < 1.6, "{ratio}");
     }
@@ -136,7 +136,7 @@ fn a_prismatic_joint_is_identified() {
         let check = truth.parse(&truth.measure(250, 0.0, &mut rng));
         let found = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap();
         let bound = cramer_rao(found.report.rank, &robot, &data, &check, &truth);
-        let ratio = rms(&state_of(&found, &check), &check) / bound;
+        let ratio = rms(&robot, &state_of(&found, &check), &check) / bound;
         println!("seed {seed}: rank {}, ratio {ratio:.3}", found.report.rank);
         assert!(ratio < 1.6, "{ratio}");
     }

@@ -3,6 +3,7 @@
 //! registration (first guesses) -> robust fit (flags) -> lambda -> fit ->
 //! cross-validation -> report. Nothing here reads or writes a file.
 
+mod conditions;
 pub mod estimate;
 pub mod fit;
 pub mod folds;
@@ -14,8 +15,12 @@ pub mod robust;
 mod term;
 mod unknowns;
 
+pub use conditions::Conditions;
 pub use lambda::{LambdaChoice, LambdaRule, choose};
-pub use problem::{Equations, Linearised, Problem, Scaling, link_corrections};
+pub use problem::{
+    Equations, Linearised, Model as Predictor, Problem, Scaling, link_corrections,
+    measurement_column,
+};
 pub use term::ModelTerm;
 pub use unknowns::{State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unknown, Unknowns};
 
@@ -79,7 +84,7 @@ pub fn identify(
     options: &Options,
     progress: Progress,
 ) -> Result<Identification> {
-    let problem = Problem::new(data, robot.nominal(), options.scaling);
+    let problem = Problem::new(data, robot, options.scaling);
     enough(&problem, options)?;
     let start = registration::register(data, &problem.nominal, robot.tool)?;
     let rows: Vec<usize> = (0..data.rows.len()).collect();

@@ -1,11 +1,16 @@
 //! The measured rows as a least-squares problem, linearised at a state.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
+use truearm::effects::Term;
 use truearm::{Link, MdhParameters};
 
+use super::conditions::Conditions;
+use super::term::ModelTerm;
 use super::unknowns::{State, Unknown, Unknowns};
-use crate::chain::Kinematics;
-use crate::files::{Measurements, Row};
+use crate::chain::{Derivatives, Kinematics};
+use crate::files::{Measurements, Robot, Row};
 use crate::tikhonov::Triangle;
 
 /// What lambda weighs.
@@ -24,6 +29,8 @@ pub enum Scaling {
 pub struct Problem<'a> {
     /// The measurements.
     pub data: &'a Measurements,
+    /// What terms depend on, row by row.
+    pub conditions: Arc<Conditions>,
     /// Nominal links, about which corrections are kept small.
     pub nominal: Vec<Link<f64>>,
     /// Column order.
@@ -41,14 +48,26 @@ pub struct Equations {
     pub rhs: Vector3<f64>,
     /// Measured minus modelled point, m.
     pub residual: Vector3<f64>,
+    /// Unscaled derivatives they were made of.
+    pub derivatives: Derivatives,
 }
 
 impl<'a> Problem<'a> {
-    /// Of all rows of `data`.
+    /// Of all rows of `data`, geometry only.
     #[must_use]
-    pub fn new(data: &'a Measurements, nominal: Vec<Link<f64>>, scaling: Scaling) -> Self {
-        let unknowns = Unknowns::new(data.stations.len(), data.markers.len(), nominal.len());
-        Self { data, nominal, unknowns, scaling }
+    pub fn new(data: &'a Measurements, robot: &Robot, scaling: Scaling) -> Self {
+        let nominal = robot.nominal();
+        let conditions = Arc::new(Conditions::new(data, robot));
+        let unknowns = Unknowns::new(data.stations.len(), data.markers.len(), 0, nominal.len());
+        Self { data, conditions, nominal, unknowns, scaling }
+    }
+
+    /// The same with so many terms.
+    #[must_use]
+    pub fn with_terms(&self, terms: usize) -> Self {
+        let (stations, markers) = (self.data.stations.len(), self.data.markers.len());
+        let unknowns = Unknowns::new(stations, markers, terms, self.nominal.len());
+        Self { unknowns, ..self.clone() }
     }
 
     /// Size of one unit of each unknown, m or rad.
@@ -95,14 +114,11 @@ impl<'a> Problem<'a> {
         x
     }
 
-    /// Linearises at a state.
+    /// Linearises at a state; its terms are held unless the problem has as many.
     #[must_use]
-    pub fn linearise(&self, state: &'a State) -> Linearised<'a> {
-        let markers = state.markers.len();
-        let pairs = (0..state.bases.len()).flat_map(|s| (0..markers).map(move |m| (s, m)));
+    pub fn linearise(&self, state: &State) -> Linearised<'a> {
         Linearised {
-            chains: pairs.map(|(s, m)| state.chain(s, m)).collect(),
-            markers,
+            model: Model::new(state),
             corrections: self.corrections(state),
             units: self.units(),
             problem: self.clone(),
@@ -110,33 +126,124 @@ impl<'a> Problem<'a> {
     }
 }
 
+/// A state ready to predict rows.
+pub struct Model {
+    chains: Vec<Box<dyn Kinematics>>,
+    markers: usize,
+    arm_terms: Vec<Term<f64>>,
+    terms: Vec<ModelTerm>,
+    bases: Vec<Vector3<f64>>,
+}
+
+impl Model {
+    /// Of a state.
+    #[must_use]
+    pub fn new(state: &State) -> Self {
+        let markers = state.markers.len();
+        let pairs = (0..state.bases.len()).flat_map(|s| (0..markers).map(move |m| (s, m)));
+        let arm = |t: &ModelTerm| match t {
+            ModelTerm::Arm(term) => Some(*term),
+            _ => None,
+        };
+        Self {
+            chains: pairs.map(|(s, m)| state.chain(s, m)).collect(),
+            markers,
+            arm_terms: state.terms.iter().filter_map(arm).collect(),
+            terms: state.terms.clone(),
+            bases: state.bases.iter().map(|b| b.translation).collect(),
+        }
+    }
+
+    fn chain(&self, row: &Row) -> &dyn Kinematics {
+        self.chains[row.station * self.markers + row.marker].as_ref()
+    }
+
+    /// Where the model sees the target of row `index`, m.
+    #[must_use]
+    pub fn point(&self, row: &Row, index: usize, conditions: &Conditions) -> Vector3<f64> {
+        let inputs = &conditions.rows[index];
+        if self.arm_terms.len() == self.terms.len() {
+            return self.chain(row).bent(&row.q, &self.arm_terms, inputs).translation;
+        }
+        self.derivatives(row, index, conditions).0.point
+    }
+
+    /// The same with all derivatives, those of the terms in their order.
+    #[must_use]
+    pub fn derivatives(
+        &self,
+        row: &Row,
+        index: usize,
+        conditions: &Conditions,
+    ) -> (Derivatives, Vec<Vector3<f64>>) {
+        let inputs = &conditions.rows[index];
+        let (mut d, arm) = self.chain(row).derivatives(&row.q, &self.arm_terms, inputs);
+        let mut arm = arm.into_iter();
+        let mut shift = Vector3::zeros();
+        let mut columns = Vec::with_capacity(self.terms.len());
+        for term in &self.terms {
+            let column = match term {
+                ModelTerm::Arm(_) => arm.next().unwrap_or_else(Vector3::zeros),
+                _ => {
+                    let column = measurement_column(term, row, &d, &self.bases[row.station]);
+                    shift += column * term.coefficient();
+                    column
+                }
+            };
+            columns.push(column);
+        }
+        d.point += shift;
+        (d, columns)
+    }
+}
+
+/// Derivative of the seen point to a term of the measurement.
+#[must_use]
+pub fn measurement_column(
+    term: &ModelTerm,
+    row: &Row,
+    d: &Derivatives,
+    base: &Vector3<f64>,
+) -> Vector3<f64> {
+    match term {
+        ModelTerm::Arm(_) => Vector3::zeros(),
+        ModelTerm::Drift { component, .. } => {
+            let hours = row.time.unwrap_or(0.0) / 3600.0;
+            let axis = Vector3::ith(component % 3, 1.0);
+            hours * if *component < 3 { axis.cross(&(d.point - base)) } else { axis }
+        }
+        ModelTerm::Remount { series, axis, .. } => {
+            if row.series.as_ref() == Some(series) {
+                d.tool[*axis]
+            } else {
+                Vector3::zeros()
+            }
+        }
+    }
+}
+
 /// A problem at a state.
 pub struct Linearised<'a> {
     problem: Problem<'a>,
-    chains: Vec<Box<dyn Kinematics>>,
-    markers: usize,
+    model: Model,
     corrections: DVector<f64>,
     units: DVector<f64>,
 }
 
 impl Linearised<'_> {
-    fn chain(&self, row: &Row) -> &dyn Kinematics {
-        self.chains[row.station * self.markers + row.marker].as_ref()
-    }
-
     /// Measured minus modelled point of a row, m.
     #[must_use]
     pub fn residual(&self, row: usize) -> Vector3<f64> {
-        let row = &self.problem.data.rows[row];
-        row.point - self.chain(row).pose(&row.q).translation
+        let r = &self.problem.data.rows[row];
+        r.point - self.model.point(r, row, &self.problem.conditions)
     }
 
     /// The equations of a row.
     #[must_use]
-    pub fn equations(&self, row: usize) -> Equations {
-        let row = &self.problem.data.rows[row];
+    pub fn equations(&self, index: usize) -> Equations {
+        let row = &self.problem.data.rows[index];
         let unknowns = &self.problem.unknowns;
-        let d = self.chain(row).derivatives(&row.q);
+        let (d, terms) = self.model.derivatives(row, index, &self.problem.conditions);
         let mut block = Matrix3xX::zeros(unknowns.list().len());
         let station = unknowns.station(row.station);
         for (k, column) in d.base.iter().enumerate() {
@@ -145,6 +252,9 @@ impl Linearised<'_> {
         let marker = unknowns.marker(row.marker, self.problem.data.stations.len());
         for (k, column) in d.tool.iter().enumerate() {
             block.set_column(marker + k, column);
+        }
+        for (k, column) in unknowns.terms().zip(&terms) {
+            block.set_column(k, column);
         }
         for (i, columns) in d.links.iter().enumerate() {
             for (k, column) in columns.iter().enumerate() {
@@ -157,7 +267,7 @@ impl Linearised<'_> {
         }
         let residual = row.point - d.point;
         let rhs = residual * weight + &block * &self.corrections;
-        Equations { block, rhs, residual }
+        Equations { block, rhs, residual, derivatives: d }
     }
 
     /// Triangle of the given rows, each coordinate multiplied by a weight.

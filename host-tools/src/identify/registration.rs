@@ -159,7 +159,10 @@ pub fn register(
             worst = worst.max(scale);
         }
         if best.as_ref().is_none_or(|(scale, _)| worst < *scale) {
-            best = Some((worst, State { bases: bases.clone(), markers, links: links.to_vec() }));
+            best = Some((
+                worst,
+                State { bases: bases.clone(), markers, links: links.to_vec(), terms: Vec::new() },
+            ));
         }
     }
     best.map(|(_, state)| state).ok_or_else(|| Error::data("no measurements", "add rows"))

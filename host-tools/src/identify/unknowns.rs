@@ -4,6 +4,7 @@
 use nalgebra::{DVector, Vector3};
 use truearm::{Link, LinkParameter, MdhParameters, Pose};
 
+use super::term::ModelTerm;
 use crate::chain::{Kinematics, chain};
 
 /// Manufacturing tolerance of a length, m: the prior of every link parameter
@@ -19,6 +20,8 @@ pub enum Unknown {
     Station(usize, usize),
     /// Coordinate of a marker.
     Marker(usize, usize),
+    /// Coefficient of a term; an angle or a length is its tolerance unit.
+    Term(usize),
     /// Parameter of a link.
     Link(usize, LinkParameter),
 }
@@ -28,17 +31,19 @@ pub enum Unknown {
 pub struct Unknowns {
     list: Vec<Unknown>,
     free: usize,
+    terms: usize,
 }
 
 impl Unknowns {
-    /// For so many stations, markers and joints.
+    /// For so many stations, markers, terms and joints.
     #[must_use]
-    pub fn new(stations: usize, markers: usize, joints: usize) -> Self {
+    pub fn new(stations: usize, markers: usize, terms: usize, joints: usize) -> Self {
         let station = (0..stations).flat_map(|s| (0..6).map(move |k| Unknown::Station(s, k)));
         let marker = (0..markers).flat_map(|m| (0..3).map(move |k| Unknown::Marker(m, k)));
         let links = (0..joints).flat_map(|i| LinkParameter::ALL.map(|p| Unknown::Link(i, p)));
-        let list: Vec<_> = station.chain(marker).chain(links).collect();
-        Self { free: 6 * stations + 3 * markers, list }
+        let terms_of = (0..terms).map(Unknown::Term);
+        let list: Vec<_> = station.chain(marker).chain(terms_of).chain(links).collect();
+        Self { free: 6 * stations + 3 * markers + terms, terms, list }
     }
 
     /// All, in column order.
@@ -59,6 +64,12 @@ impl Unknowns {
         6 * station
     }
 
+    /// Columns of the terms: none when the state's terms are held.
+    #[must_use]
+    pub fn terms(&self) -> std::ops::Range<usize> {
+        self.free - self.terms..self.free
+    }
+
     /// First column of a marker, among so many stations.
     #[must_use]
     pub fn marker(&self, marker: usize, stations: usize) -> usize {
@@ -73,6 +84,7 @@ impl Unknown {
         match self {
             Self::Station(_, k) => k >= 3,
             Self::Marker(..) => true,
+            Self::Term(_) => false,
             Self::Link(_, p) => p.is_length(),
         }
     }
@@ -80,6 +92,10 @@ impl Unknown {
     /// One tolerance of it, m or rad.
     #[must_use]
     pub fn tolerance(self) -> f64 {
+        // Free unknowns: only keeps their columns of one size with the others.
+        if matches!(self, Self::Term(_)) {
+            return 1e-4;
+        }
         if self.is_length() { TOLERANCE_LENGTH } else { TOLERANCE_ANGLE }
     }
 
@@ -97,6 +113,7 @@ impl Unknown {
                 format!("base{} {axis}", of(stations, s))
             }
             Self::Marker(m, k) => format!("tool{} {}", of(markers, m), ["x", "y", "z"][k]),
+            Self::Term(k) => format!("term {}", k + 1),
             Self::Link(i, p) => format!("joint {} {}", i + 1, p.name()),
         }
     }
@@ -111,6 +128,8 @@ pub struct State {
     pub markers: Vec<Vector3<f64>>,
     /// Links as identified.
     pub links: Vec<Link<f64>>,
+    /// Terms beyond geometry.
+    pub terms: Vec<ModelTerm>,
 }
 
 impl State {
@@ -128,6 +147,9 @@ impl State {
         for (m, marker) in out.markers.iter_mut().enumerate() {
             let at = unknowns.marker(m, self.bases.len());
             *marker += Vector3::new(step[at], step[at + 1], step[at + 2]);
+        }
+        for (term, k) in out.terms.iter_mut().zip(unknowns.terms()) {
+            *term.coefficient_mut() += step[k];
         }
         for (i, link) in out.links.iter_mut().enumerate() {
             let at = unknowns.free() + 5 * i;

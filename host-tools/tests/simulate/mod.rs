@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use rand::{Rng, RngExt};
 use truearm::{JointKind, Link, MdhParameters, Pose};
 use truearm_host::files::{Measurements, Robot};
-use truearm_host::identify::{Identification, State};
+use truearm_host::identify::{Conditions, Identification, State};
 
 /// A UR10-like arm, tool off the last axis: 27 of 39 parameters identifiable.
 pub const UR10_LIKE: &str = r#"
@@ -112,6 +112,7 @@ impl Truth {
             bases: self.bases.iter().map(pose).collect(),
             markers: self.tools.clone(),
             links: self.links.clone(),
+            terms: Vec::new(),
         }
     }
 
@@ -155,8 +156,8 @@ impl Truth {
     }
 }
 
-pub fn rms(state: &State, check: &Measurements) -> f64 {
-    let residuals = truearm_host::evaluate::residuals(check, state);
+pub fn rms(robot: &Robot, state: &State, check: &Measurements) -> f64 {
+    let residuals = truearm_host::evaluate::residuals(check, &Conditions::new(check, robot), state);
     (residuals.iter().map(|r| r.norm_squared()).sum::<f64>() / residuals.len() as f64).sqrt()
 }
 
@@ -168,5 +169,6 @@ pub fn state_of(found: &Identification, check: &Measurements) -> State {
         bases: check.stations.iter().map(base).collect(),
         markers: check.markers.iter().map(tool).collect(),
         links: found.model.links(),
+        terms: found.model.terms.clone(),
     }
 }

@@ -1,0 +1,67 @@
+//! What terms depend on, row by row: gravity, approach side, temperature.
+
+use nalgebra::Vector3;
+use truearm::Pose;
+
+use crate::chain::{ArmMasses, RowInputs, chain};
+use crate::files::{Measurements, Robot};
+
+/// Inputs of every row, and which of them are known at all.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Conditions {
+    /// One entry a row.
+    pub rows: Vec<RowInputs>,
+    /// Gravity and masses are given.
+    pub masses: bool,
+    /// Some row has a temperature, and they differ.
+    pub temperature: bool,
+    /// Some row has approach sides.
+    pub direction: bool,
+    /// Some row has a time, and they differ.
+    pub time: bool,
+    /// Labels of the series, in order of appearance.
+    pub series: Vec<String>,
+}
+
+impl Conditions {
+    /// Of these measurements. Loads are those of the nominal arm: what the
+    /// corrections change of them is of second order.
+    #[must_use]
+    pub fn new(data: &Measurements, robot: &Robot) -> Self {
+        let masses = match robot.gravity {
+            Some(gravity) if !robot.links.is_empty() => Some(ArmMasses {
+                gravity,
+                links: robot.links.iter().map(|l| (l.mass, l.com)).collect(),
+                payload: robot.payload,
+            }),
+            _ => None,
+        };
+        let arm = chain(&robot.nominal(), Pose::identity(), Vector3::zeros());
+        let rows = data.rows.iter().map(|row| {
+            let payload = row.payload.unwrap_or(0.0);
+            let (torque, moment) =
+                masses.as_ref().map(|m| arm.load(m, &row.q, payload)).unwrap_or_default();
+            let warmth = row.temperature.map_or(0.0, |t| t - robot.reference_temperature);
+            let direction = row.directions.iter().map(|d| f64::from(*d)).collect();
+            RowInputs { torque, moment, direction, warmth }
+        });
+        let differ = |f: fn(&crate::files::Row) -> Option<f64>| {
+            let mut values = data.rows.iter().filter_map(f);
+            values.next().is_some_and(|first| values.any(|v| v != first))
+        };
+        let mut series: Vec<String> = Vec::new();
+        for label in data.rows.iter().filter_map(|r| r.series.as_ref()) {
+            if !series.contains(label) {
+                series.push(label.clone());
+            }
+        }
+        Self {
+            rows: rows.collect(),
+            masses: masses.is_some(),
+            temperature: differ(|r| r.temperature),
+            direction: data.rows.iter().any(|r| r.directions.iter().any(|d| *d != 0)),
+            time: differ(|r| r.time),
+            series,
+        }
+    }
+}
