@@ -77,6 +77,14 @@ impl RowInputs {
     }
 }
 
+impl RowInputs {
+    /// Basis of a term at joint values `q`.
+    #[must_use]
+    pub fn basis(&self, q: &[f64], term: &Term<f64>) -> f64 {
+        with_joints!(q.len(), N => term.basis(&self.fixed::<N>(q)))
+    }
+}
+
 /// An arm of any number of joints, seen from a station.
 pub trait Kinematics: Send + Sync {
     /// Tool pose at joint values `q`.

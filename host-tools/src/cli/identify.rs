@@ -117,7 +117,7 @@ impl Identify {
 
 /// One line a data row: residuals in mm with nominal geometry, identified, and
 /// held out.
-fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
+pub fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
     let mut out = "row,line,station,marker,flagged,nominal_dx_mm,nominal_dy_mm,nominal_dz_mm,\
                    dx_mm,dy_mm,dz_mm,held_out_dx_mm,held_out_dy_mm,held_out_dz_mm\n"
         .to_owned();

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, each a thin layer over the library.
 
+mod diagnose;
 mod evaluate;
 mod identify;
 mod inspect;
@@ -21,6 +22,7 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Verb {
     Identify(identify::Identify),
+    Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
@@ -31,6 +33,7 @@ impl Cli {
     pub fn run(self) -> miette::Result<()> {
         let done = match self.verb {
             Verb::Identify(verb) => verb.run(),
+            Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
             Verb::Pack(verb) => verb.run(),
             Verb::Inspect(verb) => verb.run(),

@@ -28,6 +28,17 @@ impl Bar {
         bar.set_position(done as u64);
     }
 
+    /// Another step of work of unknown length.
+    pub fn stage(&self, what: &'static str) {
+        if self.start.elapsed() < Duration::from_secs(1) {
+            return;
+        }
+        let mut bar = self.bar.lock().unwrap_or_else(PoisonError::into_inner);
+        let bar = bar.get_or_insert_with(ProgressBar::new_spinner);
+        bar.set_message(what);
+        bar.tick();
+    }
+
     pub fn finish(&self) {
         if let Some(bar) = self.bar.lock().unwrap_or_else(PoisonError::into_inner).take() {
             bar.finish_and_clear();

@@ -1,5 +1,6 @@
 //! The short tables on the terminal.
 
+use truearm_host::diagnose::{DiagnoseReport, Effect, Verdict};
 use truearm_host::report::{Condition, Report, Stats, Validation};
 
 fn row(out: &mut String, name: &str, stats: &Option<Stats>) {
@@ -140,4 +141,95 @@ pub fn not_covered(joints: &[usize]) -> Option<String> {
             list.join(", ")
         )
     })
+}
+
+/// The summary of `diagnose`.
+pub fn diagnosis(r: &DiagnoseReport) -> String {
+    let b = &r.base;
+    let mut out = format!("{}\n{}: {} rows of {} poses\n", b.robot, b.data, b.rows, b.poses);
+    out += match r.verdict {
+        Verdict::Clean => "verdict: clean, geometry alone reaches the noise floor\n",
+        Verdict::Explained => "verdict: explained\n",
+        Verdict::Unexplained if r.effects.is_empty() => {
+            "verdict: unexplained, structure is left that no listed effect explains\n"
+        }
+        Verdict::Unexplained => {
+            "verdict: unexplained, the effects below carry most of it but not all\n"
+        }
+    };
+    for e in &r.effects {
+        out += &format!("  {}\n", effect(e));
+    }
+    out += "\nRMS error, mm                    fitted  cross-val   hold-out\n";
+    for row in &r.gap {
+        let cell = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.4}"));
+        out += &format!(
+            "{:30} {:>8.4} {:>10} {:>10}\n",
+            row.model,
+            row.train_rms_mm,
+            cell(row.cross_validated_rms_mm),
+            cell(row.holdout_rms_mm)
+        );
+    }
+    out += &format!("{:30} {:>8.4}\n", "noise floor", r.noise_floor_mm);
+    out += &format!("held out: {}\n", b.cross_validation);
+    if !b.outliers.is_empty() {
+        let rows: Vec<String> = b.outlier_rows.iter().map(usize::to_string).collect();
+        out += &format!("rows flagged as gross errors and left out: {}\n", rows.join(", "));
+    }
+    if !r.whereabouts.is_empty() {
+        out += "where geometry alone disagrees:\n";
+        for line in r.whereabouts.iter().take(6) {
+            out += &format!("  {line}\n");
+        }
+    }
+    for a in &r.alternatives {
+        let names: Vec<String> =
+            a.effects.iter().map(|(name, joints)| place(name, joints)).collect();
+        out += &format!(
+            "alternative within reach (worse by {:.1} in chi-square): {}\n  measure these poses to tell them apart:\n",
+            a.worse_by,
+            names.join(" and ")
+        );
+        for pose in &a.separating_poses {
+            let joints: Vec<String> = pose.joints.iter().map(|q| format!("{q:.2}")).collect();
+            out += &format!("    {}  ({:.3} mm apart)\n", joints.join(", "), pose.difference_mm);
+        }
+    }
+    for line in &r.not_testable {
+        out += &format!("not testable: {line}\n");
+    }
+    out
+}
+
+fn place(name: &str, joints: &[usize]) -> String {
+    let list: Vec<String> = joints.iter().map(usize::to_string).collect();
+    match (name, joints.len()) {
+        (_, 0) => name.to_owned(),
+        ("joint-coupling", _) => format!("{name} from joint {} to {}", list[0], list[1]),
+        (_, 1) => format!("{name} of joint {}", list[0]),
+        _ => format!("{name} of joints {}", list.join(", ")),
+    }
+}
+
+fn effect(e: &Effect) -> String {
+    let mut out = place(e.name, &e.joints);
+    if let Some(order) = e.order {
+        out += &format!(", {order} cycles a turn");
+    }
+    let values: Vec<String> = e
+        .coefficients
+        .iter()
+        .map(|c| {
+            let part = if c.part.is_empty() { String::new() } else { format!("{} ", c.part) };
+            format!("{part}{:.3e} +- {:.0e} {}", c.value, c.sigma, c.unit)
+        })
+        .collect();
+    if !values.is_empty() {
+        out += &format!(": {}", values.join(", "));
+    }
+    if e.holdout_gain != 0.0 {
+        out += &format!("; held-out error falls by {:.0} %", e.holdout_gain * 100.0);
+    }
+    out
 }

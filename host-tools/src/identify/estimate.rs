@@ -8,7 +8,7 @@ use super::fit::{Fit, Freedom, fit};
 use super::folds::{self, Fold};
 use super::lambda::{LambdaChoice, LambdaRule, choose};
 use super::problem::{Problem, Scaling};
-use super::robust::{RobustFit, robust_fit};
+use super::robust::{Flags, RobustFit, robust_fit};
 use super::unknowns::State;
 use crate::error::Result;
 
@@ -38,7 +38,7 @@ pub fn estimate(
     report: bool,
 ) -> Result<Estimate> {
     let prior = Problem { scaling: Scaling::Prior, ..problem.clone() };
-    let robust = robust_fit(&prior, rows, start)?;
+    let robust = robust_fit(&prior, rows, start, Flags::default())?;
     let kept = &robust.kept;
     let ask = |state: &State| {
         choose(problem, state, kept, &folds::random(problem.data, kept, folds::SEED + 1))

@@ -12,6 +12,7 @@ mod problem;
 pub mod redundancy;
 pub mod registration;
 pub mod robust;
+mod summary;
 mod term;
 mod unknowns;
 
@@ -21,18 +22,16 @@ pub use problem::{
     Equations, Linearised, Model as Predictor, Problem, Scaling, link_corrections,
     measurement_column,
 };
+pub use summary::Findings;
 pub use term::ModelTerm;
 pub use unknowns::{State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unknown, Unknowns};
 
-use nalgebra::{Rotation3, Vector3};
-use truearm::{MdhParameters, Pose};
+use nalgebra::Vector3;
 
-use crate::chain::chain;
 use crate::error::{Error, Result};
 use crate::files::{Measurements, Model, Robot};
-use crate::report::{AllRows, FlaggedRow, Report, Stats, robust_distance_scale};
-use crate::tikhonov::covariance;
-use estimate::{Estimate, cross_validate, estimate};
+use crate::report::Report;
+use estimate::{cross_validate, estimate};
 use fit::{Freedom, fit};
 
 /// What the user may choose.
@@ -105,75 +104,37 @@ pub fn identify(
         None => None,
     };
 
-    let prior = Problem { scaling: Scaling::Prior, ..problem.clone() };
-    let nominal = fit(&prior, &found.robust.kept, None, &start, Freedom::Frames)?.state;
-    let redundancy = redundancy::analyse(&problem, &nominal, &found.robust.kept);
-    let results = row_results(&problem, &nominal, &found, &held_out);
-    let own = |cv: &[Option<Vector3<f64>>]| judged(&results, cv);
-    let flags: Vec<FlaggedRow> = found.robust.outliers.iter().map(flagged_row).collect();
-
-    let stats = |all: bool, f: fn(&RowResult) -> Vector3<f64>| {
-        let used = results.iter().filter(|r| all || !r.flagged);
-        Stats::of(&used.map(f).collect::<Vec<_>>())
+    let cross_validation = match folds.len() {
+        n if n == data.poses => format!("leave-one-out over {n} poses"),
+        n => format!("{n} random folds of poses"),
     };
-    let mut warnings = [robot.warnings.clone(), data.warnings.clone()].concat();
-    if 2 * data.poses < data.rows.len() && data.markers.len() * data.stations.len() == 1 {
-        warnings.push(format!(
-            "{}: {} rows but only {} distinct poses; repeats average noise, they do not identify",
-            data.path.display(),
-            data.rows.len(),
-            data.poses
-        ));
-    }
-    let report = Report {
-        schema: "truearm-report-1",
+    let nominal = nominal_state(&problem, &found.robust.kept, &start)?;
+    Ok(Findings {
         command: "identify",
-        robot: robot.name.clone(),
-        data: data.path.display().to_string(),
-        rows: data.rows.len(),
-        poses: data.poses,
-        stations: data.stations.clone(),
-        markers: data.markers.clone(),
-        parameters: problem.unknowns.list().len(),
-        rank: redundancy.rank,
-        condition_number: redundancy.condition,
-        condition_number_raw: redundancy.condition_raw.into(),
-        lambda: found.lambda,
-        lambda_rule: options.rule.name(),
-        lambda_scaling: match options.scaling {
-            Scaling::Prior => "prior",
-            Scaling::Printed => "printed",
-        },
-        lambda_choice: found.choice.clone(),
-        correction_norm: prior.corrections(&found.fit.state).norm(),
-        residual_over_sigma: found.robust.scale,
-        nominal: stats(false, |r| r.nominal),
-        identified: stats(false, |r| r.identified),
-        cross_validated: Stats::of(&own(&held_out)),
-        cross_validation: match folds.len() {
-            n if n == data.poses => format!("leave-one-out over {n} poses"),
-            n => format!("{n} random folds of poses"),
-        },
-        cross_validated_blocked: blocked.and_then(|b| Stats::of(&own(&b))),
-        rows_not_cross_validated: held_out.iter().filter(|r| r.is_none()).count(),
-        validation: None,
-        all_rows: AllRows {
-            nominal: stats(true, |r| r.nominal),
-            identified: stats(true, |r| r.identified),
-            cross_validated: Stats::of(&held_out.iter().flatten().copied().collect::<Vec<_>>()),
-        },
-        outlier_rows: flags.iter().map(|f| f.row).collect(),
-        outliers: flags,
-        unidentifiable: redundancy.redundant,
-        weakly_determined: redundancy.weak,
-        warnings,
-    };
-    let model = model(robot, data, &problem, &found, &report);
-    Ok(Identification { model, report, rows: results })
+        rule: options.rule.name(),
+        robot,
+        problem: &problem,
+        nominal,
+        found,
+        held_out,
+        blocked,
+        cross_validation,
+    }
+    .summarise())
+}
+
+/// Base and tool registered with nominal links.
+///
+/// # Errors
+/// As for [`fit::fit`].
+pub fn nominal_state(problem: &Problem, rows: &[usize], start: &State) -> Result<State> {
+    let prior = Problem { scaling: Scaling::Prior, ..problem.with_terms(0) };
+    let start = State { links: problem.nominal.clone(), terms: Vec::new(), ..start.clone() };
+    Ok(fit(&prior, rows, None, &start, Freedom::Frames)?.state)
 }
 
 /// Enough equations for the unknowns?
-fn enough(problem: &Problem, options: &Options) -> Result<()> {
+pub(crate) fn enough(problem: &Problem, options: &Options) -> Result<()> {
     let data = problem.data;
     if data.poses == 1 {
         return Err(Error::data(
@@ -200,106 +161,4 @@ fn enough(problem: &Problem, options: &Options) -> Result<()> {
         ));
     }
     Ok(())
-}
-
-fn row_results(
-    problem: &Problem,
-    nominal: &State,
-    found: &Estimate,
-    held_out: &[Option<Vector3<f64>>],
-) -> Vec<RowResult> {
-    let (before, after) = (problem.linearise(nominal), problem.linearise(&found.fit.state));
-    let flagged: Vec<usize> = found.robust.outliers.iter().map(|o| o.row).collect();
-    (0..problem.data.rows.len())
-        .map(|row| RowResult {
-            nominal: before.residual(row),
-            identified: after.residual(row),
-            held_out: held_out[row],
-            flagged: flagged.contains(&row),
-        })
-        .collect()
-}
-
-/// Held-out residuals that count: a row is left out only if it is flagged and
-/// its own held-out residual is beyond 10 robust standard deviations.
-fn judged(results: &[RowResult], held_out: &[Option<Vector3<f64>>]) -> Vec<Vector3<f64>> {
-    let distances: Vec<f64> = held_out.iter().flatten().map(|r| r.norm()).collect();
-    let limit = 10.0 * robust_distance_scale(&distances);
-    let counts = |(row, r): &(&RowResult, Vector3<f64>)| !(row.flagged && r.norm() > limit);
-    let rows = results.iter().zip(held_out).filter_map(|(row, r)| Some((row, (*r)?)));
-    rows.filter(counts).map(|(_, r)| r).collect()
-}
-
-fn flagged_row(outlier: &robust::Outlier) -> FlaggedRow {
-    FlaggedRow {
-        row: outlier.row + 1,
-        coordinates: outlier.coordinates.iter().map(|c| ["x", "y", "z"][*c]).collect(),
-        residual_mm: (outlier.residual * 1e3).into(),
-    }
-}
-
-fn model(
-    robot: &Robot,
-    data: &Measurements,
-    problem: &Problem,
-    found: &Estimate,
-    report: &Report,
-) -> Model {
-    let state = &found.fit.state;
-    let cov = covariance(&found.fit.triangle, problem.unknowns.free(), found.lambda);
-    let noise = match problem.scaling {
-        Scaling::Prior => found.robust.scale,
-        Scaling::Printed => {
-            found.robust.scale
-                * robust::median(&data.rows.iter().map(|r| r.sigma).collect::<Vec<_>>())
-        }
-    };
-    let sigma =
-        |k: usize| cov[(k, k)].max(0.0).sqrt() * noise * problem.unit(problem.unknowns.list()[k]);
-    let at = |i: usize| problem.unknowns.free() + 5 * i;
-    let uncertainties = (0..robot.joints.len())
-        .map(|i| MdhParameters::from_array(core::array::from_fn(|k| sigma(at(i) + k))));
-    let frame = robot_frame(problem, found);
-    let turn = Rotation3::from_matrix_unchecked(frame.rotation).scaled_axis();
-    let labels = |l: &[String]| l.to_vec();
-    Model {
-        robot: robot.clone(),
-        corrections: link_corrections(state, &problem.nominal),
-        uncertainties: uncertainties.collect(),
-        covered: data.covered(),
-        terms: Vec::new(),
-        stations: labels(&data.stations).into_iter().zip(state.bases.iter().copied()).collect(),
-        markers: labels(&data.markers).into_iter().zip(state.markers.iter().copied()).collect(),
-        frame_translation: frame.translation,
-        frame_rotation: turn,
-        provenance: crate::files::Provenance {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            created: humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string(),
-            data: report.data.clone(),
-            rows: report.rows,
-            poses: report.poses,
-            outlier_rows: report.outlier_rows.clone(),
-            lambda: report.lambda,
-            lambda_rule: report.lambda_rule.to_owned(),
-            nominal_rms_mm: report.nominal.map_or(0.0, |s| s.rms_mm),
-            cross_validated_rms_mm: report.cross_validated.map_or(0.0, |s| s.rms_mm),
-        },
-        unidentifiable: [report.unidentifiable.clone(), report.weakly_determined.clone()].concat(),
-    }
-}
-
-/// The rigid transform that best carries identified tool points onto nominal
-/// ones over the identification poses: what is left of the redundancy between
-/// geometry and base once the commanded frame is declared to be the nominal one.
-fn robot_frame(problem: &Problem, found: &Estimate) -> Pose<f64> {
-    let state = &found.fit.state;
-    let points = |links: &[truearm::Link<f64>]| -> Vec<Vector3<f64>> {
-        let chains: Vec<_> =
-            state.markers.iter().map(|m| chain(links, Pose::identity(), *m)).collect();
-        let rows = found.robust.kept.iter().map(|r| &problem.data.rows[*r]);
-        rows.map(|r| chains[r.marker].pose(&r.q).translation).collect()
-    };
-    let weights = vec![1.0; found.robust.kept.len()];
-    registration::rigid_transform(&points(&state.links), &points(&problem.nominal), &weights)
-        .unwrap_or_else(Pose::identity)
 }

@@ -13,10 +13,24 @@ use super::unknowns::State;
 use crate::error::{Error, Result};
 use crate::tikhonov::covariance;
 
-/// A coordinate beyond this many standard deviations of what the other rows
-/// predict is a gross error beyond doubt: at 18 poses chance does that once in
-/// a hundred million, and honest rows of a coarse model stay below 6.
-const GROSS: f64 = 8.0;
+/// How flags are raised.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flags {
+    /// Lambda of the prior scaling.
+    pub lambda: f64,
+    /// A coordinate beyond this many standard deviations of what the other rows
+    /// predict is a gross error.
+    pub gross: f64,
+}
+
+impl Default for Flags {
+    /// Beyond doubt: at 18 poses chance passes 8 once in a hundred million, and
+    /// honest rows of a coarse model stay below 6.
+    fn default() -> Self {
+        Self { lambda: 1.0, gross: 8.0 }
+    }
+}
+
 /// More flagged rows than this share are no outliers but a wrong model.
 const MOST_FLAGGED: f64 = 0.25;
 
@@ -63,19 +77,23 @@ pub fn mad_scale(values: &[f64]) -> f64 {
     1.4826 * median(&values.iter().map(|v| v.abs()).collect::<Vec<_>>())
 }
 
-/// Fits the given rows with lambda = 1 of the prior scaling, flagging gross
-/// errors.
+/// Fits the given rows in the prior scaling, flagging gross errors.
 ///
 /// # Errors
 /// As for [`fit`], or when so many rows disagree that none can be called wrong.
-pub fn robust_fit(problem: &Problem, rows: &[usize], start: &State) -> Result<RobustFit> {
-    let freedom = Freedom::All(1.0);
-    let mut flagged = suspects(problem, rows, start)?;
+pub fn robust_fit(
+    problem: &Problem,
+    rows: &[usize],
+    start: &State,
+    flags: Flags,
+) -> Result<RobustFit> {
+    let freedom = Freedom::All(flags.lambda);
+    let mut flagged = suspects(problem, rows, start, freedom)?;
     let mut seen: Vec<Vec<usize>> = Vec::new();
     loop {
         let kept: Vec<usize> = rows.iter().copied().filter(|r| !flagged.contains(r)).collect();
         let fit = fit(problem, &kept, None, start, freedom)?;
-        let (outliers, scale) = judge(problem, &fit, rows, &kept);
+        let (outliers, scale) = judge(problem, &fit, rows, &kept, flags);
         let next: Vec<usize> = outliers.iter().map(|o| o.row).collect();
         if next.len() as f64 > MOST_FLAGGED * rows.len() as f64 {
             return Err(Error::data(
@@ -92,7 +110,12 @@ pub fn robust_fit(problem: &Problem, rows: &[usize], start: &State) -> Result<Ro
 }
 
 /// Rows that an M-estimate leaves far off.
-fn suspects(problem: &Problem, rows: &[usize], start: &State) -> Result<Vec<usize>> {
+fn suspects(
+    problem: &Problem,
+    rows: &[usize],
+    start: &State,
+    fitted: Freedom,
+) -> Result<Vec<usize>> {
     let mut state = start.clone();
     let mut weights = first_weights(problem, rows, start);
     let count = 3.0 * rows.len() as f64;
@@ -100,7 +123,7 @@ fn suspects(problem: &Problem, rows: &[usize], start: &State) -> Result<Vec<usiz
     let freedom = (count / (count - unknowns).max(0.25 * count)).sqrt();
     let mut flagged = Vec::new();
     for pass in 0..15 {
-        state = fit(problem, rows, Some(&weights), &state, Freedom::All(1.0))?.state;
+        state = fit(problem, rows, Some(&weights), &state, fitted)?.state;
         let at = problem.linearise(&state);
         let residuals: Vec<Vector3<f64>> =
             rows.iter().map(|r| at.residual(*r) / problem.data.rows[*r].sigma).collect();
@@ -148,9 +171,15 @@ fn first_weights(problem: &Problem, rows: &[usize], start: &State) -> Vec<Vector
 }
 
 /// Tests every row against what the fit without it predicts.
-fn judge(problem: &Problem, fit: &Fit, rows: &[usize], kept: &[usize]) -> (Vec<Outlier>, f64) {
+fn judge(
+    problem: &Problem,
+    fit: &Fit,
+    rows: &[usize],
+    kept: &[usize],
+    flags: Flags,
+) -> (Vec<Outlier>, f64) {
     let at = problem.linearise(&fit.state);
-    let cov = covariance(&fit.triangle, problem.unknowns.free(), 1.0);
+    let cov = covariance(&fit.triangle, problem.unknowns.free(), flags.lambda);
     let mut deletions = Vec::with_capacity(rows.len());
     for row in rows {
         deletions.push(deletion(
@@ -171,7 +200,7 @@ fn judge(problem: &Problem, fit: &Fit, rows: &[usize], kept: &[usize]) -> (Vec<O
     let mut outliers = Vec::new();
     for (row, (e, sd)) in rows.iter().zip(&deletions) {
         let coordinates: Vec<usize> =
-            (0..3).filter(|c| e[*c].abs() > GROSS * scale * sd[*c]).collect();
+            (0..3).filter(|c| e[*c].abs() > flags.gross * scale * sd[*c]).collect();
         if !coordinates.is_empty() {
             let sigma = problem.data.rows[*row].sigma;
             outliers.push(Outlier { row: *row, coordinates, residual: e * sigma });

@@ -1,0 +1,72 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use truearm_host::Result;
+use truearm_host::diagnose::{DiagnoseOptions, diagnose};
+use truearm_host::files::{Measurements, Robot, write};
+
+use super::identify::residuals;
+use super::progress::Bar;
+use super::{table, warn};
+
+/// Find where model and measurement disagree, name the missing effect, add it,
+/// and show the gap shrink on poses that were not fitted.
+#[derive(Args)]
+pub struct Diagnose {
+    /// The nominal arm, robot.toml
+    robot: PathBuf,
+    /// Measured points, measurements.csv
+    data: PathBuf,
+    /// Poses that are only used to show the gap
+    #[arg(long, value_name = "FILE")]
+    holdout: Option<PathBuf>,
+    /// Write model.toml, report.json and residuals.csv into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print report.json instead of the summary
+    #[arg(long)]
+    json: bool,
+    /// Highest order of a periodic error to look for, cycles a turn
+    #[arg(long, default_value_t = DiagnoseOptions::default().highest_order, value_name = "CYCLES")]
+    highest_order: f64,
+    /// Go on with fewer equations than unknowns
+    #[arg(long)]
+    allow_few_poses: bool,
+}
+
+impl Diagnose {
+    pub fn run(self) -> Result<()> {
+        let robot = Robot::read(&self.robot)?;
+        let data = Measurements::read(&self.data, &robot)?;
+        let holdout = self.holdout.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
+        let options = DiagnoseOptions {
+            highest_order: self.highest_order.clamp(3.0, 2000.0),
+            allow_few_poses: self.allow_few_poses,
+        };
+        let bar = Bar::new("diagnosing");
+        let found = diagnose(&robot, &data, holdout.as_ref(), &options, &|stage| bar.stage(stage));
+        bar.finish();
+        let found = found?;
+        warn(&found.report.base.warnings);
+        let json = serde_json::to_string_pretty(&found.report)
+            .unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
+            + "\n";
+        if self.json {
+            print!("{json}");
+        } else {
+            print!("{}", table::diagnosis(&found.report));
+        }
+        if let Some(folder) = &self.out {
+            write(&folder.join("model.toml"), found.model.to_toml().as_bytes())?;
+            write(&folder.join("report.json"), json.as_bytes())?;
+            write(&folder.join("residuals.csv"), residuals(&data, &found.rows).as_bytes())?;
+            if !self.json {
+                println!(
+                    "wrote {}",
+                    folder.join("{model.toml,report.json,residuals.csv}").display()
+                );
+            }
+        }
+        Ok(())
+    }
+}

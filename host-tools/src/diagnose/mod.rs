@@ -1,0 +1,187 @@
+//! Find, name, add, show: what rigid geometry cannot explain.
+//!
+//! robust geometric fit -> *where* the residuals are -> *what* explains them
+//! ([`search`]) -> *show* the gap shrink on held-out poses -> verdict.
+
+pub mod candidates;
+mod outcome;
+mod scan;
+pub mod score;
+pub mod search;
+mod show;
+mod tail;
+mod whereabouts;
+
+pub use outcome::{Alternative, Coefficient, DiagnoseReport, Effect, GapRow, Verdict};
+
+use nalgebra::Vector3;
+
+use crate::error::{Error, Result};
+use crate::files::{Measurements, Model, Robot};
+use crate::identify::estimate::Estimate;
+use crate::identify::registration::register;
+use crate::identify::robust::Flags;
+use crate::identify::{
+    Findings, Options, Problem, RowResult, Scaling, enough, folds, nominal_state,
+};
+use search::{Effort, Node, Search};
+
+/// Below this share of the structure that geometry leaves, a name would be
+/// forced: something else is at work.
+const NAMEABLE: f64 = 0.7;
+/// A coordinate this many standard deviations off what the other rows predict
+/// is a gross error once the structure is modelled.
+const GROSS: f64 = 6.0;
+
+/// The result.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// With all terms, for evaluation and packing.
+    pub model: Model,
+    /// Figures and names.
+    pub report: DiagnoseReport,
+    /// Per row.
+    pub rows: Vec<RowResult>,
+}
+
+/// What the user may choose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiagnoseOptions {
+    /// Highest order of a periodic error to scan, cycles a turn.
+    pub highest_order: f64,
+    /// Go on with fewer equations than unknowns.
+    pub allow_few_poses: bool,
+}
+
+impl Default for DiagnoseOptions {
+    fn default() -> Self {
+        Self { highest_order: 420.0, allow_few_poses: false }
+    }
+}
+
+/// Names what is missing in the geometry of `robot`. `holdout` poses are never
+/// fitted; they only show.
+///
+/// # Errors
+/// As for `identify`, and a hold-out file of unknown stations.
+pub fn diagnose(
+    robot: &Robot,
+    data: &Measurements,
+    holdout: Option<&Measurements>,
+    options: &DiagnoseOptions,
+    progress: &dyn Fn(&'static str),
+) -> Result<Diagnosis> {
+    let problem = Problem::new(data, robot, Scaling::Prior);
+    enough(&problem, &Options { allow_few_poses: options.allow_few_poses, ..Options::default() })?;
+    let rows: Vec<usize> = (0..data.rows.len()).collect();
+    let start = register(data, &problem.nominal, robot.tool)?;
+    let (candidates, not_testable) = candidates::all(&problem, robot);
+    let mut search = Search {
+        problem: &problem,
+        candidates: &candidates,
+        highest_order: options.highest_order,
+        flags: Flags { lambda: 1.0, gross: GROSS },
+        rows: &rows,
+        effort: Effort::for_rows(rows.len()),
+    };
+    progress("geometry");
+    let first = search.fit(Vec::new(), &start)?;
+    search.flags.lambda = believable_lambda(&problem, &first);
+    let root = search.fit(Vec::new(), &first.fit.fit.state)?;
+    let nodes = search.run(root.clone(), &|| progress("searching for effects"))?;
+    let (verdict, best) = judge(&root, &nodes[0]);
+    progress("held-out poses");
+
+    let whereabouts = whereabouts::sentences(&problem, &root);
+    let nominal = nominal_state(&problem, &best.fit.kept, &start)?;
+    let stages = show::stages(&search, &root, &best)?;
+    let alternatives = if matches!(verdict, Verdict::Explained) {
+        show::alternatives(&search, robot, &best, &nodes)
+    } else {
+        Vec::new()
+    };
+    let folds = folds::random(data, &rows, folds::SEED);
+    let show = show::Show { search: &search, folds: &folds, holdout, robot };
+    let gap = show.gap(&nominal, &stages)?;
+    let held_out = show.held_out(&best)?;
+    let blocked = match folds::blocked(data, &rows) {
+        Some(folds) => Some(show::Show { folds: &folds, ..show }.held_out(&best)?),
+        None => None,
+    };
+
+    let terms = problem.with_terms(best.fit.fit.state.terms.len());
+    let findings = Findings {
+        command: "diagnose",
+        rule: "marginal-likelihood",
+        robot,
+        problem: &terms,
+        nominal,
+        found: Estimate {
+            fit: best.fit.fit.clone(),
+            robust: best.fit.clone(),
+            lambda: search.flags.lambda,
+            choice: None,
+        },
+        held_out,
+        blocked,
+        cross_validation: format!(
+            "{} folds of poses, flags redone in each, terms held",
+            folds.len()
+        ),
+    };
+    let identified = findings.summarise();
+    let effects = show::effects(&findings, &stages, &gap, &best);
+    let variance: f64 = data.rows.iter().map(|r| 3.0 * r.sigma * r.sigma).sum();
+    let report = DiagnoseReport {
+        base: identified.report,
+        verdict,
+        effects,
+        noise_floor_mm: (variance / data.rows.len() as f64).sqrt() * 1e3,
+        reduced_chi_square: best.reduced,
+        geometry_reduced_chi_square: root.reduced,
+        gap,
+        alternatives,
+        not_testable,
+        whereabouts,
+    };
+    Ok(Diagnosis { model: identified.model, report, rows: identified.rows })
+}
+
+/// The tolerances of the prior are a guess; corrections that are larger all
+/// over say that the arm was made to wider ones (type II maximum likelihood).
+fn believable_lambda(problem: &Problem, node: &Node) -> f64 {
+    let norm = problem.corrections(&node.fit.fit.state).norm_squared();
+    let count = 5.0 * problem.nominal.len() as f64;
+    (count / norm.max(1e-9)).clamp(0.02, 1.0)
+}
+
+/// Clean, explained or unexplained, and the explanation that may be named.
+fn judge(root: &Node, best: &Node) -> (Verdict, Node) {
+    if at_floor(best) {
+        let nothing = best.added.is_empty() && best.fit.outliers.is_empty();
+        return (if nothing { Verdict::Clean } else { Verdict::Explained }, best.clone());
+    }
+    // Something is left. Names are given only if they carry nearly all of it.
+    let share = 1.0 - (best.reduced - 1.0) / (root.reduced - 1.0).max(1e-9);
+    let named = if share >= NAMEABLE { best } else { root };
+    (Verdict::Unexplained, named.clone())
+}
+
+/// Whether the residuals are what the stated noise leaves: chi-square over
+/// degrees of freedom within its scatter, with room for a sigma that is stated
+/// to one digit.
+fn at_floor(node: &Node) -> bool {
+    node.reduced < 1.0 + (6.0 * (2.0 / node.freedom).sqrt()).max(0.4)
+}
+
+/// Held-out residuals of rows, where the others determine them.
+pub(crate) type HeldOut = Vec<Option<Vector3<f64>>>;
+
+/// A station or marker of a hold-out file that the training did not have.
+pub(crate) fn unknown_label(data: &Measurements, what: &str, label: &str) -> Error {
+    Error::data(
+        format!("{}: {what} \"{label}\" is not in the training data", data.path.display()),
+        "hold-out poses are judged in the frames of the training; for another station use \
+         `truearm evaluate --reregister base`",
+    )
+}

@@ -1,0 +1,114 @@
+//! What `diagnose` has to say: a superset of the report of `identify`.
+
+use serde::Serialize;
+
+use crate::report::Report;
+
+/// The verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Geometry alone reaches the noise floor.
+    Clean,
+    /// The named effects reach it.
+    Explained,
+    /// Structure is left that no effect of the repertoire explains.
+    Unexplained,
+}
+
+/// A named effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Effect {
+    /// Name.
+    pub name: &'static str,
+    /// Joints, counted from 1; coupling is source, target; empty where it does
+    /// not apply.
+    pub joints: Vec<usize>,
+    /// Cycles a turn of a periodic effect.
+    pub order: Option<f64>,
+    /// Its coefficients.
+    pub coefficients: Vec<Coefficient>,
+    /// Chance of as much from noise, corrected for all that was tried.
+    pub p_value: f64,
+    /// 1 - RMS with over RMS without it, on held-out poses.
+    pub holdout_gain: f64,
+}
+
+/// One coefficient.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Coefficient {
+    /// Joint, counted from 1.
+    pub joint: Option<usize>,
+    /// Which one, where there are several: cos, sin, x, y...
+    pub part: &'static str,
+    /// Value.
+    pub value: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// One standard deviation.
+    pub sigma: f64,
+    /// Backlash: friction torque above which gravity takes the side, N m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_nm: Option<f64>,
+}
+
+/// A line of the gap table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GapRow {
+    /// `nominal`, `geometry`, `+ joint-compliance`...
+    pub model: String,
+    /// RMS of the fitted rows, flagged ones left out, mm.
+    pub train_rms_mm: f64,
+    /// RMS of poses held out in folds, mm.
+    pub cross_validated_rms_mm: Option<f64>,
+    /// RMS of the hold-out file, mm.
+    pub holdout_rms_mm: Option<f64>,
+}
+
+/// Another explanation that the data cannot rule out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Alternative {
+    /// Its effects: name and joints.
+    pub effects: Vec<(&'static str, Vec<usize>)>,
+    /// How much worse it is, in units of chi-square.
+    pub worse_by: f64,
+    /// Poses that would tell the two apart best, degrees (mm for prismatic
+    /// joints), each with the distance of the two predictions in mm.
+    pub separating_poses: Vec<SeparatingPose>,
+}
+
+/// A pose to measure next.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SeparatingPose {
+    /// Joint values, degrees or mm.
+    pub joints: Vec<f64>,
+    /// Distance between the predictions of the two explanations, mm.
+    pub difference_mm: f64,
+}
+
+/// `report.json` of `diagnose`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DiagnoseReport {
+    /// The report of `identify`, of the final model.
+    #[serde(flatten)]
+    pub base: Report,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// What was found, most important first.
+    pub effects: Vec<Effect>,
+    /// From nominal to the final model.
+    pub gap: Vec<GapRow>,
+    /// 3-D RMS of a perfect model, mm.
+    pub noise_floor_mm: f64,
+    /// Chi-square over degrees of freedom of the final model.
+    pub reduced_chi_square: f64,
+    /// The same of geometry alone.
+    pub geometry_reduced_chi_square: f64,
+    /// Explanations within reach of each other.
+    pub alternatives: Vec<Alternative>,
+    /// Effects that need a column or key the data do not have.
+    pub not_testable: Vec<String>,
+    /// Where the residuals of the geometric fit are.
+    #[serde(rename = "where")]
+    pub whereabouts: Vec<String>,
+}

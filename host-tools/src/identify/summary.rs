@@ -1,0 +1,208 @@
+//! From findings to model and report.
+
+use nalgebra::{Rotation3, Vector3};
+use truearm::{MdhParameters, Pose};
+
+use super::estimate::Estimate;
+use super::problem::link_corrections;
+use super::{Identification, Problem, RowResult, Scaling, State, redundancy, registration, robust};
+use crate::chain::chain;
+use crate::files::{Model, Provenance, Robot};
+use crate::report::{AllRows, FlaggedRow, Report, Stats, robust_distance_scale};
+use crate::tikhonov::covariance;
+
+/// All that was found out about a data set.
+pub struct Findings<'a> {
+    /// The verb.
+    pub command: &'static str,
+    /// How lambda was chosen.
+    pub rule: &'static str,
+    /// The nominal arm.
+    pub robot: &'a Robot,
+    /// The data, with as many terms as the estimate has.
+    pub problem: &'a Problem<'a>,
+    /// Base and tool registered with nominal links.
+    pub nominal: State,
+    /// The estimate.
+    pub found: Estimate,
+    /// Held-out residuals of every row, m.
+    pub held_out: Vec<Option<Vector3<f64>>>,
+    /// The same from folds that are blocks in time.
+    pub blocked: Option<Vec<Option<Vector3<f64>>>>,
+    /// How they were held out.
+    pub cross_validation: String,
+}
+
+impl Findings<'_> {
+    /// Model, report and what became of each row.
+    #[must_use]
+    pub fn summarise(&self) -> Identification {
+        let Self { robot, problem, found, held_out, .. } = self;
+        let data = problem.data;
+        let prior = Problem { scaling: Scaling::Prior, ..(*problem).clone() };
+        let geometry = problem.with_terms(0);
+        let redundancy = redundancy::analyse(&geometry, &self.nominal, &found.robust.kept);
+        let results = self.row_results();
+        let own = |cv: &[Option<Vector3<f64>>]| Stats::of(&judged(&results, cv));
+        let flags: Vec<FlaggedRow> = found.robust.outliers.iter().map(flagged_row).collect();
+        let stats = |all: bool, f: fn(&RowResult) -> Vector3<f64>| {
+            let used = results.iter().filter(|r| all || !r.flagged);
+            Stats::of(&used.map(f).collect::<Vec<_>>())
+        };
+        let mut warnings = [robot.warnings.clone(), data.warnings.clone()].concat();
+        if 2 * data.poses < data.rows.len() && data.markers.len() * data.stations.len() == 1 {
+            warnings.push(format!(
+                "{}: {} rows but only {} distinct poses; repeats average noise, they do not identify",
+                data.path.display(),
+                data.rows.len(),
+                data.poses
+            ));
+        }
+        let report = Report {
+            schema: "truearm-report-1",
+            command: self.command,
+            robot: robot.name.clone(),
+            data: data.path.display().to_string(),
+            rows: data.rows.len(),
+            poses: data.poses,
+            stations: data.stations.clone(),
+            markers: data.markers.clone(),
+            parameters: problem.unknowns.list().len(),
+            rank: redundancy.rank + found.fit.state.terms.len(),
+            condition_number: redundancy.condition,
+            condition_number_raw: redundancy.condition_raw.into(),
+            lambda: found.lambda,
+            lambda_rule: self.rule,
+            lambda_scaling: match problem.scaling {
+                Scaling::Prior => "prior",
+                Scaling::Printed => "printed",
+            },
+            lambda_choice: found.choice.clone(),
+            correction_norm: prior.corrections(&found.fit.state).norm(),
+            residual_over_sigma: found.robust.scale,
+            nominal: stats(false, |r| r.nominal),
+            identified: stats(false, |r| r.identified),
+            cross_validated: own(held_out),
+            cross_validation: self.cross_validation.clone(),
+            cross_validated_blocked: self.blocked.as_ref().and_then(|b| own(b)),
+            rows_not_cross_validated: held_out.iter().filter(|r| r.is_none()).count(),
+            validation: None,
+            all_rows: AllRows {
+                nominal: stats(true, |r| r.nominal),
+                identified: stats(true, |r| r.identified),
+                cross_validated: Stats::of(&held_out.iter().flatten().copied().collect::<Vec<_>>()),
+            },
+            outlier_rows: flags.iter().map(|f| f.row).collect(),
+            outliers: flags,
+            unidentifiable: redundancy.redundant,
+            weakly_determined: redundancy.weak,
+            warnings,
+        };
+        Identification { model: self.model(&report), report, rows: results }
+    }
+
+    fn row_results(&self) -> Vec<RowResult> {
+        let before = self.problem.linearise(&self.nominal);
+        let after = self.problem.linearise(&self.found.fit.state);
+        let flagged: Vec<usize> = self.found.robust.outliers.iter().map(|o| o.row).collect();
+        (0..self.problem.data.rows.len())
+            .map(|row| RowResult {
+                nominal: before.residual(row),
+                identified: after.residual(row),
+                held_out: self.held_out[row],
+                flagged: flagged.contains(&row),
+            })
+            .collect()
+    }
+
+    fn model(&self, report: &Report) -> Model {
+        let Self { robot, problem, found, .. } = self;
+        let data = problem.data;
+        let state = &found.fit.state;
+        let sigma = self.sigmas();
+        let at = |i: usize| problem.unknowns.free() + 5 * i;
+        let uncertainties = (0..robot.joints.len())
+            .map(|i| MdhParameters::from_array(core::array::from_fn(|k| sigma[at(i) + k])));
+        let frame = robot_frame(problem, found);
+        let turn = Rotation3::from_matrix_unchecked(frame.rotation).scaled_axis();
+        let stations = data.stations.iter().cloned().zip(state.bases.iter().copied());
+        let markers = data.markers.iter().cloned().zip(state.markers.iter().copied());
+        Model {
+            robot: (*robot).clone(),
+            corrections: link_corrections(state, &problem.nominal),
+            uncertainties: uncertainties.collect(),
+            covered: data.covered(),
+            terms: state.terms.clone(),
+            stations: stations.collect(),
+            markers: markers.collect(),
+            frame_translation: frame.translation,
+            frame_rotation: turn,
+            provenance: Provenance {
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                created: humantime::format_rfc3339_seconds(std::time::SystemTime::now())
+                    .to_string(),
+                data: report.data.clone(),
+                rows: report.rows,
+                poses: report.poses,
+                outlier_rows: report.outlier_rows.clone(),
+                lambda: report.lambda,
+                lambda_rule: report.lambda_rule.to_owned(),
+                nominal_rms_mm: report.nominal.map_or(0.0, |s| s.rms_mm),
+                cross_validated_rms_mm: report.cross_validated.map_or(0.0, |s| s.rms_mm),
+            },
+            unidentifiable: [report.unidentifiable.clone(), report.weakly_determined.clone()]
+                .concat(),
+        }
+    }
+
+    /// One standard deviation of every unknown, SI, from the posterior
+    /// covariance and the scale of the residuals.
+    #[must_use]
+    pub fn sigmas(&self) -> Vec<f64> {
+        let Self { problem, found, .. } = self;
+        let cov = covariance(&found.fit.triangle, problem.unknowns.free(), found.lambda);
+        let noise = match problem.scaling {
+            Scaling::Prior => found.robust.scale,
+            Scaling::Printed => {
+                let sigmas: Vec<f64> = problem.data.rows.iter().map(|r| r.sigma).collect();
+                found.robust.scale * robust::median(&sigmas)
+            }
+        };
+        let units = problem.units();
+        (0..units.len()).map(|k| cov[(k, k)].max(0.0).sqrt() * noise * units[k]).collect()
+    }
+}
+
+/// Held-out residuals that count: a row is left out only if it is flagged and
+/// its own held-out residual is beyond 10 robust standard deviations.
+fn judged(results: &[RowResult], held_out: &[Option<Vector3<f64>>]) -> Vec<Vector3<f64>> {
+    let distances: Vec<f64> = held_out.iter().flatten().map(|r| r.norm()).collect();
+    let limit = 10.0 * robust_distance_scale(&distances);
+    let counts = |(row, r): &(&RowResult, Vector3<f64>)| !(row.flagged && r.norm() > limit);
+    let rows = results.iter().zip(held_out).filter_map(|(row, r)| Some((row, (*r)?)));
+    rows.filter(counts).map(|(_, r)| r).collect()
+}
+
+fn flagged_row(outlier: &robust::Outlier) -> FlaggedRow {
+    FlaggedRow {
+        row: outlier.row + 1,
+        coordinates: outlier.coordinates.iter().map(|c| ["x", "y", "z"][*c]).collect(),
+        residual_mm: (outlier.residual * 1e3).into(),
+    }
+}
+
+/// The rigid transform that best carries identified tool points onto nominal
+/// ones over the identification poses: what is left of the redundancy between
+/// geometry and base once the commanded frame is declared to be the nominal one.
+fn robot_frame(problem: &Problem, found: &Estimate) -> Pose<f64> {
+    let state = &found.fit.state;
+    let points = |links: &[truearm::Link<f64>]| -> Vec<Vector3<f64>> {
+        let chains: Vec<_> =
+            state.markers.iter().map(|m| chain(links, Pose::identity(), *m)).collect();
+        let rows = found.robust.kept.iter().map(|r| &problem.data.rows[*r]);
+        rows.map(|r| chains[r.marker].pose(&r.q).translation).collect()
+    };
+    let weights = vec![1.0; found.robust.kept.len()];
+    registration::rigid_transform(&points(&state.links), &points(&problem.nominal), &weights)
+        .unwrap_or_else(Pose::identity)
+}
