@@ -29,6 +29,9 @@ pub struct Diagnose {
     /// Highest order of a periodic error to look for, cycles a turn
     #[arg(long, default_value_t = DiagnoseOptions::default().highest_order, value_name = "CYCLES")]
     highest_order: f64,
+    /// Most terms of the model; a controller takes 24
+    #[arg(long, default_value_t = DiagnoseOptions::default().most_terms, value_name = "TERMS")]
+    most_terms: usize,
     /// Go on with fewer equations than unknowns
     #[arg(long)]
     allow_few_poses: bool,
@@ -41,6 +44,7 @@ impl Diagnose {
         let holdout = self.holdout.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         let options = DiagnoseOptions {
             highest_order: self.highest_order.clamp(3.0, 2000.0),
+            most_terms: self.most_terms,
             allow_few_poses: self.allow_few_poses,
         };
         let bar = Bar::new("diagnosing");

@@ -157,8 +157,15 @@ pub fn diagnosis(r: &DiagnoseReport) -> String {
             "verdict: unexplained, the effects below carry most of it but not all\n"
         }
     };
+    let mut told: Vec<&str> = Vec::new();
     for e in &r.effects {
-        out += &format!("  {}\n", effect(e));
+        let same: Vec<&Effect> = r.effects.iter().filter(|o| o.name == e.name).collect();
+        if same.len() <= 3 {
+            out += &format!("  {}\n", effect(e));
+        } else if !told.contains(&e.name) {
+            told.push(e.name);
+            out += &spectrum(&same);
+        }
     }
     out += "\nRMS error, mm                    fitted  cross-val   hold-out\n";
     for row in &r.gap {
@@ -230,6 +237,31 @@ fn effect(e: &Effect) -> String {
     }
     if e.holdout_gain != 0.0 {
         out += &format!("; held-out error falls by {:.0} %", e.holdout_gain * 100.0);
+    }
+    out
+}
+
+/// Many orders of one periodic effect: a line a joint, amplitudes in mrad.
+fn spectrum(effects: &[&Effect]) -> String {
+    let mut joints: Vec<usize> = effects.iter().flat_map(|e| e.joints.clone()).collect();
+    joints.sort_unstable();
+    joints.dedup();
+    let gain = effects.first().map_or(0.0, |e| e.holdout_gain);
+    let name = effects.first().map_or("", |e| e.name);
+    let mut out = format!("  {name}; held-out error falls by {:.0} %\n", gain * 100.0);
+    for joint in joints {
+        let mut lines: Vec<(f64, f64)> = Vec::new();
+        for e in effects {
+            let mine = e.coefficients.iter().filter(|c| c.joint == Some(joint));
+            let square: f64 = mine.map(|c| c.value * c.value).sum();
+            if square > 0.0 {
+                lines.push((square.sqrt() * 1e3, e.order.unwrap_or(0.0)));
+            }
+        }
+        lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let list: Vec<String> =
+            lines.iter().map(|(mrad, order)| format!("{order:.1} ({mrad:.2})")).collect();
+        out += &format!("    joint {joint}, cycles a turn (mrad): {}\n", list.join(", "));
     }
     out
 }

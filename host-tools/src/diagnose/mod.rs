@@ -24,11 +24,13 @@ use crate::identify::robust::Flags;
 use crate::identify::{
     Findings, Options, Problem, RowResult, Scaling, enough, folds, nominal_state,
 };
-use search::{Effort, Node, Search};
+use search::{Node, Search};
 
 /// Below this share of the structure that geometry leaves, a name would be
 /// forced: something else is at work.
 const NAMEABLE: f64 = 0.7;
+/// Share of it that an effect must carry to be named where something is left.
+const STRONG: f64 = 0.05;
 /// A coordinate this many standard deviations off what the other rows predict
 /// is a gross error once the structure is modelled.
 const GROSS: f64 = 6.0;
@@ -49,13 +51,15 @@ pub struct Diagnosis {
 pub struct DiagnoseOptions {
     /// Highest order of a periodic error to scan, cycles a turn.
     pub highest_order: f64,
+    /// Most terms of the model.
+    pub most_terms: usize,
     /// Go on with fewer equations than unknowns.
     pub allow_few_poses: bool,
 }
 
 impl Default for DiagnoseOptions {
     fn default() -> Self {
-        Self { highest_order: 420.0, allow_few_poses: false }
+        Self { highest_order: 420.0, most_terms: 64, allow_few_poses: false }
     }
 }
 
@@ -82,15 +86,15 @@ pub fn diagnose(
         highest_order: options.highest_order,
         flags: Flags { lambda: 1.0, gross: GROSS },
         rows: &rows,
-        effort: Effort::for_rows(rows.len()),
+        most_terms: options.most_terms,
     };
     progress("geometry");
     let first = search.fit(Vec::new(), &start)?;
     search.flags.lambda = believable_lambda(&problem, &first);
     let root = search.fit(Vec::new(), &first.fit.fit.state)?;
     let nodes = search.run(root.clone(), &|| progress("searching for effects"))?;
-    let (verdict, best) = judge(&root, &nodes[0]);
     progress("held-out poses");
+    let (verdict, best) = judge(&search, &root, &nodes[0])?;
 
     let whereabouts = whereabouts::sentences(&problem, &root);
     let nominal = nominal_state(&problem, &best.fit.kept, &start)?;
@@ -156,15 +160,21 @@ fn believable_lambda(problem: &Problem, node: &Node) -> f64 {
 }
 
 /// Clean, explained or unexplained, and the explanation that may be named.
-fn judge(root: &Node, best: &Node) -> (Verdict, Node) {
+fn judge(search: &Search, root: &Node, best: &Node) -> Result<(Verdict, Node)> {
     if at_floor(best) {
         let nothing = best.added.is_empty() && best.fit.outliers.is_empty();
-        return (if nothing { Verdict::Clean } else { Verdict::Explained }, best.clone());
+        return Ok((if nothing { Verdict::Clean } else { Verdict::Explained }, best.clone()));
     }
-    // Something is left. Names are given only if they carry nearly all of it.
-    let share = 1.0 - (best.reduced - 1.0) / (root.reduced - 1.0).max(1e-9);
-    let named = if share >= NAMEABLE { best } else { root };
-    (Verdict::Unexplained, named.clone())
+    // Something is left. Names are given only to what carries a good part of
+    // the structure, and only if together they carry nearly all of it.
+    let excess = (root.reduced - 1.0).max(1e-9);
+    if 1.0 - (best.reduced - 1.0) / excess < NAMEABLE {
+        return Ok((Verdict::Unexplained, root.clone()));
+    }
+    let stages = show::stages(search, root, best)?;
+    let strong = |k: &usize| (stages[*k - 1].reduced - stages[*k].reduced) / excess > STRONG;
+    let last = (1..stages.len()).take_while(strong).last().unwrap_or(0);
+    Ok((Verdict::Unexplained, stages[last].clone()))
 }
 
 /// Whether the residuals are what the stated noise leaves: chi-square over

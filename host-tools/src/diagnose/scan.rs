@@ -7,9 +7,6 @@ use truearm::effects::Effect;
 use super::candidates::{Candidate, periodic};
 use super::score::{JointColumns, Score};
 
-/// Distance of tested orders, cycles a turn: over 300 degrees the phase then
-/// slips by half a radian from the middle to either end.
-const STEP: f64 = 0.2;
 /// Below lies eccentricity, and what a limited joint range cannot tell from
 /// geometry.
 const LOWEST: f64 = 2.6;
@@ -28,8 +25,9 @@ pub fn scan(
     joints: usize,
     highest: f64,
 ) -> Vec<(Candidate, Score)> {
-    let count = ((highest - LOWEST) / STEP).max(1.0) as usize;
-    let order = |k: usize| LOWEST + STEP * k as f64;
+    let step = columns.step();
+    let count = ((highest - LOWEST) / step).max(1.0) as usize;
+    let order = |k: usize| LOWEST + step * k as f64;
     let mut scores = Vec::with_capacity(count);
     for first in (0..count).step_by(BATCH) {
         scores.extend(statistics(columns, order(first), BATCH.min(count - first)));
@@ -53,10 +51,22 @@ pub fn scan(
     peaks.into_iter().take(PEAKS).map(candidate).collect()
 }
 
+impl JointColumns {
+    /// Distance of tested orders, cycles a turn: small enough that from one to
+    /// the next the phase slips by half a radian at either end of the joint's
+    /// range.
+    fn step(&self) -> f64 {
+        let low = self.q.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = self.q.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (1.0 / (high - low).max(1e-3)).clamp(0.05, 0.5)
+    }
+}
+
 /// Golden section around a peak, then onto the grid.
 fn sharpened(columns: &JointColumns, order: f64) -> f64 {
-    let (mut low, mut high) = ((order - STEP).max(0.1), order + STEP);
-    for _ in 0..16 {
+    let step = columns.step();
+    let (mut low, mut high) = ((order - step).max(0.1), order + step);
+    for _ in 0..14 {
         let (a, b) = (high - 0.618 * (high - low), low + 0.618 * (high - low));
         let at = |order| statistics(columns, order, 1)[0];
         if at(a) > at(b) { high = b } else { low = a }
@@ -66,12 +76,12 @@ fn sharpened(columns: &JointColumns, order: f64) -> f64 {
 
 /// Score statistics of cosine and sine of `count` orders from `first` on.
 fn statistics(columns: &JointColumns, first: f64, count: usize) -> Vec<f64> {
-    let n = columns.q.len();
+    let (n, step) = (columns.q.len(), columns.step());
     let mut waves = DMatrix::zeros(n, 2 * count);
     for (i, q) in columns.q.iter().enumerate() {
         // From one order to the next by a rotation: no sine for each.
         let (mut sin, mut cos) = (q * first).sin_cos();
-        let (step_sin, step_cos) = (q * STEP).sin_cos();
+        let (step_sin, step_cos) = (q * step).sin_cos();
         for k in 0..count {
             waves[(i, 2 * k)] = cos;
             waves[(i, 2 * k + 1)] = sin;

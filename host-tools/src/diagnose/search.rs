@@ -3,7 +3,7 @@
 //! jointly with the geometry, flags and all, and they are compared by what they
 //! explain less a price for every coefficient and every alternative tried.
 
-use nalgebra::Vector3;
+use nalgebra::{DVector, Vector3};
 use rayon::prelude::*;
 use truearm::effects::Effect;
 
@@ -11,32 +11,22 @@ use super::candidates::Candidate;
 use super::scan::scan;
 use super::score::{Score, Scorer};
 use crate::error::Result;
-use crate::identify::robust::{Flags, RobustFit, robust_fit};
+use crate::identify::robust::{Flags, RobustFit, refit, robust_fit};
 use crate::identify::{ModelTerm, Problem, State};
+use crate::tikhonov::covariance;
 
-/// How wide and deep a search goes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Effort {
-    /// Explanations followed side by side.
-    pub beam: usize,
-    /// Refits tried from each.
-    pub branches: usize,
-    /// Most additions to one model.
-    pub deepest: usize,
-}
-
-impl Effort {
-    /// Few rows: look-alikes abound, so several explanations are followed. Many
-    /// rows tell them apart at once, but show finer structure.
-    #[must_use]
-    pub fn for_rows(rows: usize) -> Self {
-        if rows < 400 {
-            Self { beam: 5, branches: 7, deepest: 6 }
-        } else {
-            Self { beam: 1, branches: 2, deepest: 32 }
-        }
-    }
-}
+/// Rows from which on effects are told apart at once, and finer structure
+/// shows: then many terms are added one round after another.
+const MANY_ROWS: usize = 400;
+/// Explanations followed side by side with fewer rows.
+const BEAM: usize = 5;
+/// Refits tried from each.
+const BRANCHES: usize = 7;
+/// Most effects in one such model.
+const DEEPEST: usize = 6;
+/// Rounds with many rows, and additions in each.
+const ROUNDS: usize = 20;
+const TOGETHER: usize = 4;
 
 /// What an addition must be worth beyond its price, in units of chi-square.
 pub const WORTH: f64 = 8.0;
@@ -74,23 +64,36 @@ impl Node {
         self.misfit + self.price
     }
 
-    /// Signs and sizes that the physics allows: compliance and growth give way,
-    /// play lags behind.
+    /// Signs and sizes that the physics allows.
     #[must_use]
     pub fn plausible(&self) -> bool {
-        self.fit.fit.state.terms.iter().all(|t| {
-            let c = t.coefficient();
-            match t {
-                ModelTerm::Arm(term) => match term.effect {
-                    Effect::JointCompliance | Effect::BaseCompliance => (-1e-6..1e-2).contains(&c),
-                    Effect::ThermalExpansion => (-1e-5..2e-4).contains(&c),
-                    Effect::Backlash => c < 1e-5,
-                    Effect::EncoderEccentricity => c.abs() < 6e-3,
-                    _ => c.abs() < 2e-2,
-                },
-                _ => true,
-            }
-        })
+        self.fit.fit.state.terms.iter().all(plausible)
+    }
+
+    /// The additions of which a term has an impossible sign or size.
+    fn implausible(&self) -> Vec<Candidate> {
+        let mut terms = self.fit.fit.state.terms.iter();
+        let mut bad = |c: &&Candidate| {
+            // Every term is taken, or the next addition would see this one's.
+            c.terms.iter().filter_map(|_| terms.next()).filter(|t| !plausible(t)).count() > 0
+        };
+        self.added.iter().filter(|c| bad(c)).cloned().collect()
+    }
+}
+
+/// Signs and sizes that the physics allows: compliance and growth give way,
+/// play lags behind.
+fn plausible(term: &ModelTerm) -> bool {
+    let c = term.coefficient();
+    match term {
+        ModelTerm::Arm(term) => match term.effect {
+            Effect::JointCompliance | Effect::BaseCompliance => (-1e-6..1e-2).contains(&c),
+            Effect::ThermalExpansion => (-1e-5..2e-4).contains(&c),
+            Effect::Backlash => c < 1e-5,
+            Effect::EncoderEccentricity => c.abs() < 6e-3,
+            _ => c.abs() < 2e-2,
+        },
+        _ => true,
     }
 }
 
@@ -106,8 +109,8 @@ pub struct Search<'a> {
     pub flags: Flags,
     /// Rows to fit.
     pub rows: &'a [usize],
-    /// How wide and deep to go.
-    pub effort: Effort,
+    /// Most terms of a model.
+    pub most_terms: usize,
 }
 
 /// Price of so many coefficients chosen among so many alternatives.
@@ -121,6 +124,16 @@ impl Search<'_> {
     /// # Errors
     /// When the fit does not converge.
     pub fn fit(&self, added: Vec<Candidate>, start: &State) -> Result<Node> {
+        self.fit_near(added, start, None)
+    }
+
+    /// Fits an explanation near another one, whose flags are the first guess.
+    fn fit_near(
+        &self,
+        added: Vec<Candidate>,
+        start: &State,
+        flagged: Option<&RobustFit>,
+    ) -> Result<Node> {
         let terms: Vec<ModelTerm> = added.iter().flat_map(|c| c.terms.iter().cloned()).collect();
         let problem = self.problem.with_terms(terms.len());
         let mut start = start.clone();
@@ -136,7 +149,13 @@ impl Search<'_> {
                 *term = old.clone();
             }
         }
-        let fit = robust_fit(&problem, self.rows, &start, self.flags)?;
+        let fit = match flagged {
+            None => robust_fit(&problem, self.rows, &start, self.flags)?,
+            Some(near) => {
+                let flagged = near.outliers.iter().map(|o| o.row).collect();
+                refit(&problem, self.rows, &start, flagged, self.flags)?
+            }
+        };
         let at = problem.linearise(&fit.fit.state);
         let square: f64 = fit
             .kept
@@ -203,7 +222,8 @@ impl Search<'_> {
         for entry in scored {
             let place = out.iter().any(|o| o.0.excludes(&entry.0));
             let name = out.iter().filter(|o| o.0.name() == entry.0.name()).count();
-            if !place && name < 3 && out.len() < most {
+            // Look-alikes of other families must get a turn.
+            if !place && (name < 3 || rows >= MANY_ROWS) && out.len() < most {
                 out.push(entry);
             }
         }
@@ -216,13 +236,16 @@ impl Search<'_> {
     /// # Errors
     /// When not even geometry alone can be fitted.
     pub fn run(&self, root: Node, progress: &dyn Fn()) -> Result<Vec<Node>> {
+        if self.rows.len() >= MANY_ROWS {
+            return self.run_deep(root, progress);
+        }
         let mut all = vec![root];
         let mut beam = vec![0];
-        for _ in 0..self.effort.deepest {
+        for _ in 0..DEEPEST {
             let mut grown: Vec<Node> = Vec::new();
             for parent in &beam {
                 let parent = all[*parent].clone();
-                for (candidate, _, gain) in self.promising(&parent, self.effort.branches) {
+                for (candidate, _, gain) in self.promising(&parent, BRANCHES) {
                     if gain < WORTH / 2.0 {
                         break;
                     }
@@ -232,10 +255,11 @@ impl Search<'_> {
                     if all.iter().any(known) || grown.iter().any(known) {
                         continue;
                     }
-                    if let Ok(node) = self.fit(added, &parent.fit.fit.state) {
-                        if node.worth(&parent) > WORTH && node.plausible() {
-                            grown.push(node);
-                        }
+                    if let Ok(node) = self.fit_near(added, &parent.fit.fit.state, Some(&parent.fit))
+                        && node.worth(&parent) > WORTH
+                        && node.plausible()
+                    {
+                        grown.push(node);
                     }
                     progress();
                 }
@@ -244,10 +268,10 @@ impl Search<'_> {
                 break;
             }
             grown.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-            grown.truncate(2 * self.effort.beam);
+            grown.truncate(2 * BEAM);
             let first = all.len();
             all.extend(grown);
-            beam = (first..all.len().min(first + self.effort.beam)).collect();
+            beam = (first..all.len().min(first + BEAM)).collect();
         }
         all.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let best = self.pruned(all[0].clone())?;
@@ -255,13 +279,70 @@ impl Search<'_> {
         Ok(all)
     }
 
+    /// With many rows: the best few of each round together, then what became
+    /// needless is dropped.
+    fn run_deep(&self, root: Node, progress: &dyn Fn()) -> Result<Vec<Node>> {
+        let mut node = root.clone();
+        let mut refused: Vec<Candidate> = Vec::new();
+        for _ in 0..ROUNDS {
+            let mut found = self.promising(&node, 4 * TOGETHER);
+            found.retain(|f| !refused.iter().any(|r| r.excludes(&f.0)));
+            let Some(best) = found.first().map(|f| f.2).filter(|gain| *gain > WORTH) else { break };
+            let mut added = node.added.clone();
+            let mut places: Vec<(Vec<usize>, f64)> = Vec::new();
+            for (candidate, _, gain) in found {
+                // Neighbours in order or joint explain the same: one a round.
+                let order = candidate.terms[0].order().unwrap_or(0.0);
+                let joints = candidate.joints();
+                let near = |(j, o): &(Vec<usize>, f64)| *j == joints && (o - order).abs() < 3.0;
+                let terms: usize = added.iter().map(|c| c.terms.len()).sum();
+                let fits = terms + candidate.terms.len() <= self.most_terms;
+                if gain > 0.2 * best && fits && places.len() < TOGETHER && !places.iter().any(near)
+                {
+                    places.push((joints, order));
+                    added.push(candidate);
+                }
+            }
+            if added.len() == node.added.len() {
+                break;
+            }
+            let Ok(next) = self.fit_near(added, &node.fit.fit.state, Some(&node.fit)) else {
+                break;
+            };
+            progress();
+            let bad = next.implausible();
+            if !bad.is_empty() {
+                // Without what cannot be, this round again.
+                let kept = |c: &Candidate| !bad.contains(c);
+                node.added.iter().filter(|c| !kept(c)).for_each(|c| refused.push(c.clone()));
+                let added = node.added.iter().filter(|c| kept(c)).cloned().collect();
+                refused.extend(bad.clone());
+                node = self.fit_near(added, &node.fit.fit.state, Some(&node.fit))?;
+                continue;
+            }
+            if next.worth(&node) < WORTH {
+                break;
+            }
+            node = next;
+        }
+        let best = self.pruned(node)?;
+        Ok(vec![best, root])
+    }
+
     /// Drops every term that later ones made needless.
     fn pruned(&self, mut node: Node) -> Result<Node> {
         let mut k = 0;
         while k < node.added.len() {
+            // A refit only where it could end in dropping the term.
+            if self.wald(&node, k)
+                > 4.0 * price(node.added[k].terms.len(), node.added[k].tried, self.rows.len())
+            {
+                k += 1;
+                continue;
+            }
             let mut added = node.added.clone();
             added.remove(k);
-            match self.fit(added, &node.fit.fit.state) {
+            match self.fit_near(added, &node.fit.fit.state, Some(&node.fit)) {
                 Ok(without) if node.worth(&without) < WORTH / 2.0 => {
                     node = without;
                     k = 0;
@@ -270,6 +351,22 @@ impl Search<'_> {
             }
         }
         Ok(node)
+    }
+}
+
+impl Search<'_> {
+    /// What dropping an addition would cost, from the covariance of its terms.
+    fn wald(&self, node: &Node, k: usize) -> f64 {
+        let state = &node.fit.fit.state;
+        let problem = self.problem.with_terms(state.terms.len());
+        let cov = covariance(&node.fit.fit.triangle, problem.unknowns.free(), self.flags.lambda);
+        let before: usize = node.added[..k].iter().map(|c| c.terms.len()).sum();
+        let (first, count) = (problem.unknowns.terms().start + before, node.added[k].terms.len());
+        let unit = problem.unit(problem.unknowns.list()[first]);
+        let c = DVector::from_fn(count, |i, _| state.terms[before + i].coefficient() / unit);
+        let block = cov.view((first, first), (count, count)).into_owned();
+        let solved = block.try_inverse().map(|inverse| (c.transpose() * inverse * &c)[0]);
+        solved.unwrap_or(0.0) / node.reduced.max(1.0)
     }
 }
 

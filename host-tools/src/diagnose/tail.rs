@@ -8,7 +8,7 @@ pub fn chi_square(x: f64, k: usize) -> f64 {
         return 1.0;
     }
     let half = x / 2.0;
-    let (mut term, mut sum, from) = if k % 2 == 0 {
+    let (mut term, mut sum, from) = if k.is_multiple_of(2) {
         ((-half).exp(), (-half).exp(), 1)
     } else {
         let root = x.sqrt();
@@ -16,7 +16,7 @@ pub fn chi_square(x: f64, k: usize) -> f64 {
         // The normal tail, twice; then terms x^(1/2), x^(3/2)/3, ...
         (density * root, libm::erfc(root / std::f64::consts::SQRT_2), 3)
     };
-    if k % 2 == 0 {
+    if k.is_multiple_of(2) {
         for i in from..k / 2 {
             term *= half / i as f64;
             sum += term;

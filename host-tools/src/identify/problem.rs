@@ -270,9 +270,9 @@ impl Linearised<'_> {
         Equations { block, rhs, residual, derivatives: d }
     }
 
-    /// Triangle of the given rows, each coordinate multiplied by a weight.
+    /// `[A, b]` of the given rows, each coordinate multiplied by a weight.
     #[must_use]
-    pub fn triangle(&self, rows: &[usize], weights: Option<&[Vector3<f64>]>) -> Triangle {
+    pub fn rows(&self, rows: &[usize], weights: Option<&[Vector3<f64>]>) -> DMatrix<f64> {
         let columns = self.units.len();
         let mut matrix = DMatrix::zeros(3 * rows.len(), columns + 1);
         for (i, row) in rows.iter().enumerate() {
@@ -285,7 +285,13 @@ impl Linearised<'_> {
                 }
             }
         }
-        Triangle::new(&matrix)
+        matrix
+    }
+
+    /// Triangle of the same.
+    #[must_use]
+    pub fn triangle(&self, rows: &[usize], weights: Option<&[Vector3<f64>]>) -> Triangle {
+        Triangle::new(&self.rows(rows, weights))
     }
 
     /// Corrections at this state, in units.

@@ -19,7 +19,8 @@ pub struct Flags {
     /// Lambda of the prior scaling.
     pub lambda: f64,
     /// A coordinate beyond this many standard deviations of what the other rows
-    /// predict is a gross error.
+    /// predict is a gross error; half as many again where the residuals are well
+    /// above the stated noise.
     pub gross: f64,
 }
 
@@ -87,12 +88,28 @@ pub fn robust_fit(
     start: &State,
     flags: Flags,
 ) -> Result<RobustFit> {
+    let flagged = suspects(problem, rows, start, Freedom::All(flags.lambda))?;
+    refit(problem, rows, start, flagged, flags)
+}
+
+/// The same from rows already suspected, near a fit.
+///
+/// # Errors
+/// As for [`robust_fit`].
+pub fn refit(
+    problem: &Problem,
+    rows: &[usize],
+    start: &State,
+    mut flagged: Vec<usize>,
+    flags: Flags,
+) -> Result<RobustFit> {
     let freedom = Freedom::All(flags.lambda);
-    let mut flagged = suspects(problem, rows, start, freedom)?;
+    let mut start = start.clone();
     let mut seen: Vec<Vec<usize>> = Vec::new();
     loop {
         let kept: Vec<usize> = rows.iter().copied().filter(|r| !flagged.contains(r)).collect();
-        let fit = fit(problem, &kept, None, start, freedom)?;
+        let fit = fit(problem, &kept, None, &start, freedom)?;
+        start = fit.state.clone();
         let (outliers, scale) = judge(problem, &fit, rows, &kept, flags);
         let next: Vec<usize> = outliers.iter().map(|o| o.row).collect();
         if next.len() as f64 > MOST_FLAGGED * rows.len() as f64 {
@@ -180,27 +197,23 @@ fn judge(
 ) -> (Vec<Outlier>, f64) {
     let at = problem.linearise(&fit.state);
     let cov = covariance(&fit.triangle, problem.unknowns.free(), flags.lambda);
-    let mut deletions = Vec::with_capacity(rows.len());
-    for row in rows {
-        deletions.push(deletion(
-            &at,
-            &cov,
-            *row,
-            kept.contains(row),
-            problem.data.rows[*row].sigma,
-        ));
-    }
+    let mut fitted = vec![false; problem.data.rows.len()];
+    kept.iter().for_each(|row| fitted[*row] = true);
+    let of = |row: &usize| deletion(&at, &cov, *row, fitted[*row], problem.data.rows[*row].sigma);
+    let deletions: Vec<_> = rows.iter().map(of).collect();
     let normal: Vec<f64> = rows
         .iter()
         .zip(&deletions)
-        .filter(|(row, _)| kept.contains(row))
+        .filter(|(row, _)| fitted[**row])
         .flat_map(|(_, (e, sd))| e.component_div(sd).iter().copied().collect::<Vec<_>>())
         .collect();
     let scale = mad_scale(&normal).max(1.0);
+    // Structure that the model lacks has longer tails than noise.
+    let gross = if scale > 1.3 { 1.5 * flags.gross } else { flags.gross };
     let mut outliers = Vec::new();
     for (row, (e, sd)) in rows.iter().zip(&deletions) {
         let coordinates: Vec<usize> =
-            (0..3).filter(|c| e[*c].abs() > flags.gross * scale * sd[*c]).collect();
+            (0..3).filter(|c| e[*c].abs() > gross * scale * sd[*c]).collect();
         if !coordinates.is_empty() {
             let sigma = problem.data.rows[*row].sigma;
             outliers.push(Outlier { row: *row, coordinates, residual: e * sigma });
