@@ -75,6 +75,8 @@ pub fn diagnose(
     options: &DiagnoseOptions,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
+    let assumed = robot.with_assumed_masses();
+    let robot = assumed.as_ref().unwrap_or(robot);
     let problem = Problem::new(data, robot, Scaling::Prior);
     enough(&problem, &Options { allow_few_poses: options.allow_few_poses, ..Options::default() })?;
     let rows: Vec<usize> = (0..data.rows.len()).collect();

@@ -205,6 +205,35 @@ impl Robot {
         })
     }
 
+    /// The arm with masses assumed where none are given: every link 1 kg, half
+    /// way to the next joint. Gravity torques then have about the right shape
+    /// and an unknown size, which the compliance coefficient takes up. `None`
+    /// where masses are known, or not even the direction of gravity is.
+    #[must_use]
+    pub fn with_assumed_masses(&self) -> Option<Self> {
+        if !self.links.is_empty() || self.gravity.is_none() {
+            return None;
+        }
+        let n = self.joints.len();
+        let next = |i: usize| match self.joints.get(i + 1) {
+            // Origin of the next joint's frame, seen from this one's.
+            Some(joint) => {
+                let p = &joint.link.parameters;
+                Vector3::new(p.a, -p.d * p.alpha.sin(), p.d * p.alpha.cos())
+            }
+            None => self.tool,
+        };
+        let links = (0..n).map(|i| LinkMass { mass: 1.0, com: next(i) / 2.0 });
+        let mut robot = self.clone();
+        robot.links = links.collect();
+        robot.warnings.push(format!(
+            "{}: no [[links]]: compliance is tested with 1 kg assumed half way along every link; \
+             its coefficients are per assumed N m",
+            self.path.display()
+        ));
+        Some(robot)
+    }
+
     /// The nominal links.
     #[must_use]
     pub fn nominal(&self) -> Vec<Link<f64>> {
