@@ -1,14 +1,16 @@
-//! Where the tool really is: nominal geometry, identified corrections and the
-//! robot frame they refer to.
+//! Where the tool really is: nominal geometry, identified corrections, the
+//! terms beyond geometry and the robot frame they refer to.
 
+use heapless::Vec;
 use nalgebra::Vector3;
 
+use crate::effects::{Bending, Inputs, Load, MAX_TERMS, Masses, Term};
 use crate::kinematics::{Chain, Link, MdhParameters, Pose};
 use crate::scalar::Scalar;
 
 /// Everything a controller has to know of an identified arm, SI units; what a
 /// parameter blob carries.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ArmParameters<T, const N: usize> {
     /// Hash of the robot's model name and serial, see [`crate::blob::robot_id`].
     pub robot_id: u64,
@@ -25,6 +27,13 @@ pub struct ArmParameters<T, const N: usize> {
     pub base_rotation: Vector3<T>,
     /// Default tool point in the identified flange frame, m.
     pub tool: Vector3<T>,
+    /// What the arm does beyond rigid geometry.
+    pub terms: Vec<Term<T>, MAX_TERMS>,
+    /// Gravity in the nominal base frame and the masses it pulls at. Without
+    /// them a term that depends on gravity does nothing.
+    pub masses: Option<Masses<T, N>>,
+    /// Temperature the geometry refers to, degrees Celsius.
+    pub reference_temperature: T,
     /// Joint limits, rad or m.
     pub limits: [Option<[T; 2]>; N],
     /// Smallest and largest joint values of the identification, rad or m.
@@ -39,12 +48,37 @@ pub struct ArmParameters<T, const N: usize> {
     pub orientation_identified: bool,
 }
 
-/// An identified arm, folded for the control loop.
+/// What an arm's terms depend on besides the joint values.
 #[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State<T, const N: usize> {
+    /// Side from which each joint came to rest: +1 moving in +q, -1 moving in
+    /// -q, 0 if unknown.
+    pub direction: [T; N],
+    /// Mass at the payload point, kg.
+    pub payload: T,
+    /// Temperature of the arm, degrees Celsius.
+    pub temperature: T,
+}
+
+impl<T: Scalar, const N: usize> State<T, N> {
+    /// At a temperature in degrees Celsius, without payload, directions unknown.
+    #[must_use]
+    pub fn at(temperature: T) -> Self {
+        Self { direction: [T::ZERO; N], payload: T::ZERO, temperature }
+    }
+}
+
+/// An identified arm, folded for the control loop.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Arm<T, const N: usize> {
     nominal: Chain<T, N>,
     real: Chain<T, N>,
     covered: [Option<[T; 2]>; N],
+    terms: Vec<Term<T>, MAX_TERMS>,
+    /// Only where a term depends on gravity: whether to compute loads is
+    /// decided here and not in every tick.
+    masses: Option<Masses<T, N>>,
+    reference_temperature: T,
 }
 
 impl<T: Scalar, const N: usize> Arm<T, N> {
@@ -63,6 +97,9 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
             nominal: Chain::new(&p.nominal, Pose::identity(), tool),
             real: Chain::new(&links, base, tool),
             covered: p.covered,
+            terms: p.terms.clone(),
+            masses: p.masses.filter(|_| p.terms.iter().any(Term::needs_load)),
+            reference_temperature: p.reference_temperature,
         }
     }
 
@@ -72,7 +109,7 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
         Self {
             nominal: self.nominal.with_tool(tool),
             real: self.real.with_tool(tool),
-            covered: self.covered,
+            ..self.clone()
         }
     }
 
@@ -88,12 +125,55 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
         &self.real
     }
 
+    /// The terms beyond geometry.
+    #[must_use]
+    pub fn terms(&self) -> &[Term<T>] {
+        &self.terms
+    }
+
+    /// Temperature the geometry refers to, degrees Celsius.
+    #[must_use]
+    pub fn reference_temperature(&self) -> T {
+        self.reference_temperature
+    }
+
     /// Where the tool really is at encoder readings `q` (rad or m), in the
-    /// commanded frame, the nominal base.
+    /// commanded frame, the nominal base: without payload, at the reference
+    /// temperature, directions unknown. Terms that need only `q` and gravity apply.
     #[must_use]
     #[inline]
     pub fn real_pose(&self, q: &[T; N]) -> Pose<T> {
-        self.real.forward(q)
+        if self.terms.is_empty() {
+            self.real.forward(q)
+        } else {
+            self.real_pose_in(q, &State::at(self.reference_temperature))
+        }
+    }
+
+    /// Where the tool really is at encoder readings `q` (rad or m) in a state
+    /// of the arm, in the commanded frame. In `f32` a periodic term of order n
+    /// gives NaN from |n q| = 8192 rad on, see [`Scalar::sin_cos`].
+    #[must_use]
+    pub fn real_pose_in(&self, q: &[T; N], state: &State<T, N>) -> Pose<T> {
+        self.real.forward_bent(q, &self.bending(q, state))
+    }
+
+    /// What all terms together do to the arm. Gravity loads are those of the
+    /// nominal chain: a correction of a millimetre changes a torque by less
+    /// than a link's mass is known.
+    #[must_use]
+    pub fn bending(&self, q: &[T; N], state: &State<T, N>) -> Bending<T, N> {
+        let load = match &self.masses {
+            Some(masses) => masses.load(&self.nominal, q, state.payload),
+            None => Load::none(),
+        };
+        let inputs = Inputs {
+            q: *q,
+            load,
+            direction: state.direction,
+            warmth: state.temperature - self.reference_temperature,
+        };
+        Bending::of(&self.terms, &inputs)
     }
 
     /// Whether every joint lies within the range that the identification

@@ -9,7 +9,7 @@ pub mod kinematics;
 pub mod scalar;
 pub mod solve;
 
-pub use arm::{Arm, ArmParameters};
+pub use arm::{Arm, ArmParameters, State};
 pub use kinematics::{Chain, JointKind, Link, LinkParameter, MdhParameters, Pose};
 pub use scalar::Scalar;
 

@@ -3,7 +3,32 @@
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use truearm::blob::{Blob, DecodeError, EncodeError, Flaw, encode, encoded_len, robot_id};
+use truearm::effects::{Effect, MAX_TERMS, Masses, Term};
 use truearm::{ArmParameters, Link, MdhParameters};
+
+fn term(effect: Effect, joint: u8, order: f32, coefficient: f32) -> Term<f32> {
+    Term { effect, joint, source: 0, component: 0, order, coefficient }
+}
+
+/// As many as there is room for, every effect among them.
+fn every_effect() -> heapless::Vec<Term<f32>, MAX_TERMS> {
+    let all = Term::<f32>::ALL;
+    let mut terms = heapless::Vec::from_iter([
+        term(Effect::JointCompliance, 1, 0.0, 1e-5),
+        Term { component: 1, ..term(Effect::BaseCompliance, 0, 0.0, -2e-6) },
+        term(Effect::EncoderEccentricity, 0, 2.0, 1e-4),
+        Term { component: 1, ..term(Effect::GearTransmissionError, 2, 201.25, 5e-5) },
+        term(Effect::JointPeriodicError, 2, 65535.0 / 64.0, -3e-5),
+        term(Effect::JointGain, 0, 0.0, 2e-4),
+        Term { source: 1, ..term(Effect::JointCoupling, 2, 0.0, 1e-3) },
+        term(Effect::Backlash, 0, 0.0, 2e-4),
+        term(Effect::Backlash, 1, 3.5, 2e-4),
+        term(Effect::ThermalExpansion, all, 0.0, 1.2e-5),
+        term(Effect::ThermalExpansion, 2, 0.0, 1e-5),
+    ]);
+    while terms.push(term(Effect::JointPeriodicError, 1, terms.len() as f32, 1e-5)).is_ok() {}
+    terms
+}
 
 fn parameters() -> ArmParameters<f32, 3> {
     let correction = |k: f32| MdhParameters::from_array([1e-3 * k, 2e-4, -3e-3, 4e-4 * k, 5e-4]);
@@ -23,12 +48,20 @@ fn parameters() -> ArmParameters<f32, 3> {
         covered: [Some([-1.0, 1.0]), None, Some([-2.0, 2.0])],
         rms_before: 1.1e-3,
         rms_after: 4.4e-4,
+        terms: every_effect(),
+        masses: Some(Masses {
+            gravity: Vector3::new(0.5, -0.1, -9.8),
+            mass: [7.0, 12.5, 0.25],
+            com: [Vector3::new(0.0, 0.1, -0.2), Vector3::zeros(), Vector3::new(0.3, 0.0, 0.0)],
+            payload_com: Vector3::new(0.0, 0.02, 0.15),
+        }),
+        reference_temperature: 21.5,
         orientation_identified: false,
     }
 }
 
 fn blob() -> Vec<u8> {
-    let mut bytes = vec![0; encoded_len(3)];
+    let mut bytes = vec![0; encoded_len(3, MAX_TERMS)];
     assert_eq!(encode(&parameters(), &mut bytes), Ok(bytes.len()));
     bytes
 }
@@ -49,7 +82,7 @@ fn what_is_written_is_read() {
     let blob = Blob::check(&bytes).unwrap();
     assert_eq!(blob.parameters::<f32, 3>(), Ok(parameters()));
     assert_eq!((blob.sequence(), blob.robot_id()), (7, robot_id("arm", "0042")));
-    assert_eq!(blob.size(), bytes.len());
+    assert_eq!((blob.joints(), blob.terms(), blob.size()), (3, MAX_TERMS, bytes.len()));
     let wide = blob.parameters::<f64, 3>().unwrap();
     assert_eq!(wide.nominal[1].parameters.a, f64::from(-0.612_f32));
 }
@@ -85,24 +118,36 @@ fn bad_values_are_named() {
     let refused =
         |offset, value: &[u8]| Blob::check(&forge(offset, value)).unwrap_err().to_string();
     let real = |offset, value: f32| refused(offset, &value.to_le_bytes());
-    assert_eq!(real(24, f32::NAN), "base translation x is not a finite number");
-    assert_eq!(real(56, f32::INFINITY), "tool z is not a finite number");
-    assert_eq!(real(72 + 4, 10.5), "joint 1 nominal a is outside its plausible range");
+    let (joint, meaning) = (|k: usize| 100 + 76 * (k - 1), "has a value without a meaning");
+    let unknown = |field: &str| format!("{field} {meaning} in this layout");
+    assert_eq!(real(28, f32::NAN), "base translation x is not a finite number");
+    assert_eq!(real(60, f32::INFINITY), "tool z is not a finite number");
+    assert_eq!(real(72, 201.0), "reference temperature is outside its plausible range");
+    assert_eq!(real(84, -21.0), "gravity z is outside its plausible range");
+    assert_eq!(real(96, 11.0), "payload point z is outside its plausible range");
+    assert_eq!(real(joint(1) + 8, 10.5), "joint 1 nominal a is outside its plausible range");
     assert_eq!(
-        real(72 + 60 + 20 + 8, 0.3),
+        real(joint(2) + 32, 0.3),
         "joint 2 correction theta_offset is outside its plausible range"
     );
-    assert_eq!(real(68 + 44, 7.0), "joint 1 limits low is above its high end");
-    assert_eq!(refused(68, &[2]), "joint 1 kind has a value without a meaning in this layout");
+    assert_eq!(real(joint(1) + 44, 7.0), "joint 1 limits low is above its high end");
+    assert_eq!(real(joint(3) + 60, -0.1), "joint 3 mass is outside its plausible range");
     assert_eq!(
-        refused(69, &[0xff]),
-        "joint 1 presence has a value without a meaning in this layout"
+        real(joint(2) + 72, 11.0),
+        "joint 2 centre of mass z is outside its plausible range"
     );
-    assert_eq!(refused(7, &[2]), "flags has a value without a meaning in this layout");
-    assert_eq!(refused(4, &[9]), "layout 9 is not known to this version, which reads layout 1");
+    assert_eq!(refused(joint(1), &[2]), unknown("joint 1 kind"));
+    assert_eq!(refused(joint(1) + 1, &[0xff]), unknown("joint 1 presence"));
+    assert_eq!(refused(24, &[4]), unknown("flags"));
+    assert_eq!(refused(27, &[1]), unknown("reserved"));
+    // Without masses nothing may look like one.
+    assert_eq!(refused(24, &[0]), "gravity x is outside its plausible range");
+    assert_eq!(refused(4, &[9]), "layout 9 is not known to this version, which reads layout 2");
     assert_eq!(refused(0, b"JUNK"), "does not begin with TARM: not a parameter blob");
     assert_eq!(refused(6, &[17]), "17 joints where 1 to 16 are possible");
-    assert_eq!(refused(6, &[2]), "the length field says 252 where the joints need 192");
+    assert_eq!(refused(7, &[25]), "25 terms where 24 are possible");
+    assert_eq!(refused(6, &[2]), "the length field says 524 where joints and terms need 448");
+    assert_eq!(refused(7, &[3]), "the length field says 524 where joints and terms need 356");
     assert_eq!(
         Blob::check(&blob()).unwrap().parameters::<f32, 6>(),
         Err(DecodeError::WrongArm { blob: 3, arm: 6 })
@@ -118,7 +163,94 @@ fn what_a_reader_would_refuse_is_not_written() {
     assert!(matches!(error, EncodeError::Refused(DecodeError::Field(_, Flaw::Implausible))));
     assert!(error.to_string().contains("joint 2 correction d"), "{error}");
     let error = encode(&parameters(), &mut bytes[..100]).unwrap_err();
-    assert_eq!(error, EncodeError::NoRoom { needed: 252, got: 100 });
+    assert_eq!(error, EncodeError::NoRoom { needed: 524, got: 100 });
+}
+
+/// Terms 1 to 11 are those of `every_effect`.
+#[test]
+fn bad_terms_are_named() {
+    let refused = |number: usize, offset: usize, value: &[u8]| {
+        let at = 100 + 3 * 76 + 8 * (number - 1) + offset;
+        Blob::check(&forge(at, value)).unwrap_err().to_string()
+    };
+    let real = |number, value: f32| refused(number, 4, &value.to_le_bytes());
+    let range = |field: &str| format!("{field} is outside its plausible range");
+    let unknown = |field: &str| format!("{field} has a value without a meaning in this layout");
+    assert_eq!(real(3, 0.051), range("term 3 coefficient"));
+    assert_eq!(real(10, -1.1e-3), range("term 10 coefficient"));
+    assert_eq!(real(24, f32::NAN), "term 24 coefficient is not a finite number");
+    assert_eq!(refused(1, 0, &[9]), unknown("term 1 effect"));
+    assert_eq!(refused(1, 0, &[0x40]), unknown("term 1 flags"));
+    assert_eq!(refused(1, 0, &[0x20]), unknown("term 1 flags"));
+    assert_eq!(refused(1, 0, &[0x10]), unknown("term 1 component"));
+    assert_eq!(refused(1, 1, &[3]), range("term 1 joint"));
+    assert_eq!(refused(2, 1, &[1]), range("term 2 joint"));
+    assert_eq!(refused(10, 1, &[1]), range("term 10 joint"));
+    assert_eq!(refused(1, 1, &[0x10]), range("term 1 source joint"));
+    assert_eq!(refused(7, 1, &[0x32]), range("term 7 source joint"));
+    assert_eq!(refused(7, 1, &[0x22]), range("term 7 source joint"));
+    assert_eq!(refused(3, 2, &[192, 0]), range("term 3 order"));
+    assert_eq!(refused(5, 2, &[0, 0]), range("term 5 order"));
+    assert_eq!(refused(6, 2, &[1, 0]), range("term 6 order"));
+}
+
+#[test]
+fn terms_that_a_blob_cannot_hold_are_not_written() {
+    let refused = |mut term: Term<f32>, masses: bool| {
+        term.coefficient = 1e-6;
+        let mut p = parameters();
+        p.terms = heapless::Vec::from_iter([term]);
+        p.masses = p.masses.filter(|_| masses);
+        encode(&p, &mut [0; 1024]).err().map(|error| error.to_string())
+    };
+    let message = |field| {
+        Some(format!(
+            "these parameters would be refused: term 1 {field} is outside its plausible range"
+        ))
+    };
+    let periodic = |joint, order| term(Effect::JointPeriodicError, joint, order, 0.0);
+    for order in [0.0, 0.007, -1.0, 1024.0, f32::NAN, f32::INFINITY] {
+        assert_eq!(refused(periodic(0, order), true), message("order"), "{order}");
+    }
+    let encoder = term(Effect::EncoderEccentricity, 0, 1.5, 0.0);
+    assert_eq!(refused(encoder, true), message("order"));
+    for friction in [0.001, -0.001] {
+        let backlash = term(Effect::Backlash, 0, friction, 0.0);
+        assert_eq!(refused(backlash, true), message("order"), "{friction}");
+    }
+    for joint in [3, 16, 255] {
+        assert_eq!(refused(periodic(joint, 1.0), true), message("joint"));
+        let coupling = Term { source: joint, ..term(Effect::JointCoupling, 0, 0.0, 0.0) };
+        assert_eq!(refused(coupling, true), message("source joint"));
+    }
+    assert_eq!(refused(Term { component: 2, ..periodic(0, 1.0) }, true), message("component"));
+    for needy in [
+        term(Effect::JointCompliance, 0, 0.0, 0.0),
+        term(Effect::BaseCompliance, 0, 0.0, 0.0),
+        term(Effect::Backlash, 0, 1.0, 0.0),
+    ] {
+        assert_eq!(refused(needy, true), None);
+        let error = refused(needy, false).unwrap();
+        assert!(
+            error.ends_with("term 1 effect needs link masses and gravity, which are not given")
+        );
+    }
+    assert_eq!(refused(term(Effect::Backlash, 0, 0.0, 0.0), false), None);
+}
+
+#[test]
+fn orders_are_rounded_to_64ths() {
+    let mut p = parameters();
+    p.terms = heapless::Vec::from_iter([term(Effect::JointPeriodicError, 0, 3.15, 1e-5)]);
+    let mut bytes = [0; 1024];
+    encode(&p, &mut bytes).unwrap();
+    let read = Blob::check(&bytes).unwrap().parameters::<f32, 3>().unwrap();
+    assert_eq!(read.terms[0].order, 202.0 / 64.0);
+}
+
+#[test]
+fn six_joints_with_everything_fit_768_bytes() {
+    assert_eq!(encoded_len(6, MAX_TERMS), 752);
 }
 
 /// The check values that FORMAT.md promises.
@@ -132,16 +264,17 @@ fn checksums_are_the_standard_ones() {
 
 proptest! {
     #[test]
-    fn no_bytes_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+    fn no_bytes_panic(bytes in proptest::collection::vec(any::<u8>(), 0..700)) {
         let _ = Blob::check(&bytes);
     }
 
     /// Past the checksum as well: any byte of a mended blob.
     #[test]
-    fn no_mended_blob_panics(offset in 0..244_usize, value in any::<[u8; 4]>()) {
+    fn no_mended_blob_panics(offset in 0..516_usize, value in any::<[u8; 4]>()) {
         if let Ok(blob) = Blob::check(&forge(offset, &value)) {
             let p = blob.parameters::<f32, 3>().unwrap();
             prop_assert!(p.tool.iter().all(|x| x.is_finite()));
+            prop_assert!(p.terms.iter().all(|t| t.coefficient.is_finite() && t.order.is_finite()));
         }
     }
 }

@@ -4,29 +4,60 @@
 #[path = "firmware/src/vectors.rs"]
 mod vectors;
 
-use truearm::Arm;
 use truearm::blob::Blob;
+use truearm::effects::{Effect, MAX_TERMS};
+use truearm::{Arm, ArmParameters};
 use vectors::{JOINTS, Vectors};
 
 const BLOB: &[u8] = include_bytes!("data/firmware/ur10.blob");
 const VECTORS: &[u8] = include_bytes!("data/firmware/fk.vectors");
+const TERMS_BLOB: &[u8] = include_bytes!("data/firmware/ur10-terms.blob");
+const TERMS_VECTORS: &[u8] = include_bytes!("data/firmware/terms.vectors");
+
+fn parameters(blob: &[u8]) -> ArmParameters<f32, JOINTS> {
+    Blob::check(blob).unwrap().parameters().unwrap()
+}
 
 /// nalgebra's `std` feature is on in this build (see the dev-dependencies) and
 /// off in the image: that the hashes agree shows that feature unification
 /// changes no bit of a result.
 #[test]
-fn host_gives_the_bits_of_the_vector_file() {
-    let parameters = Blob::check(BLOB).unwrap().parameters::<f32, JOINTS>().unwrap();
-    let vectors = Vectors::parse(VECTORS).unwrap();
-    assert_eq!(vectors.poses().len(), 1024);
-    let hash = vectors::hash(&Arm::new(&parameters), vectors.poses());
-    assert_eq!(hash, vectors.expected, "{hash:016x}; if meant: cargo xtask vectors BLOB");
+fn host_gives_the_bits_of_the_vector_files() {
+    for (blob, vectors) in [(BLOB, VECTORS), (TERMS_BLOB, TERMS_VECTORS)] {
+        let vectors = Vectors::parse(vectors).unwrap();
+        assert_eq!(vectors.poses().len(), 1024);
+        let hash = vectors::hash(&Arm::new(&parameters(blob)), vectors.poses());
+        assert_eq!(hash, vectors.expected, "{hash:016x}; if meant: cargo xtask vectors BLOB");
+    }
+}
+
+#[test]
+fn the_second_blob_has_every_effect_and_all_of_them_act() {
+    let full = parameters(TERMS_BLOB);
+    assert_eq!(full.terms.len(), MAX_TERMS);
+    for (effect, name) in Effect::NAMES {
+        assert!(full.terms.iter().any(|t| t.effect == effect), "{name}");
+    }
+    let vectors = Vectors::parse(TERMS_VECTORS).unwrap();
+    for i in 0..MAX_TERMS {
+        let mut less = full.clone();
+        less.terms[i].coefficient = 0.0;
+        let hash = vectors::hash(&Arm::new(&less), vectors.poses());
+        assert_ne!(hash, vectors.expected, "term {}", i + 1);
+    }
+    // The first blob is the same arm without them: there a state changes nothing.
+    let bare = parameters(BLOB);
+    let arm = Arm::new(&bare);
+    for (i, q) in vectors.poses().enumerate() {
+        assert_eq!(arm.real_pose_in(&q, &vectors::state(i)), arm.real_pose(&q));
+    }
+    assert_eq!(ArmParameters { terms: bare.terms.clone(), ..full }, bare);
 }
 
 /// A hash that never differs would prove nothing.
 #[test]
 fn one_ulp_of_one_parameter_changes_the_hash() {
-    let mut parameters = Blob::check(BLOB).unwrap().parameters::<f32, JOINTS>().unwrap();
+    let mut parameters = parameters(BLOB);
     let d = &mut parameters.nominal[5].parameters.d;
     *d = d.next_up();
     let vectors = Vectors::parse(VECTORS).unwrap();

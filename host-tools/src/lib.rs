@@ -5,6 +5,7 @@
 //! [`truearm`] crate, the same code that runs on the controller.
 
 pub mod chain;
+pub mod describe;
 pub mod diagnose;
 pub mod error;
 pub mod evaluate;

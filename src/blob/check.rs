@@ -1,9 +1,11 @@
 use core::fmt;
 
 use super::layout::{
-    CHECKSUM, FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, HEADER, LAYOUT, MAGIC, MAX_JOINTS, RECORD,
-    checksum, encoded_len,
+    CHECKSUM, FLAG_MASSES, FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, HEADER, LAYOUT, MAGIC,
+    MAX_JOINTS, RECORD, TERM, checksum, encoded_len,
 };
+use super::term;
+use crate::effects::MAX_TERMS;
 use crate::kinematics::{JointKind, LinkParameter};
 
 /// A blob of which every byte has been checked, still in place.
@@ -11,13 +13,26 @@ use crate::kinematics::{JointKind, LinkParameter};
 pub struct Blob<'a> {
     pub(super) header: &'a [u8; HEADER],
     pub(super) records: &'a [u8],
+    pub(super) terms: &'a [u8],
+}
+
+/// The part of a blob a field stands in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Record {
+    /// Before the records.
+    Header,
+    /// Record of a joint, counted from 1.
+    Joint(u8),
+    /// Record of a term, counted from 1.
+    Term(u8),
 }
 
 /// The name of a field, as in the byte map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FieldName {
-    /// 1-based joint, or 0 for a field of the header.
-    pub joint: u8,
+    /// Where it stands.
+    pub record: Record,
     /// Group: `base translation`, `nominal`, `correction`, `limits`...
     pub group: &'static str,
     /// Member of the group, may be empty: `x`, `alpha`, `low`...
@@ -26,8 +41,10 @@ pub struct FieldName {
 
 impl fmt::Display for FieldName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.joint > 0 {
-            write!(f, "joint {} ", self.joint)?;
+        match self.record {
+            Record::Header => (),
+            Record::Joint(number) => write!(f, "joint {number} ")?,
+            Record::Term(number) => write!(f, "term {number} ")?,
         }
         f.write_str(self.group)?;
         if !self.member.is_empty() {
@@ -49,6 +66,8 @@ pub enum Flaw {
     Unknown,
     /// The low end of a range lies above its high end.
     Inverted,
+    /// A term depends on gravity and the blob has no masses.
+    NeedsMasses,
 }
 
 /// Why a blob was refused.
@@ -68,11 +87,13 @@ pub enum DecodeError {
     UnsupportedLayout(u16),
     /// No arm has this many joints.
     JointCount(u8),
-    /// The length field contradicts the joint count.
+    /// More terms than [`MAX_TERMS`].
+    TermCount(u8),
+    /// The length field contradicts the joint and term counts.
     Length {
         /// As written in the blob.
         stored: u32,
-        /// As the joint count demands.
+        /// As the counts demand.
         expected: usize,
     },
     /// Damaged: the checksum differs.
@@ -102,8 +123,9 @@ impl fmt::Display for DecodeError {
                 write!(f, "layout {l} is not known to this version, which reads layout {LAYOUT}")
             }
             Self::JointCount(n) => write!(f, "{n} joints where 1 to {MAX_JOINTS} are possible"),
+            Self::TermCount(n) => write!(f, "{n} terms where {MAX_TERMS} are possible"),
             Self::Length { stored, expected } => {
-                write!(f, "the length field says {stored} where the joints need {expected}")
+                write!(f, "the length field says {stored} where joints and terms need {expected}")
             }
             Self::Checksum { stored, computed } => {
                 write!(f, "checksum {stored:#010x} is written, the bytes give {computed:#010x}")
@@ -114,6 +136,7 @@ impl fmt::Display for DecodeError {
                     Flaw::Implausible => "is outside its plausible range",
                     Flaw::Unknown => "has a value without a meaning in this layout",
                     Flaw::Inverted => "is above its high end",
+                    Flaw::NeedsMasses => "needs link masses and gravity, which are not given",
                 };
                 write!(f, "{name} {flaw}")
             }
@@ -167,7 +190,7 @@ impl<'a> Blob<'a> {
         let (header, rest) = bytes.split_first_chunk::<HEADER>().ok_or(truncated(HEADER))?;
         let mut reader = Reader(header);
         let start: &[u8; 8] = reader.take().ok_or(truncated(HEADER))?;
-        let [m0, m1, m2, m3, l0, l1, joints, flags] = *start;
+        let [m0, m1, m2, m3, l0, l1, joints, terms] = *start;
         if [m0, m1, m2, m3] != MAGIC {
             return Err(DecodeError::NotABlob);
         }
@@ -179,46 +202,69 @@ impl<'a> Blob<'a> {
         if count == 0 || count > MAX_JOINTS {
             return Err(DecodeError::JointCount(joints));
         }
-        let expected = encoded_len(count);
+        let term_bytes = usize::from(terms) * TERM;
+        if usize::from(terms) > MAX_TERMS {
+            return Err(DecodeError::TermCount(terms));
+        }
+        let expected = encoded_len(count, usize::from(terms));
         let stored: &[u8; 4] = reader.take().ok_or(truncated(HEADER))?;
         let stored = u32::from_le_bytes(*stored);
         if stored as usize != expected {
             return Err(DecodeError::Length { stored, expected });
         }
         let (records, rest) = rest.split_at_checked(count * RECORD).ok_or(truncated(expected))?;
+        let (terms, rest) = rest.split_at_checked(term_bytes).ok_or(truncated(expected))?;
         let (stored, _) = rest.split_first_chunk::<CHECKSUM>().ok_or(truncated(expected))?;
         let stored = u32::from_le_bytes(*stored);
-        let body = bytes.get(..HEADER + count * RECORD).ok_or(truncated(expected))?;
+        let body = bytes.get(..expected - CHECKSUM).ok_or(truncated(expected))?;
         let computed = checksum(body);
         if stored != computed {
             return Err(DecodeError::Checksum { stored, computed });
         }
-        let blob = Self { header, records };
-        blob.check_header(flags)?;
-        for (index, record) in records.chunks_exact(RECORD).enumerate() {
-            check_record(index as u8 + 1, record)?;
+        let blob = Self { header, records, terms };
+        let masses = blob.check_header()?;
+        for (record, number) in records.chunks_exact(RECORD).zip(1..) {
+            check_record(number, record, masses)?;
+        }
+        for (record, number) in term::each(terms).zip(1..) {
+            term::check(number, record, joints, masses)?;
         }
         Ok(blob)
     }
 
-    fn check_header(&self, flags: u8) -> Result<(), DecodeError> {
-        let name = |group, member| FieldName { joint: 0, group, member };
-        if flags & !FLAG_ORIENTATION != 0 {
-            return Err(DecodeError::Field(name("flags", ""), Flaw::Unknown));
-        }
+    /// Whether it has masses.
+    fn check_header(&self) -> Result<bool, DecodeError> {
+        let name = |group, member| FieldName { record: Record::Header, group, member };
+        let unknown = |group| DecodeError::Field(name(group, ""), Flaw::Unknown);
         let mut reader = Reader(self.header.get(24..).unwrap_or(&[]));
+        let [flags, reserved @ ..]: [u8; 4] = *reader.take().ok_or(unknown("flags"))?;
+        if flags & !(FLAG_ORIENTATION | FLAG_MASSES) != 0 {
+            return Err(unknown("flags"));
+        }
+        if reserved != [0; 3] {
+            return Err(unknown("reserved"));
+        }
         for (group, most) in [("base translation", 1.0), ("base rotation", 1.0), ("tool", 10.0)] {
             for member in XYZ {
                 check_value(name(group, member), reader.f32(), -most, most)?;
             }
         }
         check_value(name("rms before", ""), reader.f32(), 0.0, 10.0)?;
-        check_value(name("rms after", ""), reader.f32(), 0.0, 10.0)
+        check_value(name("rms after", ""), reader.f32(), 0.0, 10.0)?;
+        check_value(name("reference temperature", ""), reader.f32(), -100.0, 200.0)?;
+        let masses = flags & FLAG_MASSES != 0;
+        for (group, most) in [("gravity", 20.0), ("payload point", 10.0)] {
+            let most = if masses { most } else { 0.0 };
+            for member in XYZ {
+                check_value(name(group, member), reader.f32(), -most, most)?;
+            }
+        }
+        Ok(masses)
     }
 }
 
-fn check_record(joint: u8, record: &[u8]) -> Result<(), DecodeError> {
-    let name = |group, member| FieldName { joint, group, member };
+fn check_record(joint: u8, record: &[u8], masses: bool) -> Result<(), DecodeError> {
+    let name = |group, member| FieldName { record: Record::Joint(joint), group, member };
     let unknown = |group| DecodeError::Field(name(group, ""), Flaw::Unknown);
     let mut reader = Reader(record);
     let [kind, presence, reserved @ ..]: [u8; 4] = *reader.take().ok_or(unknown("record"))?;
@@ -246,6 +292,11 @@ fn check_record(joint: u8, record: &[u8]) -> Result<(), DecodeError> {
         if values[0] > values[1] {
             return Err(DecodeError::Field(name(group, "low"), Flaw::Inverted));
         }
+    }
+    let (heaviest, farthest) = if masses { (10_000.0, 10.0) } else { (0.0, 0.0) };
+    check_value(name("mass", ""), reader.f32(), 0.0, heaviest)?;
+    for member in XYZ {
+        check_value(name("centre of mass", member), reader.f32(), -farthest, farthest)?;
     }
     Ok(())
 }

@@ -1,8 +1,11 @@
+use heapless::Vec;
 use nalgebra::Vector3;
 
 use super::check::{Blob, DecodeError, Reader, kind_of};
-use super::layout::{FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, RECORD};
+use super::layout::{FLAG_MASSES, FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, RECORD, TERM};
+use super::term;
 use crate::arm::ArmParameters;
+use crate::effects::Masses;
 use crate::kinematics::{JointKind, Link, MdhParameters};
 use crate::scalar::Scalar;
 
@@ -13,10 +16,16 @@ impl Blob<'_> {
         self.records.len() / RECORD
     }
 
+    /// Terms beyond geometry.
+    #[must_use]
+    pub fn terms(&self) -> usize {
+        self.terms.len() / TERM
+    }
+
     /// Bytes of the blob, checksum included.
     #[must_use]
     pub fn size(&self) -> usize {
-        super::encoded_len(self.joints())
+        super::encoded_len(self.joints(), self.terms())
     }
 
     /// Sequence number; the higher of two valid blobs is the newer.
@@ -47,8 +56,8 @@ impl Blob<'_> {
         if self.joints() != N {
             return Err(DecodeError::WrongArm { blob: self.joints(), arm: N });
         }
-        let [.., flags] = self.header_bytes::<8>();
-        let mut reader = Reader(self.header.get(24..).unwrap_or(&[]));
+        let [.., flags] = self.header_bytes::<25>();
+        let mut reader = Reader(self.header.get(28..).unwrap_or(&[]));
         let vector = |reader: &mut Reader| {
             let [x, y, z] = [reader.f32(), reader.f32(), reader.f32()].map(T::from_f32);
             Vector3::new(x, y, z)
@@ -66,12 +75,23 @@ impl Blob<'_> {
             covered: [None; N],
             rms_before: T::from_f32(reader.f32()),
             rms_after: T::from_f32(reader.f32()),
+            terms: Vec::new(),
+            masses: None,
+            reference_temperature: T::from_f32(reader.f32()),
             orientation_identified: flags & FLAG_ORIENTATION != 0,
+        };
+        let mut masses = Masses {
+            gravity: vector(&mut reader),
+            mass: [T::ZERO; N],
+            com: [Vector3::new(T::ZERO, T::ZERO, T::ZERO); N],
+            payload_com: vector(&mut reader),
         };
         let joints = out.nominal.iter_mut().zip(&mut out.corrections);
         let ranges = out.limits.iter_mut().zip(&mut out.covered);
+        let loads = masses.mass.iter_mut().zip(&mut masses.com);
         let records = self.records.chunks_exact(RECORD);
-        for (((link, correction), (limits, covered)), record) in joints.zip(ranges).zip(records) {
+        let all = joints.zip(ranges).zip(loads).zip(records);
+        for ((((link, correction), (limits, covered)), (mass, com)), record) in all {
             let mut reader = Reader(record);
             let [kind, presence, ..]: [u8; 4] = reader.take().copied().unwrap_or_default();
             link.kind = kind_of(kind).unwrap_or_default();
@@ -83,6 +103,13 @@ impl Blob<'_> {
                 let value = [reader.f32(), reader.f32()].map(T::from_f32);
                 *range = (presence & bit != 0).then_some(value);
             }
+            *mass = T::from_f32(reader.f32());
+            *com = vector(&mut reader);
+        }
+        out.masses = (flags & FLAG_MASSES != 0).then_some(masses);
+        for term in term::each(self.terms).filter_map(term::from_bytes) {
+            // A checked blob has no more terms than there is room for.
+            let _ = out.terms.push(term);
         }
         Ok(out)
     }

@@ -1,11 +1,15 @@
 use core::fmt;
 
+use nalgebra::Vector3;
+
 use super::check::{Blob, DecodeError};
 use super::layout::{
-    FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, HEADER, LAYOUT, MAGIC, MAX_JOINTS, RECORD, checksum,
-    encoded_len,
+    CHECKSUM, FLAG_MASSES, FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, LAYOUT, MAGIC, MAX_JOINTS,
+    checksum, encoded_len,
 };
+use super::term;
 use crate::arm::ArmParameters;
+use crate::effects::Masses;
 use crate::kinematics::JointKind;
 use crate::scalar::Scalar;
 
@@ -56,35 +60,53 @@ impl Writer<'_> {
 }
 
 /// Writes a blob into the front of `out` and returns its length. Reals are
-/// rounded to binary32. The result has been read back and found acceptable.
+/// rounded to binary32, orders of terms to 1/64. The result has been read back
+/// and found acceptable.
 ///
 /// # Errors
-/// Too little room, or a value that a reader would refuse, by name.
+/// Too little room, an order the layout cannot hold, or a value that a reader
+/// would refuse, by name.
 pub fn encode<T: Scalar, const N: usize>(
     parameters: &ArmParameters<T, N>,
     out: &mut [u8],
 ) -> Result<usize, EncodeError> {
     let p = parameters;
-    let needed = encoded_len(N);
+    let needed = encoded_len(N, p.terms.len());
     let got = out.len();
     let out = out.get_mut(..needed).ok_or(EncodeError::NoRoom { needed, got })?;
     if N == 0 || N > MAX_JOINTS {
         return Err(EncodeError::Refused(DecodeError::JointCount(N.min(255) as u8)));
     }
-    let flags = if p.orientation_identified { FLAG_ORIENTATION } else { 0 };
+    let mut flags = if p.orientation_identified { FLAG_ORIENTATION } else { 0 };
+    if p.masses.is_some() {
+        flags |= FLAG_MASSES;
+    }
+    let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
+    let masses = p.masses.unwrap_or(Masses {
+        gravity: none,
+        mass: [T::ZERO; N],
+        com: [none; N],
+        payload_com: none,
+    });
     let mut w = Writer(out);
     w.put(&MAGIC);
     w.put(&LAYOUT.to_le_bytes());
-    w.put(&[N as u8, flags]);
+    w.put(&[N as u8, p.terms.len() as u8]);
     w.put(&(needed as u32).to_le_bytes());
     w.put(&p.sequence.to_le_bytes());
     w.put(&p.robot_id.to_le_bytes());
+    w.put(&[flags, 0, 0, 0]);
     for v in [&p.base_translation, &p.base_rotation, &p.tool] {
         w.reals(&[v.x, v.y, v.z]);
     }
-    w.reals(&[p.rms_before, p.rms_after]);
+    w.reals(&[p.rms_before, p.rms_after, p.reference_temperature]);
+    for v in [&masses.gravity, &masses.payload_com] {
+        w.reals(&[v.x, v.y, v.z]);
+    }
     let joints = p.nominal.iter().zip(&p.corrections);
-    for ((link, correction), (limits, covered)) in joints.zip(p.limits.iter().zip(&p.covered)) {
+    let ranges = p.limits.iter().zip(&p.covered);
+    let loads = masses.mass.iter().zip(&masses.com);
+    for (((link, correction), (limits, covered)), (mass, com)) in joints.zip(ranges).zip(loads) {
         let kind = match link.kind {
             JointKind::Revolute => 0,
             JointKind::Prismatic => 1,
@@ -101,8 +123,12 @@ pub fn encode<T: Scalar, const N: usize>(
         for range in [limits, covered] {
             w.reals(&range.unwrap_or([T::ZERO; 2]));
         }
+        w.reals(&[*mass, com.x, com.y, com.z]);
     }
-    let (body, tail) = out.split_at_mut(HEADER + N * RECORD);
+    for (term, number) in p.terms.iter().zip(1..) {
+        w.put(&term::to_bytes(number, term).map_err(EncodeError::Refused)?);
+    }
+    let (body, tail) = out.split_at_mut(needed - CHECKSUM);
     tail.copy_from_slice(&checksum(body).to_le_bytes());
     Blob::check(out).map_err(EncodeError::Refused)?;
     Ok(needed)

@@ -3,22 +3,24 @@ use crc::{CRC_32_ISCSI, CRC_64_XZ, Crc};
 /// First four bytes of every blob.
 pub const MAGIC: [u8; 4] = *b"TARM";
 /// The layout this version writes and reads.
-pub const LAYOUT: u16 = 1;
+pub const LAYOUT: u16 = 2;
 /// More joints than any arm.
 pub const MAX_JOINTS: usize = 16;
 
-pub(super) const HEADER: usize = 68;
-pub(super) const RECORD: usize = 60;
+pub(super) const HEADER: usize = 100;
+pub(super) const RECORD: usize = 76;
+pub(super) const TERM: usize = 8;
 pub(super) const CHECKSUM: usize = 4;
 
 pub(super) const FLAG_ORIENTATION: u8 = 1;
+pub(super) const FLAG_MASSES: u8 = 2;
 pub(super) const HAS_LIMITS: u8 = 1;
 pub(super) const HAS_COVERED: u8 = 2;
 
-/// Bytes of a blob for this many joints.
+/// Bytes of a blob for this many joints and terms.
 #[must_use]
-pub const fn encoded_len(joints: usize) -> usize {
-    HEADER + RECORD * joints + CHECKSUM
+pub const fn encoded_len(joints: usize, terms: usize) -> usize {
+    HEADER + RECORD * joints + TERM * terms + CHECKSUM
 }
 
 static CRC32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);

@@ -10,7 +10,8 @@ mod encode;
 #[doc = include_str!("FORMAT.md")]
 pub mod format {}
 mod layout;
+mod term;
 
-pub use check::{Blob, DecodeError, FieldName, Flaw};
+pub use check::{Blob, DecodeError, FieldName, Flaw, Record};
 pub use encode::{EncodeError, encode};
 pub use layout::{LAYOUT, MAGIC, MAX_JOINTS, encoded_len, robot_id};

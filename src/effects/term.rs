@@ -34,6 +34,15 @@ pub enum Effect {
 }
 
 impl Effect {
+    /// Whether a term of it is a cos or sin of some cycles a turn.
+    #[must_use]
+    pub const fn is_periodic(self) -> bool {
+        matches!(
+            self,
+            Self::EncoderEccentricity | Self::GearTransmissionError | Self::JointPeriodicError
+        )
+    }
+
     /// Every effect with its name in reports and files; the place is its code
     /// in a blob.
     pub const NAMES: [(Self, &'static str); 9] = [
@@ -112,6 +121,17 @@ impl<T: Scalar> Term<T> {
     /// `joint` of a thermal expansion of all links.
     pub const ALL: u8 = u8::MAX;
 
+    /// Whether it depends on gravity, so that the arm's [`super::Masses`] are
+    /// needed: the two compliances, and a backlash with a friction torque.
+    #[must_use]
+    pub fn needs_load(&self) -> bool {
+        match self.effect {
+            Effect::JointCompliance | Effect::BaseCompliance => true,
+            Effect::Backlash => self.order > T::ZERO,
+            _ => false,
+        }
+    }
+
     /// The known function that the coefficient multiplies.
     #[must_use]
     #[inline]
@@ -142,7 +162,8 @@ impl<T: Scalar> Term<T> {
     }
 
     /// Derivative of the tool point to the coefficient, m per unit: the basis
-    /// times a geometric column (of the chain at the bent joint values).
+    /// times a geometric column (of the chain at the bent joint values). The
+    /// columns of `base_rotation` are to rotations about the base's own axes.
     #[must_use]
     pub fn column<const N: usize>(
         &self,

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::qemu::{self, TARGET};
+use crate::refusals;
 use crate::run::{Result, call, cargo, root, step, target_dir};
-use crate::{refusals, vectors};
+use crate::vectors::{self, Files};
 
 /// The function that does not exist, see `tests/firmware/src/bin/no_panic.rs`.
 const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
@@ -21,14 +22,26 @@ pub fn run(blob: Option<&Path>) -> Result {
     qemu::ensure_tools()?;
     step("build of the image", || call(&mut build("firmware")))?;
     step("proof that the tick path cannot panic", prove_no_panic)?;
-    let output = step("run under QEMU", || run_image(blob))?;
+    let files = match blob {
+        Some(blob) => files_for(blob)?,
+        None => vectors::shipped(),
+    };
+    let mut output = step("run under QEMU", || run_image(&files))?;
+    output += &step("run with terms of every effect", || run_image(&vectors::shipped_terms()))?;
     step("instruction budgets", || check_budgets(&output))?;
-    step("slot B and refusals", || refusals::check(&qemu_command(blob)?))
+    step("slot B and refusals", || refusals::check(&qemu_command(&files)?))
+}
+
+/// A user's blob, with the vector file that the host computes for it.
+pub fn files_for(blob: &Path) -> Result<Files> {
+    let vectors = target_dir().join("firmware/other.vectors");
+    fs::write(&vectors, vectors::for_blob(blob)?)?;
+    Ok(Files { blob: std::path::absolute(blob)?, vectors })
 }
 
 /// Runs the image, which must have been built; what it printed.
-pub fn run_image(blob: Option<&Path>) -> Result<String> {
-    let ended = qemu::run(&qemu_command(blob)?, &directory())?;
+pub fn run_image(files: &Files) -> Result<String> {
+    let ended = qemu::run(&qemu_command(files)?, &directory())?;
     if ended.success { Ok(ended.output) } else { Err("the image found a fault".into()) }
 }
 
@@ -60,9 +73,9 @@ fn prove_no_panic() -> Result {
     Ok(())
 }
 
-/// The runner of `.cargo/config.toml`, with the image, and with the files for
-/// another blob in place of the shipped ones.
-fn qemu_command(blob: Option<&Path>) -> Result<Vec<String>> {
+/// The runner of `.cargo/config.toml`, with the image, and with these files in
+/// place of the shipped ones.
+fn qemu_command(files: &Files) -> Result<Vec<String>> {
     let config = read_toml(&directory().join(".cargo/config.toml"))?;
     let runner = config
         .get("target")
@@ -71,16 +84,11 @@ fn qemu_command(blob: Option<&Path>) -> Result<Vec<String>> {
     let mut command: Vec<String> =
         runner.iter().filter_map(|word| Some(word.as_str()?.to_owned())).collect();
     command.push(build_dir().join(TARGET).join("release/firmware").display().to_string());
-    if let Some(blob) = blob {
-        let vectors = target_dir().join("firmware/other.vectors");
-        fs::write(&vectors, vectors::for_blob(blob)?)?;
-        let blob = std::path::absolute(blob)?;
-        for word in &mut command {
-            if word.contains("/ur10.blob,") {
-                *word = loading(word, &blob);
-            } else if word.contains("/fk.vectors,") {
-                *word = loading(word, &vectors);
-            }
+    for word in &mut command {
+        if word.contains("/ur10.blob,") {
+            *word = loading(word, &files.blob);
+        } else if word.contains("/fk.vectors,") {
+            *word = loading(word, &files.vectors);
         }
     }
     Ok(command)

@@ -16,5 +16,7 @@ pub fn run() -> Result {
         let mut pack = cargo(&root(), "run --quiet -p truearm-host -- pack");
         call(pack.arg(out.join("model.toml")).arg("--out").arg(&blob))
     })?;
-    step("its blob on the controller", || firmware::run_image(Some(&blob)).map(drop))
+    step("its blob on the controller", || {
+        firmware::run_image(&firmware::files_for(&blob)?).map(drop)
+    })
 }

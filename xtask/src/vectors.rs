@@ -8,18 +8,34 @@ use std::path::{Path, PathBuf};
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm::Arm;
-use truearm::blob::Blob;
+use truearm::blob::{Blob, encode, encoded_len};
+use truearm::effects::{Effect, MAX_TERMS, Term};
+use truearm::{Arm, ArmParameters};
 
 use crate::run::{Result, root};
 use format::{JOINTS, Joints, MAGIC, Vectors};
 
 const POSES: usize = 1024;
 
-/// The shipped blob and vector file, as tests and image find them.
-pub fn shipped() -> (PathBuf, PathBuf) {
+/// A parameter blob and the vector file for it.
+pub struct Files {
+    pub blob: PathBuf,
+    pub vectors: PathBuf,
+}
+
+fn shipped_as(blob: &str, vectors: &str) -> Files {
     let dir = root().join("tests/data/firmware");
-    (dir.join("ur10.blob"), dir.join("fk.vectors"))
+    Files { blob: dir.join(blob), vectors: dir.join(vectors) }
+}
+
+/// The shipped arm without terms, as tests and image find it.
+pub fn shipped() -> Files {
+    shipped_as("ur10.blob", "fk.vectors")
+}
+
+/// The same arm with terms of every effect.
+pub fn shipped_terms() -> Files {
+    shipped_as("ur10-terms.blob", "terms.vectors")
 }
 
 /// Rewrites the shipped files for this blob.
@@ -28,18 +44,77 @@ pub fn ship(blob: &Path) -> Result {
     let mut angle = || rng.random_range(-core::f32::consts::TAU..=core::f32::consts::TAU);
     let poses: Vec<Joints> = (0..POSES).map(|_| [0; JOINTS].map(|_| angle())).collect();
     let bytes = fs::read(blob).map_err(|error| format!("{}: {error}", blob.display()))?;
-    let vectors = file(&bytes, &poses)?;
-    let (shipped_blob, shipped_vectors) = shipped();
-    fs::write(&shipped_blob, bytes)?;
-    fs::write(&shipped_vectors, vectors)?;
-    println!("wrote {} and {}", shipped_blob.display(), shipped_vectors.display());
+    let with_terms = with_terms(&bytes)?;
+    for (files, bytes) in [(shipped(), bytes), (shipped_terms(), with_terms)] {
+        let vectors = file(&bytes, &poses)?;
+        fs::write(&files.vectors, vectors)?;
+        fs::write(&files.blob, &bytes)?;
+        println!(
+            "wrote {} ({} bytes) and {}",
+            files.blob.display(),
+            bytes.len(),
+            files.vectors.display()
+        );
+    }
     Ok(())
+}
+
+/// The blob with as many terms as there is room for, of every effect, with
+/// invented coefficients.
+fn with_terms(blob: &[u8]) -> Result<Vec<u8>> {
+    let mut parameters: ArmParameters<f32, JOINTS> = Blob::check(blob)?.parameters()?;
+    let terms: Vec<_> = invented_terms().collect();
+    parameters.terms = heapless::Vec::from_slice(&terms)?;
+    let mut bytes = vec![0; encoded_len(JOINTS, MAX_TERMS)];
+    encode(&parameters, &mut bytes)?;
+    Ok(bytes)
+}
+
+fn invented_terms() -> impl Iterator<Item = Term<f32>> {
+    use Effect::*;
+    let all = Term::<f32>::ALL;
+    // Effect, joint, source joint, component, order, coefficient.
+    [
+        (JointCompliance, 1, 0, 0, 0.0, 2.3e-5),
+        (JointCompliance, 2, 0, 0, 0.0, 3.1e-5),
+        (JointCompliance, 3, 0, 0, 0.0, 4.7e-5),
+        (JointCompliance, 4, 0, 0, 0.0, 6.1e-5),
+        (BaseCompliance, 0, 0, 0, 0.0, 1.7e-6),
+        (BaseCompliance, 0, 0, 1, 0.0, 2.9e-6),
+        (EncoderEccentricity, 0, 0, 0, 1.0, 1.9e-4),
+        (EncoderEccentricity, 0, 0, 1, 1.0, -1.3e-4),
+        (EncoderEccentricity, 2, 0, 0, 2.0, 0.7e-4),
+        (EncoderEccentricity, 2, 0, 1, 2.0, 1.1e-4),
+        (GearTransmissionError, 1, 0, 0, 202.0, 2.1e-5),
+        (GearTransmissionError, 1, 0, 1, 202.0, -3.7e-5),
+        (JointPeriodicError, 3, 0, 0, 7.5, 5.3e-5),
+        (JointPeriodicError, 3, 0, 1, 7.5, -4.1e-5),
+        (JointPeriodicError, 4, 0, 0, 17.25, 2.7e-5),
+        (JointGain, 1, 0, 0, 0.0, 3.3e-5),
+        (JointGain, 5, 0, 0, 0.0, -5.9e-5),
+        (JointCoupling, 5, 4, 0, 0.0, 8.3e-5),
+        (JointCoupling, 4, 3, 0, 0.0, -2.3e-5),
+        (Backlash, 1, 0, 0, 20.0, -1.2e-4),
+        (Backlash, 2, 0, 0, 0.0, -0.9e-4),
+        (Backlash, 4, 0, 0, 0.5, -1.6e-4),
+        (ThermalExpansion, all, 0, 0, 0.0, 1.2e-5),
+        (ThermalExpansion, 2, 0, 0, 0.0, 1.1e-5),
+    ]
+    .into_iter()
+    .map(|(effect, joint, source, component, order, coefficient)| Term {
+        effect,
+        joint,
+        source,
+        component,
+        order,
+        coefficient,
+    })
 }
 
 /// The shipped poses with the hash that the host computes for this blob.
 pub fn for_blob(blob: &Path) -> Result<Vec<u8>> {
     let bytes = fs::read(blob).map_err(|error| format!("{}: {error}", blob.display()))?;
-    let shipped = fs::read(shipped().1)?;
+    let shipped = fs::read(shipped().vectors)?;
     let poses: Vec<Joints> =
         Vectors::parse(&shipped).map_err(|error| error.to_string())?.poses().collect();
     file(&bytes, &poses).map_err(|error| format!("{}: {error}", blob.display()).into())

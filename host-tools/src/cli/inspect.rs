@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use truearm_host::pack::describe;
+use truearm_host::describe::describe;
 use truearm_host::{Error, Result};
 
 /// Print every field of a parameter blob, or why a controller would refuse it.

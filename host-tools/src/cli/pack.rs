@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 use truearm_host::Result;
 use truearm_host::files::{Model, write};
-use truearm_host::pack::pack;
+use truearm_host::pack::{notes, pack};
 
 /// Pack a model into a parameter blob for the controller.
 #[derive(Args)]
@@ -24,6 +24,9 @@ impl Pack {
         let bytes = pack(&model, self.sequence)?;
         write(&self.out, &bytes)?;
         println!("wrote {}: {} bytes", self.out.display(), bytes.len());
+        for note in notes(&model) {
+            println!("{note}");
+        }
         println!(
             "frame: commanded poses refer to the nominal base; residual base {:.3} {:.3} {:.3} mm",
             model.frame_translation.x * 1e3,

@@ -9,6 +9,7 @@ mod measure;
 mod memory;
 mod vectors;
 
+use core::fmt;
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
@@ -16,7 +17,7 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use truearm::blob::{Blob, DecodeError};
 use truearm::kinematics::Jacobian;
-use truearm::{Arm, ArmParameters, Pose};
+use truearm::{Arm, ArmParameters, Pose, State};
 
 use measure::Counter;
 use vectors::{JOINTS, Joints, Vectors};
@@ -80,29 +81,35 @@ fn measure(
 ) {
     let Some(systick) = cortex_m::Peripherals::take().map(|p| p.SYST) else { return };
     let mut counter = Counter::new(systick);
-    let print = |name, tenths: u64| {
+    let print = |name: fmt::Arguments, tenths: u64| {
         hprintln!("instructions {} {}.{}", name, tenths / 10, tenths % 10);
     };
     let mut inputs = [[0.0; JOINTS]; 1024];
-    for (input, q) in inputs.iter_mut().zip(poses) {
+    let mut states = [([0.0; JOINTS], vectors::state(0)); 1024];
+    for (index, ((input, state), q)) in inputs.iter_mut().zip(&mut states).zip(poses).enumerate() {
         *input = q;
+        *state = (q, vectors::state(index));
     }
     let count = counter.tenths_per_call(4, &inputs, |q| {
         black_box(&forward(black_box(arm), q));
     });
-    print("forward", count);
+    print(format_args!("forward"), count);
+    let count = counter.tenths_per_call(4, &states, |(q, state)| {
+        black_box(&forward_in(black_box(arm), q, state));
+    });
+    print(format_args!("real_pose_in+{}", arm.terms().len()), count);
     let count = counter.tenths_per_call(4, &inputs, |q| {
         black_box(&jacobian(black_box(arm), q));
     });
-    print("jacobian", count);
+    print(format_args!("jacobian"), count);
     let count = counter.tenths_per_call(1000, &[bytes], |bytes| {
         let _ = black_box(&decode(bytes));
     });
-    print("check+parameters", count);
+    print(format_args!("check+parameters"), count);
     let count = counter.tenths_per_call(1000, &[parameters], |parameters| {
         black_box(&load(parameters));
     });
-    print("load", count);
+    print(format_args!("load"), count);
 }
 
 // What is measured, as calls of their own.
@@ -120,6 +127,11 @@ fn load(parameters: &ArmParameters<f32, JOINTS>) -> Arm<f32, JOINTS> {
 #[inline(never)]
 fn forward(arm: &Arm<f32, JOINTS>, q: &Joints) -> Pose<f32> {
     arm.real_pose(q)
+}
+
+#[inline(never)]
+fn forward_in(arm: &Arm<f32, JOINTS>, q: &Joints, state: &State<f32, JOINTS>) -> Pose<f32> {
+    arm.real_pose_in(q, state)
 }
 
 #[inline(never)]

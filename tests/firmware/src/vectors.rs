@@ -17,7 +17,7 @@
 use core::fmt;
 
 use crc::{CRC_64_XZ, Crc};
-use truearm::{Arm, Pose};
+use truearm::{Arm, Pose, State};
 
 /// First four bytes of a vector file.
 pub const MAGIC: [u8; 4] = *b"TAFK";
@@ -89,14 +89,33 @@ impl<'a> Vectors<'a> {
     }
 }
 
-/// CRC-64/XZ of the bits of all results: the three columns of the rotation,
-/// then the translation, as little-endian `f32`. One changed bit changes it.
+/// The state of the arm at the `index`-th pose, so that every value a term
+/// depends on varies: directions through all of -1, 0, +1, payload 0 to 10 kg,
+/// temperature 10 to 40 degrees Celsius.
+pub fn state(index: usize) -> State<f32, JOINTS> {
+    let mut power = 1;
+    State {
+        direction: [0; JOINTS].map(|_| {
+            let digit = index / power % 3;
+            power *= 3;
+            digit as f32 - 1.0
+        }),
+        payload: (index % 11) as f32,
+        temperature: 10.0 + (index % 31) as f32,
+    }
+}
+
+/// CRC-64/XZ of the bits of all results: of each pose first without, then with
+/// its state the three columns of the rotation and the translation, as
+/// little-endian `f32`. One changed bit changes it.
 pub fn hash(arm: &Arm<f32, JOINTS>, poses: impl Iterator<Item = Joints>) -> u64 {
     let mut digest = CRC64.digest();
-    for q in poses {
-        let Pose { rotation, translation } = arm.real_pose(&q);
-        for value in rotation.iter().chain(translation.iter()) {
-            digest.update(&value.to_le_bytes());
+    for (index, q) in poses.enumerate() {
+        for pose in [arm.real_pose(&q), arm.real_pose_in(&q, &state(index))] {
+            let Pose { rotation, translation } = pose;
+            for value in rotation.iter().chain(translation.iter()) {
+                digest.update(&value.to_le_bytes());
+            }
         }
     }
     digest.finalize()

@@ -10,14 +10,18 @@ use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug;
-use truearm::Arm;
 use truearm::blob::{Blob, DecodeError};
+use truearm::{Arm, State};
 
 /// What a controller calls, on values the compiler knows nothing about.
 fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), DecodeError> {
     let parameters = Blob::check(black_box(bytes))?.parameters::<f32, 6>()?;
     let arm = Arm::new(black_box(&parameters));
     black_box(arm.real_pose(black_box(q)));
+    let state = State { direction: *q, payload: q[0], temperature: q[1] };
+    black_box(arm.real_pose_in(black_box(q), black_box(&state)));
+    black_box(arm.bending(black_box(q), black_box(&state)));
+    black_box(arm.with_tool(*black_box(arm.nominal().tool())));
     black_box(arm.covers(black_box(q)));
     black_box(arm.real().jacobian(black_box(q)));
     #[cfg(feature = "negative_control")]

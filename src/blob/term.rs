@@ -1,0 +1,135 @@
+//! The 8 bytes of a term.
+
+use super::check::{DecodeError, FieldName, Flaw, Reader, Record};
+use super::layout::TERM;
+use crate::effects::{Effect, Term};
+use crate::scalar::Scalar;
+
+const EFFECT: u8 = 0x0f;
+const COMPONENT: u8 = 0x10;
+const ALL_LINKS: u8 = 0x20;
+
+/// Steps of the order in one cycle a turn, or in 1 N m of friction.
+const ORDER_STEPS: f64 = 64.0;
+
+type Result<T> = core::result::Result<T, DecodeError>;
+
+fn flaw(index: u8, field: &'static str, flaw: Flaw) -> DecodeError {
+    DecodeError::Field(FieldName { record: Record::Term(index), group: field, member: "" }, flaw)
+}
+
+/// Bytes of a term, the `index`-th counted from 1. Fields that its effect does
+/// not use become 0; one that its bits cannot hold is refused.
+pub(super) fn to_bytes<T: Scalar>(index: u8, term: &Term<T>) -> Result<[u8; TERM]> {
+    let refuse = |field| flaw(index, field, Flaw::Implausible);
+    let effect = term.effect;
+    let code = Effect::NAMES.iter().position(|(e, _)| *e == effect);
+    let mut first = code.ok_or(refuse("effect"))? as u8;
+    let all = effect == Effect::ThermalExpansion && term.joint == Term::<T>::ALL;
+    if all {
+        first |= ALL_LINKS;
+    }
+    if has_component(effect) {
+        match term.component {
+            0 => (),
+            1 => first |= COMPONENT,
+            _ => return Err(refuse("component")),
+        }
+    }
+    let nibble = |used: bool, joint: u8, field| match joint {
+        _ if !used => Ok(0),
+        0..16 => Ok(joint),
+        _ => Err(refuse(field)),
+    };
+    let joint = nibble(effect != Effect::BaseCompliance && !all, term.joint, "joint")?;
+    let source = nibble(effect == Effect::JointCoupling, term.source, "source joint")?;
+    let mut order = 0;
+    if has_order(effect) {
+        let value = term.order.to_f64();
+        let steps = value * ORDER_STEPS + 0.5;
+        // Few enough steps; and none at all for 0 only, which with a friction
+        // torque would mean that gravity never decides. NaN fails, too.
+        if !(value == 0.0 || value > 0.0 && (1.0..65536.0).contains(&steps)) {
+            return Err(refuse("order"));
+        }
+        order = steps as u16;
+    }
+    let [o0, o1] = order.to_le_bytes();
+    let [c0, c1, c2, c3] = (term.coefficient.to_f64() as f32).to_le_bytes();
+    Ok([first, joint | source << 4, o0, o1, c0, c1, c2, c3])
+}
+
+/// The term in 8 bytes; `None` if there is no such effect. Fields are as they
+/// stand there, [`check`] has judged them.
+pub(super) fn from_bytes<T: Scalar>(bytes: &[u8; TERM]) -> Option<Term<T>> {
+    let [first, joints, o0, o1, c0, c1, c2, c3] = *bytes;
+    let (effect, _) = Effect::NAMES.get(usize::from(first & EFFECT))?;
+    Some(Term {
+        effect: *effect,
+        joint: if first & ALL_LINKS != 0 { Term::<T>::ALL } else { joints & 0x0f },
+        source: joints >> 4,
+        component: u8::from(first & COMPONENT != 0),
+        order: T::from_f32(f32::from(u16::from_le_bytes([o0, o1])) / ORDER_STEPS as f32),
+        coefficient: T::from_f32(f32::from_le_bytes([c0, c1, c2, c3])),
+    })
+}
+
+/// Checks the `index`-th term, counted from 1, of an arm with so many joints.
+pub(super) fn check(index: u8, bytes: &[u8; TERM], joints: u8, masses: bool) -> Result<()> {
+    let unknown = |field| Err(flaw(index, field, Flaw::Unknown));
+    let implausible = |field| Err(flaw(index, field, Flaw::Implausible));
+    let [first, numbers, ..] = *bytes;
+    let Some(term) = from_bytes::<f32>(bytes) else { return unknown("effect") };
+    let all = first & ALL_LINKS != 0;
+    if first & !(EFFECT | COMPONENT | ALL_LINKS) != 0
+        || all && term.effect != Effect::ThermalExpansion
+    {
+        return unknown("flags");
+    }
+    if term.component != 0 && !has_component(term.effect) {
+        return unknown("component");
+    }
+    let joint = numbers & 0x0f;
+    let one_joint = term.effect != Effect::BaseCompliance && !all;
+    if if one_joint { joint >= joints } else { joint != 0 } {
+        return implausible("joint");
+    }
+    let source = term.source;
+    let coupling = term.effect == Effect::JointCoupling;
+    if if coupling { source >= joints || source == joint } else { source != 0 } {
+        return implausible("source joint");
+    }
+    let legal = match term.effect {
+        Effect::EncoderEccentricity => term.order == 1.0 || term.order == 2.0,
+        Effect::GearTransmissionError | Effect::JointPeriodicError => term.order > 0.0,
+        Effect::Backlash => true,
+        _ => term.order == 0.0,
+    };
+    if !legal {
+        return implausible("order");
+    }
+    if !term.coefficient.is_finite() {
+        return Err(flaw(index, "coefficient", Flaw::NotFinite));
+    }
+    if Scalar::abs(term.coefficient) > term.effect.plausible() {
+        return implausible("coefficient");
+    }
+    if term.needs_load() && !masses {
+        return Err(flaw(index, "effect", Flaw::NeedsMasses));
+    }
+    Ok(())
+}
+
+/// Reads the terms behind the joint records.
+pub(super) fn each(bytes: &[u8]) -> impl Iterator<Item = &[u8; TERM]> {
+    let mut reader = Reader(bytes);
+    core::iter::from_fn(move || reader.take())
+}
+
+const fn has_component(effect: Effect) -> bool {
+    effect.is_periodic() || matches!(effect, Effect::BaseCompliance)
+}
+
+const fn has_order(effect: Effect) -> bool {
+    effect.is_periodic() || matches!(effect, Effect::Backlash)
+}

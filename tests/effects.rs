@@ -1,0 +1,310 @@
+//! Effects against independent formulas: potential energy and scaled links of
+//! the 4x4 oracle, difference quotients.
+
+mod common;
+
+use common::{Matrix, identity, link, product, puma, rotation, scara, ur10};
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use truearm::effects::{Bending, Effect, Inputs, Load, Masses, Term};
+use truearm::{Arm, ArmParameters, Chain, JointKind, Link, MdhParameters, Pose, State};
+
+const TOOL: [f64; 3] = [0.05, -0.03, 0.12];
+
+fn tool() -> Pose<f64> {
+    Pose::translation(TOOL[0], TOOL[1], TOOL[2])
+}
+
+fn joints<const N: usize>(rng: &mut ChaCha8Rng, links: &[Link<f64>; N]) -> [f64; N] {
+    links.map(|link| match link.kind {
+        JointKind::Revolute => rng.random_range(-6.2..6.2),
+        JointKind::Prismatic => rng.random_range(-0.2..0.3),
+    })
+}
+
+/// Masses of all links; gravity of a robot that hangs askew.
+fn masses<const N: usize>(rng: &mut ChaCha8Rng) -> Masses<f64, N> {
+    let mut point = || Vector3::from_fn(|_, _| rng.random_range(-0.3..0.3));
+    let (com, payload_com) = ([0; N].map(|_| point()), point());
+    let mass = [0; N].map(|_| rng.random_range(0.5..15.0));
+    Masses { gravity: Vector3::new(3.1, -4.2, -8.3), mass, com, payload_com }
+}
+
+/// Potential energy, J, of an arm on a base.
+fn potential<const N: usize>(
+    base: &Matrix<f64>,
+    links: &[Link<f64>; N],
+    masses: &Masses<f64, N>,
+    payload: f64,
+    q: &[f64; N],
+) -> f64 {
+    let mut frame = *base;
+    let height = |frame: &Matrix<f64>, p: &Vector3<f64>| {
+        let along =
+            |i: usize| frame[i][0] * p.x + frame[i][1] * p.y + frame[i][2] * p.z + frame[i][3];
+        -(0..3).map(|i| along(i) * masses.gravity[i]).sum::<f64>()
+    };
+    let mut energy = 0.0;
+    for i in 0..N {
+        frame = product(&frame, &link(links[i].kind, links[i].parameters.to_array(), q[i]));
+        energy += masses.mass[i] * height(&frame, &masses.com[i]);
+    }
+    energy + payload * height(&frame, &masses.payload_com)
+}
+
+/// Largest error of joint torques and of base moments, N m or N.
+fn load_errors<const N: usize>(links: &[Link<f64>; N]) -> [f64; 2] {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let chain = Chain::new(links, Pose::identity(), tool());
+    let h = 1e-5;
+    let mut worst = [0.0_f64; 2];
+    for payload in [0.0, 7.5] {
+        for _ in 0..50 {
+            let masses = masses(&mut rng);
+            let q = joints(&mut rng, links);
+            let load = masses.load(&chain, &q, payload);
+            for j in 0..N {
+                let energy = |step: f64| {
+                    let mut moved = q;
+                    moved[j] += step;
+                    potential(&identity(), links, &masses, payload, &moved)
+                };
+                let torque = -(energy(h) - energy(-h)) / (2.0 * h);
+                worst[0] = worst[0].max((torque - load.torque[j]).abs());
+            }
+            for axis in 0..2 {
+                let energy =
+                    |turn: f64| potential(&rotation(axis, turn), links, &masses, payload, &q);
+                let moment = -(energy(h) - energy(-h)) / (2.0 * h);
+                worst[1] = worst[1].max((moment - load.moment[axis]).abs());
+            }
+        }
+    }
+    worst
+}
+
+#[test]
+fn gravity_loads_are_the_slope_of_the_potential_energy() {
+    for (name, worst) in [
+        ("UR10", load_errors(&ur10())),
+        ("spherical wrist", load_errors(&puma())),
+        ("SCARA, prismatic", load_errors(&scara())),
+    ] {
+        println!("{name}: torque {:.1e}, base moment {:.1e} N m", worst[0], worst[1]);
+        assert!(worst.iter().all(|w| *w < 1e-6), "{name}: {worst:?}");
+    }
+}
+
+fn term(effect: Effect, joint: u8, component: u8) -> Term<f64> {
+    let order = match effect {
+        Effect::EncoderEccentricity => 2.0,
+        Effect::GearTransmissionError => 201.0,
+        Effect::JointPeriodicError => 7.25,
+        _ => 0.0,
+    };
+    Term { effect, joint, source: 1 - u8::from(joint == 1), component, order, coefficient: 0.0 }
+}
+
+/// Every effect on every joint, both components.
+fn all_terms<const N: usize>() -> Vec<Term<f64>> {
+    let mut terms = vec![term(Effect::ThermalExpansion, Term::<f64>::ALL, 0)];
+    for (effect, _) in Effect::NAMES {
+        for joint in 0..N as u8 {
+            for component in 0..2 {
+                terms.push(term(effect, joint, component));
+            }
+        }
+    }
+    terms
+}
+
+/// Largest relative error of `Term::column`, and of how many columns.
+fn column_error<const N: usize>(links: &[Link<f64>; N]) -> (f64, usize) {
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let base =
+        Pose::from_rotation_vector(Vector3::new(0.3, -1.2, 0.4), Vector3::new(0.4, -0.7, 1.9));
+    let chain = Chain::new(links, base, tool());
+    let nominal = Chain::new(links, Pose::identity(), tool());
+    let (mut worst, mut count) = (0.0_f64, 0);
+    for _ in 0..10 {
+        let q = joints(&mut rng, links);
+        let load = masses(&mut rng).load(&nominal, &q, 3.0);
+        let direction = [0; N].map(|_| if rng.random_bool(0.5) { 1.0 } else { -1.0 });
+        let inputs = Inputs { q, load, direction, warmth: 8.0 };
+        for term in all_terms::<N>() {
+            let basis = term.basis(&inputs);
+            let bending =
+                |bend: f64| Bending::of(&[Term { coefficient: bend / basis, ..term }], &inputs);
+            let point = |bend: f64| chain.forward_bent(&q, &bending(bend)).translation;
+            // The base turns by a rotation vector: its column is that of small ones.
+            let bends =
+                if term.effect == Effect::BaseCompliance { vec![0.0] } else { vec![0.0, 2e-3] };
+            for bend in bends {
+                let mut bent = q;
+                (0..N).for_each(|j| bent[j] += bending(bend).joints[j]);
+                let jacobian = chain.identification_jacobian(&bent);
+                let about = |axis: usize| {
+                    let own = base.rotation.column(axis);
+                    (0..3).map(|i| jacobian.base_rotation[i] * own[i]).sum::<Vector3<f64>>()
+                };
+                let column =
+                    term.column(basis, links, &jacobian.links, &[about(0), about(1), about(2)]);
+                let h = 1e-5;
+                let difference = (point(bend + h) - point(bend - h)) / (2.0 * h) * basis;
+                if column.norm() < 1e-9 * basis.abs() {
+                    // A link without length does not grow.
+                    assert!(difference.norm() < 1e-9 * basis.abs(), "{term:?}");
+                    continue;
+                }
+                worst = worst.max((difference - column).norm() / column.norm());
+                count += 1;
+            }
+        }
+    }
+    (worst, count)
+}
+
+#[test]
+fn columns_are_the_slope_of_the_bent_chain() {
+    for (name, (error, count)) in [
+        ("UR10", column_error(&ur10())),
+        ("spherical wrist", column_error(&puma())),
+        ("SCARA, prismatic", column_error(&scara())),
+    ] {
+        println!("{name}: {count} columns, relative error {error:.1e}");
+        assert!(error < 1e-6 && count > 1000, "{name}: {error:e}");
+    }
+}
+
+#[test]
+fn growth_of_all_links_scales_their_lengths() {
+    fn check<const N: usize>(links: &[Link<f64>; N]) {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let chain = Chain::new(links, Pose::identity(), tool());
+        let coefficient = 1.2e-5;
+        let term = Term { coefficient, ..term(Effect::ThermalExpansion, Term::<f64>::ALL, 0) };
+        for _ in 0..50 {
+            let q = joints(&mut rng, links);
+            let warmth = rng.random_range(-30.0..30.0);
+            let inputs = Inputs { q, load: Load::none(), direction: [0.0; N], warmth };
+            let pose = chain.forward_bent(&q, &Bending::of(&[term], &inputs));
+            let mut exact = identity();
+            for (l, q) in links.iter().zip(q) {
+                let mut p = l.parameters;
+                p.a *= 1.0 + coefficient * warmth;
+                p.d *= 1.0 + coefficient * warmth;
+                exact = product(&exact, &link(l.kind, p.to_array(), q));
+            }
+            exact = product(&exact, &common::translation(TOOL));
+            for i in 0..3 {
+                assert!((exact[i][3] - pose.translation[i]).abs() < 1e-14);
+                for j in 0..3 {
+                    assert!((exact[i][j] - pose.rotation[(i, j)]).abs() < 1e-14);
+                }
+            }
+        }
+    }
+    check(&ur10());
+    check(&puma());
+    check(&scara());
+}
+
+/// Approach, gravity torque, friction, and the side of the gap.
+#[test]
+fn sides_of_a_gap() {
+    for (direction, torque, friction, side) in [
+        // Direction only.
+        (1.0, 0.0, 0.0, 1.0),
+        (-1.0, 0.0, 0.0, -1.0),
+        (1.0, 50.0, 0.0, 1.0),
+        (-1.0, -50.0, 0.0, -1.0),
+        // Gravity below friction leaves the joint where it came to rest.
+        (1.0, 4.9, 5.0, 1.0),
+        (-1.0, -4.9, 5.0, -1.0),
+        // Beyond it, a torque in +q carries the link to the side on which a
+        // motion in -q would have left it, wherever it came from.
+        (1.0, 5.1, 5.0, -1.0),
+        (-1.0, 5.1, 5.0, -1.0),
+        (1.0, -5.1, 5.0, 1.0),
+        (-1.0, -5.1, 5.0, 1.0),
+        // Unknown: the middle, unless gravity decides.
+        (0.0, 4.9, 5.0, 0.0),
+        (0.0, 50.0, 0.0, 0.0),
+        (0.0, 5.1, 5.0, -1.0),
+        (0.0, -5.1, 5.0, 1.0),
+    ] {
+        let load = Load { torque: [0.0, torque], moment: [0.0; 2] };
+        let inputs = Inputs { q: [0.3, 0.4], load, direction: [0.0, direction], warmth: 0.0 };
+        let term = Term { order: friction, ..term(Effect::Backlash, 1, 0) };
+        assert_eq!(term.basis(&inputs), side, "{direction} {torque} {friction}");
+        assert_eq!(term.needs_load(), friction > 0.0);
+    }
+}
+
+fn parameters(terms: &[Term<f64>]) -> ArmParameters<f64, 6> {
+    let nominal = ur10();
+    let zero = MdhParameters::from_array([0.0; 5]);
+    let mut corrections = [zero; 6];
+    corrections[2].a = 1e-3;
+    ArmParameters {
+        robot_id: 0,
+        sequence: 0,
+        nominal,
+        corrections,
+        base_translation: Vector3::new(1e-3, 0.0, 2e-3),
+        base_rotation: Vector3::new(0.0, 1e-3, 0.0),
+        tool: Vector3::from(TOOL),
+        terms: heapless::Vec::from_slice(terms).unwrap(),
+        masses: Some(masses(&mut ChaCha8Rng::seed_from_u64(8))),
+        reference_temperature: 21.0,
+        limits: [None; 6],
+        covered: [None; 6],
+        rms_before: 0.0,
+        rms_after: 0.0,
+        orientation_identified: false,
+    }
+}
+
+const Q: [f64; 6] = [0.3, -1.1, 0.8, 2.0, -0.4, 1.0];
+
+#[test]
+fn an_arm_bends_by_its_terms_and_its_state() {
+    let soft = Term { coefficient: 1e-5, ..term(Effect::JointCompliance, 1, 0) };
+    let warm = Term { coefficient: 1e-5, ..term(Effect::ThermalExpansion, Term::<f64>::ALL, 0) };
+    let gap = Term { coefficient: 1e-4, ..term(Effect::Backlash, 2, 0) };
+    let p = parameters(&[soft, warm, gap]);
+    let arm = Arm::new(&p);
+    let torque = |payload| {
+        let chain = Chain::new(&p.nominal, Pose::identity(), Pose::identity());
+        p.masses.unwrap().load(&chain, &Q, payload).torque[1]
+    };
+    let state = State { direction: [1.0; 6], payload: 5.0, temperature: 31.0 };
+    let bending = arm.bending(&Q, &state);
+    assert_eq!(bending.joints, [0.0, 1e-5 * torque(5.0), 1e-4, 0.0, 0.0, 0.0]);
+    assert!(bending.growth.iter().all(|g| (g - 1e-4).abs() < 1e-18));
+    assert_eq!(arm.real_pose_in(&Q, &state), arm.real().forward_bent(&Q, &bending));
+
+    // Without a state: gravity acts, payload, warmth and direction do not.
+    let at_rest = arm.bending(&Q, &State::at(21.0));
+    assert_eq!(at_rest.joints, [0.0, 1e-5 * torque(0.0), 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!(at_rest.growth, [0.0; 6]);
+    assert_eq!(arm.real_pose(&Q), arm.real().forward_bent(&Q, &at_rest));
+
+    let longer = arm.with_tool(Pose::translation(0.0, 0.0, 0.5));
+    assert_eq!(longer.bending(&Q, &state), bending);
+    assert_ne!(longer.real_pose(&Q), longer.real().forward(&Q));
+}
+
+#[test]
+fn an_arm_without_terms_is_rigid() {
+    let arm = Arm::new(&parameters(&[]));
+    let state = State { direction: [1.0; 6], payload: 5.0, temperature: 40.0 };
+    assert_eq!(arm.real_pose(&Q), arm.real().forward(&Q));
+    assert_eq!(arm.real_pose_in(&Q, &state), arm.real().forward(&Q));
+    // Without masses a term that depends on them does nothing; a blob with
+    // such a term is refused.
+    let soft = Term { coefficient: 1e-5, ..term(Effect::JointCompliance, 1, 0) };
+    let weightless = Arm::new(&ArmParameters { masses: None, ..parameters(&[soft]) });
+    assert_eq!(weightless.real_pose_in(&Q, &state), weightless.real().forward(&Q));
+}
