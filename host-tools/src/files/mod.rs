@@ -5,6 +5,7 @@ mod columns;
 mod measurements;
 mod model;
 mod model_file;
+mod model_terms;
 mod robot;
 
 pub use measurements::{Measurements, Row};

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use truearm::{JointKind, LinkParameter, MdhParameters, Pose};
 
 use super::model_file::*;
+use super::model_terms;
 use super::robot::{Robot, mm, parse};
 use crate::error::{Error, Place, Result};
 use crate::identify::ModelTerm;
@@ -142,6 +143,8 @@ impl Model {
             .iter()
             .map(|(label, point)| MarkerFile { label: label.clone(), xyz_mm: to_mm(point) });
         let links = robot.links.iter().map(|l| LinkFile { mass_kg: l.mass, com_mm: to_mm(&l.com) });
+        let kinds: Vec<_> = robot.joints.iter().map(|j| j.link.kind).collect();
+        let (terms, measurement_terms) = model_terms::to_file(&self.terms, &kinds);
         let w = &self.frame_rotation;
         let file = ModelFile {
             schema: SCHEMA,
@@ -160,6 +163,8 @@ impl Model {
             payload: PayloadFile { com_mm: to_mm(&robot.payload) },
             joints: joints.collect(),
             corrections: corrections.collect(),
+            terms,
+            measurement_terms,
             stations: stations.collect(),
             markers: markers.collect(),
             links: links.collect(),
@@ -239,6 +244,16 @@ impl Model {
             let rotation: Matrix3<f64> =
                 UnitQuaternion::new_normalize(q).to_rotation_matrix().into_inner();
             model.stations.push((s.label, Pose { rotation, translation: mm(s.xyz_mm) }));
+        }
+        let kinds: Vec<_> = model.robot.joints.iter().map(|j| j.link.kind).collect();
+        let wrong = |table, number, e| fail(format!("[[{table}]] entry {number}: {e}"));
+        for (i, term) in part.terms.iter().enumerate() {
+            let term = model_terms::arm_term(term, &kinds);
+            model.terms.push(term.map_err(|e| wrong("terms", i + 1, e))?);
+        }
+        for (i, term) in part.measurement_terms.iter().enumerate() {
+            let term = model_terms::measurement_term(term);
+            model.terms.push(term.map_err(|e| wrong("measurement_terms", i + 1, e))?);
         }
         if model.stations.is_empty() || model.markers.is_empty() {
             return Err(fail("a model needs a station and a marker".to_owned()));

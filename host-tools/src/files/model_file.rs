@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Provenance;
+use super::model_terms::{MeasurementTermFile, TermFile};
 
 /// The file. The keys of robot.toml stand in it as they do there, so that a
 /// model is a robot file with more in it.
@@ -22,6 +23,10 @@ pub(super) struct ModelFile {
     pub payload: PayloadFile,
     pub joints: Vec<JointFile>,
     pub corrections: Vec<CorrectionFile>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub terms: Vec<TermFile>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub measurement_terms: Vec<MeasurementTermFile>,
     pub stations: Vec<StationFile>,
     pub markers: Vec<MarkerFile>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -37,6 +42,10 @@ pub(super) struct ModelPart {
     pub provenance: Provenance,
     pub frame: FrameFile,
     pub corrections: Vec<CorrectionFile>,
+    #[serde(default)]
+    pub terms: Vec<TermFile>,
+    #[serde(default)]
+    pub measurement_terms: Vec<MeasurementTermFile>,
     pub stations: Vec<StationFile>,
     pub markers: Vec<MarkerFile>,
 }

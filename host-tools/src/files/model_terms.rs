@@ -1,0 +1,264 @@
+//! The terms of a model.toml: `[[terms]]` of the arm and `[[measurement_terms]]`
+//! of the measurement. Coefficients are SI, their unit stands beside them.
+
+use serde::{Deserialize, Serialize};
+use truearm::JointKind;
+use truearm::effects::{Effect, Term};
+
+use crate::identify::ModelTerm;
+
+/// A term of the arm.
+#[derive(Serialize, Deserialize)]
+pub(super) struct TermFile {
+    effect: String,
+    /// Counted from 1; a coupling names source and target.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    joints: Vec<usize>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    order: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    component: Option<String>,
+    /// Of a backlash whose side gravity may decide: N m, of a prismatic joint N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    friction_n_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    friction_n: Option<f64>,
+    coefficient: f64,
+    unit: String,
+}
+
+/// A term of the measurement.
+#[derive(Serialize, Deserialize)]
+pub(super) struct MeasurementTermFile {
+    effect: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    series: Option<String>,
+    component: String,
+    coefficient: f64,
+    unit: String,
+}
+
+const DRIFT: [&str; 6] = ["rx", "ry", "rz", "x", "y", "z"];
+const XYZ: [&str; 3] = ["x", "y", "z"];
+
+/// Names of the two components of an effect, if it has two.
+fn components(effect: Effect) -> Option<[&'static str; 2]> {
+    match effect {
+        Effect::BaseCompliance => Some(["x", "y"]),
+        _ if effect.is_periodic() => Some(["cos", "sin"]),
+        _ => None,
+    }
+}
+
+/// Unit of a coefficient for these joints.
+fn unit(term: &Term<f64>, kinds: &[JointKind]) -> String {
+    let linear = |joint: u8| kinds.get(usize::from(joint)) == Some(&JointKind::Prismatic);
+    let of = |joint| if linear(joint) { "m" } else { "rad" };
+    match term.effect {
+        Effect::JointCoupling => format!("{}/{}", of(term.joint), of(term.source)),
+        Effect::BaseCompliance | Effect::ThermalExpansion => term.effect.unit().to_owned(),
+        Effect::JointCompliance if linear(term.joint) => "m/N".to_owned(),
+        effect => effect.unit().replace("rad", of(term.joint)),
+    }
+}
+
+/// Both tables of a list of terms.
+pub(super) fn to_file(
+    terms: &[ModelTerm],
+    kinds: &[JointKind],
+) -> (Vec<TermFile>, Vec<MeasurementTermFile>) {
+    let (mut arm, mut measurement) = (Vec::new(), Vec::new());
+    for model_term in terms {
+        let effect = model_term.effect_name().to_owned();
+        let coefficient = model_term.coefficient();
+        let (component, series) = match model_term {
+            ModelTerm::Arm(term) => {
+                let unit = unit(term, kinds);
+                let friction =
+                    (term.effect == Effect::Backlash && term.order > 0.0).then_some(term.order);
+                arm.push(TermFile {
+                    effect,
+                    joints: model_term.joints(),
+                    order: model_term.order(),
+                    component: components(term.effect)
+                        .map(|names| names[usize::from(term.component != 0)].to_owned()),
+                    friction_n_m: friction.filter(|_| unit == "rad"),
+                    friction_n: friction.filter(|_| unit == "m"),
+                    coefficient,
+                    unit,
+                });
+                continue;
+            }
+            ModelTerm::Drift { component, .. } => (DRIFT[*component], None),
+            ModelTerm::Remount { axis, series, .. } => (XYZ[*axis], Some(series.clone())),
+        };
+        let (component, unit) = (component.to_owned(), model_term.unit().to_owned());
+        measurement.push(MeasurementTermFile { effect, series, component, coefficient, unit });
+    }
+    (arm, measurement)
+}
+
+/// Reads a term of the arm; what is wrong with it, in words.
+pub(super) fn arm_term(file: &TermFile, kinds: &[JointKind]) -> Result<ModelTerm, String> {
+    let effect = Effect::from_name(&file.effect)
+        .ok_or_else(|| format!("effect \"{}\" is not known", file.effect))?;
+    let place = |joint: usize| match joint {
+        joint if (1..=kinds.len()).contains(&joint) => Ok((joint - 1) as u8),
+        _ => Err(format!("joint {joint} where joints are 1 to {}", kinds.len())),
+    };
+    let (joint, source) = match (effect, &file.joints[..]) {
+        (Effect::BaseCompliance, []) => (0, 0),
+        (Effect::ThermalExpansion, []) => (Term::<f64>::ALL, 0),
+        (Effect::JointCoupling, [source, target]) if source != target => {
+            (place(*target)?, place(*source)?)
+        }
+        (Effect::JointCoupling, _) => {
+            return Err("joints must be [source, target], two different ones".to_owned());
+        }
+        (effect, [joint]) if effect != Effect::BaseCompliance => (place(*joint)?, 0),
+        _ => return Err(format!("joints = {:?} do not suit {}", file.joints, effect.name())),
+    };
+    let component = match (components(effect), file.component.as_deref()) {
+        (None, None) => 0,
+        (Some([first, _]), Some(name)) if name == first => 0,
+        (Some([_, second]), Some(name)) if name == second => 1,
+        (Some(names), _) => return Err(format!("component must be one of {names:?}")),
+        (None, Some(_)) => return Err(format!("{} has no component", effect.name())),
+    };
+    let order = match (effect, file.order, file.friction_n_m.or(file.friction_n)) {
+        (_, Some(order), None) if effect.is_periodic() && order > 0.0 && order.is_finite() => order,
+        (_, _, None) if effect.is_periodic() => {
+            return Err("order must be given, cycles a turn above 0".to_owned());
+        }
+        (Effect::Backlash, None, friction) => friction.unwrap_or(0.0),
+        (_, None, None) => 0.0,
+        _ => return Err(format!("{} takes no such order or friction", effect.name())),
+    };
+    if !(order >= 0.0 && order.is_finite()) {
+        return Err(format!("friction {order} is no torque or force"));
+    }
+    let coefficient = file.coefficient;
+    let term = Term { effect, joint, source, component, order, coefficient };
+    right_unit(&file.unit, &unit(&term, kinds), coefficient)?;
+    Ok(ModelTerm::Arm(term))
+}
+
+/// Reads a term of the measurement; what is wrong with it, in words.
+pub(super) fn measurement_term(file: &MeasurementTermFile) -> Result<ModelTerm, String> {
+    let coefficient = file.coefficient;
+    let find = |names: &[&str]| {
+        let found = names.iter().position(|name| *name == file.component);
+        found.ok_or_else(|| format!("component must be one of {names:?}"))
+    };
+    let term = match (&file.effect[..], &file.series) {
+        ("measurement-drift", None) => ModelTerm::Drift { component: find(&DRIFT)?, coefficient },
+        ("tool-remount", Some(series)) => {
+            ModelTerm::Remount { series: series.clone(), axis: find(&XYZ)?, coefficient }
+        }
+        ("measurement-drift", Some(_)) => return Err("a drift has no series".to_owned()),
+        ("tool-remount", None) => return Err("a tool-remount needs its series".to_owned()),
+        (effect, _) => return Err(format!("effect \"{effect}\" is not known")),
+    };
+    right_unit(&file.unit, term.unit(), coefficient)?;
+    Ok(term)
+}
+
+fn right_unit(unit: &str, expected: &str, coefficient: f64) -> Result<(), String> {
+    if unit != expected {
+        Err(format!("unit \"{unit}\" where \"{expected}\" is read"))
+    } else if !coefficient.is_finite() {
+        Err("coefficient is not finite".to_owned())
+    } else {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KINDS: [JointKind; 3] = [JointKind::Revolute, JointKind::Prismatic, JointKind::Revolute];
+
+    /// A term of every effect on a joint of either kind, and of the measurement.
+    fn terms() -> Vec<ModelTerm> {
+        let mut terms = Vec::new();
+        for (effect, _) in Effect::NAMES {
+            for joint in 0..2 {
+                let component = u8::from(components(effect).is_some()) * joint;
+                let base = effect == Effect::BaseCompliance;
+                terms.push(ModelTerm::Arm(Term {
+                    effect,
+                    joint: if base { 0 } else { joint },
+                    source: if effect == Effect::JointCoupling { 2 } else { 0 },
+                    component,
+                    order: match effect {
+                        Effect::Backlash => 3.7 * f64::from(joint),
+                        _ if effect.is_periodic() => 2.013,
+                        _ => 0.0,
+                    },
+                    coefficient: 1.25e-5,
+                }));
+            }
+        }
+        terms.push(ModelTerm::Arm(Term {
+            effect: Effect::ThermalExpansion,
+            joint: Term::<f64>::ALL,
+            source: 0,
+            component: 0,
+            order: 0.0,
+            coefficient: -1e-5,
+        }));
+        for component in 0..6 {
+            terms.push(ModelTerm::Drift { component, coefficient: 1e-4 });
+        }
+        for axis in 0..3 {
+            terms.push(ModelTerm::Remount { series: "b".into(), axis, coefficient: -3e-4 });
+        }
+        terms
+    }
+
+    #[derive(Serialize, Deserialize)]
+    struct File {
+        terms: Vec<TermFile>,
+        measurement_terms: Vec<MeasurementTermFile>,
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let (arm, measurement) = to_file(&terms(), &KINDS);
+        let text = toml::to_string(&File { terms: arm, measurement_terms: measurement }).unwrap();
+        let file: File = toml::from_str(&text).unwrap();
+        let mut read: Vec<_> = file.terms.iter().map(|t| arm_term(t, &KINDS).unwrap()).collect();
+        read.extend(file.measurement_terms.iter().map(|t| measurement_term(t).unwrap()));
+        assert_eq!(read, terms());
+        for words in ["unit = \"m/N\"", "unit = \"m/rad\"", "friction_n = 3.7", "unit = \"rad/h\""]
+        {
+            assert!(text.contains(words), "{words} in {text}");
+        }
+    }
+
+    #[test]
+    fn nonsense_is_named() {
+        let refused = |text: &str| arm_term(&toml::from_str(text).unwrap(), &KINDS).unwrap_err();
+        for (text, words) in [
+            ("effect = \"ghost\"\nunit = \"rad\"", "effect \"ghost\" is not known"),
+            ("effect = \"joint-gain\"\nunit = \"rad/rad\"\njoints = [4]", "joint 4"),
+            ("effect = \"joint-gain\"\nunit = \"rad/rad\"\njoints = [0]", "joint 0"),
+            ("effect = \"joint-gain\"\nunit = \"rad/rad\"", "joints = [] do not suit"),
+            (
+                "effect = \"joint-gain\"\nunit = \"mm\"\njoints = [1]",
+                "unit \"mm\" where \"rad/rad\"",
+            ),
+            ("effect = \"joint-gain\"\nunit = \"rad\"\njoints = [1]\norder = 2", "no such order"),
+            ("effect = \"joint-coupling\"\nunit = \"rad\"\njoints = [1, 1]", "two different"),
+            ("effect = \"base-compliance\"\nunit = \"rad/Nm\"", "component must be one of"),
+            (
+                "effect = \"joint-periodic-error\"\nunit = \"rad\"\njoints = [1]\ncomponent = \"sin\"",
+                "order must be given",
+            ),
+        ] {
+            let message = refused(&format!("coefficient = 1e-5\n{text}"));
+            assert!(message.contains(words), "{words} in {message}");
+        }
+    }
+}
