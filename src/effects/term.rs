@@ -26,8 +26,9 @@ pub enum Effect {
     JointGain,
     /// Joint `joint` turns with joint `source`: rad per rad.
     JointCoupling,
-    /// Half the play of a joint: rad. The side is the one the joint came to
-    /// rest from, unless the gravity torque exceeds the friction.
+    /// Half the play of a joint, positive: rad. The link lags behind the motion
+    /// it came to rest from, unless the gravity torque exceeds the friction and
+    /// pulls it to the other side of the gap.
     Backlash,
     /// Lengths grow with temperature, all links' or those of `joint`: per K.
     ThermalExpansion,
@@ -150,10 +151,10 @@ impl<T: Scalar> Term<T> {
             Effect::JointCoupling => at(&inputs.q, self.source),
             Effect::Backlash => at(&inputs.load.torque, self.joint).map(|torque| {
                 if self.order > T::ZERO && torque.abs() > self.order {
-                    // Gravity pulls the link to the far side of the gap.
-                    if torque > T::ZERO { -T::ONE } else { T::ONE }
+                    // Gravity pulls the link to its side of the gap.
+                    if torque > T::ZERO { T::ONE } else { -T::ONE }
                 } else {
-                    at(&inputs.direction, self.joint).unwrap_or(T::ZERO)
+                    -at(&inputs.direction, self.joint).unwrap_or(T::ZERO)
                 }
             }),
             Effect::ThermalExpansion => Some(inputs.warmth),

@@ -94,9 +94,9 @@ fn invented_terms() -> impl Iterator<Item = Term<f32>> {
         (JointGain, 5, 0, 0, 0.0, -5.9e-5),
         (JointCoupling, 5, 4, 0, 0.0, 8.3e-5),
         (JointCoupling, 4, 3, 0, 0.0, -2.3e-5),
-        (Backlash, 1, 0, 0, 20.0, -1.2e-4),
-        (Backlash, 2, 0, 0, 0.0, -0.9e-4),
-        (Backlash, 4, 0, 0, 0.5, -1.6e-4),
+        (Backlash, 1, 0, 0, 20.0, 1.2e-4),
+        (Backlash, 2, 0, 0, 0.0, 0.9e-4),
+        (Backlash, 4, 0, 0, 0.5, 1.6e-4),
         (ThermalExpansion, all, 0, 0, 0.0, 1.2e-5),
         (ThermalExpansion, 2, 0, 0, 0.0, 1.1e-5),
     ]

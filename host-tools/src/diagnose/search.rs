@@ -81,15 +81,15 @@ impl Node {
     }
 }
 
-/// Signs and sizes that the physics allows: compliance and growth give way,
-/// play lags behind.
+/// Signs and sizes that the physics allows: compliance gives way to the load,
+/// lengths grow with warmth, a link lags behind its motor.
 fn plausible(term: &ModelTerm) -> bool {
     let c = term.coefficient();
     match term {
         ModelTerm::Arm(term) => match term.effect {
             Effect::JointCompliance | Effect::BaseCompliance => (-1e-6..1e-2).contains(&c),
             Effect::ThermalExpansion => (-1e-5..2e-4).contains(&c),
-            Effect::Backlash => c < 1e-5,
+            Effect::Backlash => (-1e-5..2e-2).contains(&c),
             Effect::EncoderEccentricity => c.abs() < 6e-3,
             _ => c.abs() < 2e-2,
         },
