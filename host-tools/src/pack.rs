@@ -29,7 +29,7 @@ pub fn pack(model: &Model, sequence: Option<u32>) -> Result<Vec<u8>> {
                 model.robot.path.display(),
                 terms.len()
             ),
-            "take out of model.toml those [[terms]] that matter least",
+            "identify it again with `truearm diagnose --most-terms 24`, or take out of model.toml the [[terms]] that matter least",
         )
     })?;
     let mut bytes = vec![0; blob::encoded_len(model.robot.joints.len(), terms.len())];

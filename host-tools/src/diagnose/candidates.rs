@@ -6,6 +6,9 @@ use truearm::effects::{Effect, Term};
 use crate::files::Robot;
 use crate::identify::{Conditions, ModelTerm, Problem};
 
+/// Friction levels tried for a joint.
+const MOST_FRICTIONS: usize = 128;
+
 /// One possible addition to a model: an effect at a place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
@@ -53,19 +56,20 @@ pub fn periodic(effect: Effect, joint: usize, orders: &[f64]) -> Vec<ModelTerm> 
 }
 
 /// Friction torques at which gravity may take over the side of a gap, N m:
-/// never, and levels that split the rows differently.
+/// never, and levels between the torques of the rows, each of which sorts the
+/// rows another way. A level next to the true one puts a row on the wrong side
+/// of the gap, so few rows get every level.
 fn frictions(conditions: &Conditions, joint: usize) -> Vec<f64> {
     let mut torques: Vec<f64> =
         conditions.rows.iter().filter_map(|r| r.torque.get(joint)).map(|t| t.abs()).collect();
     torques.sort_by(f64::total_cmp);
-    let n = torques.len();
+    let stride = torques.len().div_ceil(MOST_FRICTIONS).max(1);
     let mut out = vec![0.0];
-    if n > 0 {
-        for k in 1..24 {
-            let level = torques[k * (n - 1) / 24];
-            if level > 1e-3 && out.last().is_some_and(|last| level > last * 1.05) {
-                out.push(level);
-            }
+    for pair in torques.windows(2).step_by(stride) {
+        // A blob holds it in 1/64 N m.
+        let level = ((pair[0] + pair[1]) / 2.0 * 64.0).round() / 64.0;
+        if out.last().is_some_and(|last| level > *last) {
+            out.push(level);
         }
     }
     out
