@@ -6,6 +6,12 @@
 #[path = "../../../tests/common/mod.rs"]
 mod oracle;
 
+mod draw;
+pub mod effects;
+pub mod robots;
+pub mod secret;
+pub mod sets;
+
 use std::path::Path;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -152,8 +158,12 @@ impl Truth {
     }
 
     pub fn parse(&self, text: &str) -> Measurements {
-        Measurements::parse(Path::new("m.csv"), text, &self.robot).unwrap()
+        parse(&self.robot, text)
     }
+}
+
+pub fn parse(robot: &Robot, text: &str) -> Measurements {
+    Measurements::parse(Path::new("m.csv"), text, robot).unwrap()
 }
 
 pub fn rms(robot: &Robot, state: &State, check: &Measurements) -> f64 {

@@ -1,0 +1,60 @@
+//! A small seeded part of the blind study (`cargo xtask study blind`): what was
+//! hidden is opened only after every verdict is in.
+
+mod simulate;
+
+use simulate::secret::{Score, score};
+use simulate::sets::{BlindSet, LISTED, UNLISTED, Wanted};
+use truearm_host::diagnose::{DiagnoseOptions, diagnose};
+
+fn judged(sets: &[BlindSet]) -> Vec<Score> {
+    let answer = |set: &BlindSet| {
+        let (robot, data, holdout) = set.read();
+        let options = DiagnoseOptions::default();
+        diagnose(&robot, &data, Some(&holdout), &options, &|_| ()).unwrap().report
+    };
+    let answers: Vec<_> = sets.iter().map(answer).collect();
+    let scores: Vec<Score> = sets.iter().zip(&answers).map(|(s, a)| score(s, a)).collect();
+    for s in scores.iter().filter(|s| !s.names_right() || !s.joints_right()) {
+        println!("{s:?}");
+    }
+    scores
+}
+
+fn count(scores: &[Score], good: impl Fn(&Score) -> bool) -> usize {
+    scores.iter().filter(|s| good(s)).count()
+}
+
+#[test]
+fn single_effects_are_named() {
+    let draw = |i: usize| BlindSet::draw(7_000 + i as u64, &[(LISTED[i % 12], [2.0, 10.0])]);
+    let sets: Vec<BlindSet> = (0..24).map(draw).collect();
+    let scores = judged(&sets);
+    assert!(count(&scores, Score::names_right) >= 23);
+    assert!(count(&scores, Score::joints_right) >= 23);
+}
+
+#[test]
+fn pairs_are_named() {
+    let draw = |i: usize| {
+        let wanted: Vec<Wanted> =
+            [i, 5 * i + 4].iter().map(|k| (LISTED[k % 12], [2.0, 6.0])).collect();
+        BlindSet::draw(7_100 + i as u64, &wanted)
+    };
+    let scores = judged(&(0..6).map(draw).collect::<Vec<_>>());
+    assert!(count(&scores, Score::names_right) >= 5);
+}
+
+#[test]
+fn clean_arms_get_no_name() {
+    let sets: Vec<BlindSet> = (0..6).map(|i| BlindSet::draw(7_200 + i, &[])).collect();
+    let scores = judged(&sets);
+    assert_eq!(count(&scores, Score::verdict_right), 6);
+}
+
+#[test]
+fn no_name_is_forced_on_the_unlisted() {
+    let draw = |i: usize| BlindSet::draw(7_300 + i as u64, &[(UNLISTED[i], [2.0, 10.0])]);
+    let scores = judged(&(0..3).map(draw).collect::<Vec<_>>());
+    assert_eq!(count(&scores, Score::forced), 0);
+}
