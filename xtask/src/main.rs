@@ -7,6 +7,7 @@ mod line;
 mod qemu;
 mod refusals;
 mod run;
+mod study;
 mod test;
 mod vectors;
 
@@ -37,6 +38,11 @@ enum Verb {
         /// Parameter blob of a six-joint arm
         blob: PathBuf,
     },
+    /// Figures too long for a test run
+    Study {
+        #[command(subcommand)]
+        study: study::Study,
+    },
     /// Formatting, lints and everything of `test`
     Ci,
 }
@@ -46,6 +52,7 @@ fn main() -> ExitCode {
         Verb::Test => test::run(),
         Verb::Firmware { blob } => firmware::run(blob.as_deref()),
         Verb::Vectors { blob } => vectors::ship(&blob),
+        Verb::Study { study } => study::run(&study),
         Verb::Ci => ci::run(),
     };
     match result {
