@@ -27,8 +27,10 @@ use crate::identify::{
 use search::{Node, Search};
 
 /// Below this share of the structure that geometry leaves, a name would be
-/// forced: something else is at work.
-const NAMEABLE: f64 = 0.7;
+/// forced: something else is at work. Few rows that stay above the noise floor
+/// tell nothing for sure; in many rows there is always something finer.
+const NAMEABLE_FEW: f64 = 0.97;
+const NAMEABLE_MANY: f64 = 0.7;
 /// Share of it that an effect must carry to be named where something is left.
 const STRONG: f64 = 0.05;
 /// A coordinate this many standard deviations off what the other rows predict
@@ -170,7 +172,9 @@ fn judge(search: &Search, root: &Node, best: &Node) -> Result<(Verdict, Node)> {
     // Something is left. Names are given only to what carries a good part of
     // the structure, and only if together they carry nearly all of it.
     let excess = (root.reduced - 1.0).max(1e-9);
-    if 1.0 - (best.reduced - 1.0) / excess < NAMEABLE {
+    let many = search.rows.len() >= search::MANY_ROWS;
+    let enough = if many { NAMEABLE_MANY } else { NAMEABLE_FEW };
+    if 1.0 - (best.reduced - 1.0) / excess < enough {
         return Ok((Verdict::Unexplained, root.clone()));
     }
     let stages = show::stages(search, root, best)?;

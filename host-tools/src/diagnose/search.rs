@@ -17,7 +17,7 @@ use crate::tikhonov::covariance;
 
 /// Rows from which on effects are told apart at once, and finer structure
 /// shows: then many terms are added one round after another.
-const MANY_ROWS: usize = 400;
+pub const MANY_ROWS: usize = 400;
 /// Explanations followed side by side with fewer rows.
 const BEAM: usize = 5;
 /// Refits tried from each.
