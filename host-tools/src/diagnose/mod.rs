@@ -187,7 +187,7 @@ fn judge(search: &Search, root: &Node, best: &Node) -> Result<(Verdict, Node)> {
 /// degrees of freedom within its scatter, with room for a sigma that is stated
 /// to one digit.
 fn at_floor(node: &Node) -> bool {
-    node.reduced < 1.0 + (6.0 * (2.0 / node.freedom).sqrt()).max(0.4)
+    node.reduced < 1.0 + (5.0 * (2.0 / node.freedom).sqrt()).max(0.3)
 }
 
 /// Held-out residuals of rows, where the others determine them.
