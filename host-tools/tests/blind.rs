@@ -58,3 +58,21 @@ fn no_name_is_forced_on_the_unlisted() {
     let scores = judged(&(0..3).map(draw).collect::<Vec<_>>());
     assert_eq!(count(&scores, Score::forced), 0);
 }
+
+/// A miss must be reproducible, and no column may say what is hidden.
+#[test]
+fn a_seed_is_a_set_and_every_column_varies() {
+    for i in 0..12 {
+        let wanted = [(LISTED[i], [2.0, 10.0])];
+        let [set, again] = [0, 1].map(|_| BlindSet::draw(7_400 + i as u64, &wanted));
+        assert_eq!(set.measurements, again.measurements);
+        assert_eq!(set.holdout, again.holdout);
+        for file in [&set.measurements, &set.holdout] {
+            let rows: Vec<Vec<&str>> = file.lines().map(|l| l.split(',').collect()).collect();
+            for column in 0..rows[0].len() {
+                let varies = rows[2..].iter().any(|r| r[column] != rows[1][column]);
+                assert!(varies, "{} in {}", rows[0][column], LISTED[i]);
+            }
+        }
+    }
+}

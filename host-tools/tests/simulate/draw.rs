@@ -6,7 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use truearm::JointKind;
 use truearm_host::files::Robot;
 
-use super::effects::{Arm, Kind, Moment};
+use super::arm::{Arm, Moment};
+use super::effects::Kind;
 use super::vector;
 
 const HOLDOUT: usize = 40;

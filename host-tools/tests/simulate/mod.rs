@@ -6,6 +6,7 @@
 #[path = "../../../tests/common/mod.rs"]
 mod oracle;
 
+pub mod arm;
 mod draw;
 pub mod effects;
 pub mod robots;

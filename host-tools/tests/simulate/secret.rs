@@ -8,7 +8,8 @@ use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::robust::{Flags, robust_fit};
 use truearm_host::identify::{ModelTerm, Problem, Scaling, State};
 
-use super::effects::{Arm, Kind};
+use super::arm::Arm;
+use super::effects::Kind;
 use super::rms;
 use super::sets::{BlindSet, LISTED};
 

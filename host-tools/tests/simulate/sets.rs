@@ -11,8 +11,9 @@ use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::fit::{Freedom, fit};
 use truearm_host::identify::{Problem, Scaling, State};
 
+use super::arm::{Arm, Moment};
 use super::draw::{kind, moments};
-use super::effects::{Arm, Defect, Kind, Moment};
+use super::effects::{Defect, Kind};
 use super::secret::Secret;
 use super::{normal, oracle, parse, rms, robot, robots, vector};
 
