@@ -6,7 +6,7 @@ use truearm::effects::{Effect, Term};
 use truearm_host::diagnose::{DiagnoseReport, Verdict};
 use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::robust::{Flags, robust_fit};
-use truearm_host::identify::{ModelTerm, Problem, Scaling, State};
+use truearm_host::identify::{Conditions, ModelTerm, Problem, Scaling, State};
 
 use super::arm::Arm;
 use super::effects::Kind;
@@ -22,6 +22,8 @@ pub struct Secret {
     pub scale: f64,
     /// Rows with gross errors, from 1.
     pub outliers: Vec<usize>,
+    /// True gravity torque of each row on a joint with a gap; else empty.
+    pub torques: Vec<f64>,
 }
 
 /// Names with a place: a joint, a coupled pair or none.
@@ -34,6 +36,9 @@ pub struct Score {
     pub truth: Places,
     pub answer: Places,
     pub verdict: Verdict,
+    /// Rows from 1: flagged, really wrong, and those whose side of a gap the
+    /// stated masses get wrong.
+    pub rows: [Vec<usize>; 3],
     /// Reduced chi-square of the answer, and of a fit with the true effects.
     pub reduced: [f64; 2],
     /// Hold-out RMS of the answer over that of a fit with the true effects;
@@ -112,6 +117,11 @@ pub fn score(set: &BlindSet, report: &DiagnoseReport) -> Score {
         seed: set.seed,
         answer: places(report),
         verdict: report.verdict,
+        rows: [
+            report.base.outlier_rows.clone(),
+            secret.outliers.clone(),
+            secret.turned(&robot, &data),
+        ],
         reduced: [report.reduced_chi_square, given.map_or(f64::NAN, |g| g[1])],
         ratio: given.map(|g| answer / g[0]),
         truth,
@@ -127,13 +137,33 @@ impl Secret {
         data: &Measurements,
         holdout: &Measurements,
     ) -> Option<[f64; 2]> {
-        let terms: Vec<ModelTerm> = self
-            .arm
-            .defects
-            .iter()
-            .map(|d| self.terms(&d.kind))
-            .collect::<Option<Vec<_>>>()?
-            .concat();
+        let kinds = self.arm.defects.iter().map(|d| self.terms(&d.kind));
+        let terms = kinds.collect::<Option<Vec<_>>>()?.concat();
+        // With masses that are a few percent off, the torque where gravity takes
+        // over a gap is as far off: the best one is looked for.
+        let gap = self.arm.defects.iter().any(|d| matches!(d.kind, Kind::Backlash { .. }));
+        let factors = if gap { -10..=10 } else { 0..=0 };
+        let fits = factors.filter_map(|k| {
+            let mut terms = terms.clone();
+            for term in &mut terms {
+                if let ModelTerm::Arm(Term { effect: Effect::Backlash, order, .. }) = term {
+                    *order *= 1.0 + 0.02 * f64::from(k);
+                }
+            }
+            self.fit_terms(terms, robot, data, holdout)
+        });
+        let best = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(best.1)
+    }
+
+    /// Cost of the fit, then what [`Secret::fit`] tells.
+    fn fit_terms(
+        &self,
+        terms: Vec<ModelTerm>,
+        robot: &Robot,
+        data: &Measurements,
+        holdout: &Measurements,
+    ) -> Option<(f64, [f64; 2])> {
         let problem = Problem::new(data, robot, Scaling::Prior).with_terms(terms.len());
         let start = State { terms, ..self.truth.clone() };
         let rows: Vec<usize> = (0..data.rows.len()).collect();
@@ -144,7 +174,29 @@ impl Secret {
             found.kept.iter().map(|r| (at.residual(*r) / data.rows[*r].sigma).norm_squared()).sum();
         // The unknowns that no data can tell apart do not count: about six.
         let freedom = 3 * found.kept.len() + 6 - problem.unknowns.list().len();
-        Some([rms(robot, &found.fit.state, holdout), square / freedom as f64])
+        let rms = rms(robot, &found.fit.state, holdout);
+        let cost = square + flags.gross.powi(2) * found.outliers.len() as f64;
+        Some((cost, [rms, square / freedom as f64]))
+    }
+
+    /// Rows (from 1) on the other side of a gap than stated masses and the true
+    /// friction say.
+    fn turned(&self, robot: &Robot, data: &Measurements) -> Vec<usize> {
+        let conditions = Conditions::new(data, robot);
+        let mut out = Vec::new();
+        for defect in &self.arm.defects {
+            let Kind::Backlash { joint, friction } = defect.kind else { continue };
+            let side = |torque: f64, row: usize| {
+                let lag = -f64::from(data.rows[row].directions[joint]);
+                if torque.abs() > friction { torque.signum() } else { lag }
+            };
+            let wrong = |row: &usize| {
+                let stated = side(conditions.rows[*row].torque[joint], *row);
+                stated != side(self.torques[*row], *row)
+            };
+            out.extend((0..data.rows.len()).filter(wrong).map(|row| row + 1));
+        }
+        out
     }
 
     fn terms(&self, kind: &Kind) -> Option<Vec<ModelTerm>> {

@@ -106,7 +106,13 @@ impl BlindSet {
         draft.arm.defects = defects;
         let (measurements, outliers) = draft.measured(&draft.training, rng, true);
         let (holdout, _) = draft.measured(&draft.holdout, rng, false);
-        let secret = Secret { truth: draft.truth(), arm: draft.arm, scale, outliers };
+        let mut torques = Vec::new();
+        for defect in &draft.arm.defects {
+            if let Kind::Backlash { joint, .. } = defect.kind {
+                torques.extend(draft.training.iter().map(|m| draft.arm.torque(m, joint)));
+            }
+        }
+        let secret = Secret { truth: draft.truth(), arm: draft.arm, scale, outliers, torques };
         Some(Self { seed, robot: text, measurements, holdout, secret })
     }
 }

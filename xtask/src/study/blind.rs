@@ -150,13 +150,16 @@ fn show(score: &Score) {
     };
     println!(
         "  {}: hidden {}; named {}; {verdict}; reduced chi-square {:.3}, with the truth {:.3}; \
-         RMS / attainable {:.3}",
+         RMS / attainable {:.3}; rows flagged {:?}, wrong {:?}, on the other side of a gap {:?}",
         score.seed,
         list(&score.truth),
         list(&score.answer),
         score.reduced[0],
         score.reduced[1],
         score.ratio.unwrap_or(f64::NAN),
+        score.rows[0],
+        score.rows[1],
+        score.rows[2],
     );
 }
 
