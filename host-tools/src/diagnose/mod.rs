@@ -37,6 +37,9 @@ const STRONG: f64 = 0.05;
 /// is a gross error once the structure is modelled.
 const GROSS: f64 = 6.0;
 
+/// More flagged rows than this share are no gross errors but structure.
+const MOST_GROSS: f64 = 0.08;
+
 /// The result.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
@@ -185,9 +188,12 @@ fn judge(search: &Search, root: &Node, best: &Node) -> Result<(Verdict, Node)> {
 
 /// Whether the residuals are what the stated noise leaves: chi-square over
 /// degrees of freedom within its scatter, with room for a sigma that is stated
-/// to one digit.
+/// to one digit; and not for the price of many flagged rows.
 fn at_floor(node: &Node) -> bool {
-    node.reduced < 1.0 + (5.0 * (2.0 / node.freedom).sqrt()).max(0.3)
+    let flagged = node.fit.outliers.len() as f64;
+    let rows = flagged + node.fit.kept.len() as f64;
+    flagged <= MOST_GROSS * rows
+        && node.reduced < 1.0 + (5.0 * (2.0 / node.freedom).sqrt()).max(0.3)
 }
 
 /// Held-out residuals of rows, where the others determine them.

@@ -17,15 +17,13 @@ use crate::error::Result;
 use crate::evaluate::residuals;
 use crate::files::{Measurements, Robot};
 use crate::identify::folds::Fold;
-use crate::identify::robust::robust_fit;
+use crate::identify::robust::{Outlier, robust_fit};
 use crate::identify::{Conditions, Findings, ModelTerm, State, folds};
 use crate::report::{Stats, own_evidence};
 
 /// Explanations this close, in units of chi-square, are not told apart: odds
 /// of a hundred to one.
 const WITHIN_REACH: f64 = 9.2;
-/// Relative error of gravity torques, from masses and friction alike.
-const MASSES_KNOWN_TO: f64 = 0.2;
 /// Poses proposed to tell two explanations apart, out of so many tried.
 const PROPOSED: usize = 5;
 const TRIED: usize = 4000;
@@ -225,7 +223,9 @@ pub fn effects(findings: &Findings, stages: &[Node], gap: &[GapRow], best: &Node
             }
         }
     }
-    if best.fit.outliers.iter().any(|o| !on_the_edge(findings, best, o.row)) {
+    let gross = best.fit.outliers.iter().any(|o| !other_side(findings, best, o));
+    // Where structure is left that has no name, no row can be called wrong.
+    if gross && (at_floor(best) || !best.added.is_empty()) {
         let rows = findings.problem.data.rows.len() as f64;
         let p_value = (3.0 * rows * libm::erfc(super::GROSS / std::f64::consts::SQRT_2)).min(1.0);
         out.push(Effect {
@@ -240,18 +240,22 @@ pub fn effects(findings: &Findings, stages: &[Node], gap: &[GapRow], best: &Node
     out
 }
 
-/// Whether a flagged row stands where friction and gravity are about equal for
-/// a joint with play: the link may rest on either side of the gap, and masses
-/// known to some per cent do not tell. Such a row is left out, but no gross
-/// error of the measurement.
-fn on_the_edge(findings: &Findings, best: &Node, row: usize) -> bool {
-    best.fit.fit.state.terms.iter().any(|term| match term {
-        ModelTerm::Arm(t) if t.effect == ArmEffect::Backlash && t.order > 0.0 => {
-            let torque = &findings.problem.conditions.rows[row].torque;
-            let here = torque.get(usize::from(t.joint)).map_or(0.0, |t| t.abs());
-            (here - t.order).abs() < MASSES_KNOWN_TO * t.order.max(here)
-        }
-        _ => false,
+/// Whether a flagged row is where a link rests on the other side of its gap:
+/// where friction and gravity are about equal, masses known to some per cent
+/// and a base that leans a little do not tell the side. Such a row is left
+/// out, but it is no gross error of the measurement.
+fn other_side(findings: &Findings, best: &Node, outlier: &Outlier) -> bool {
+    let problem = findings.problem;
+    let state = &best.fit.fit.state;
+    let row = &problem.data.rows[outlier.row];
+    let equations = problem.linearise(state).equations(outlier.row);
+    state.terms.iter().zip(problem.unknowns.terms()).any(|(term, k)| {
+        let ModelTerm::Arm(t) = term else { return false };
+        let per_unit = equations.block.column(k) * problem.metres(outlier.row);
+        let shift = per_unit * (-2.0 * t.coefficient / problem.unit(problem.unknowns.list()[k]));
+        let left = (outlier.residual - shift).norm();
+        t.effect == ArmEffect::Backlash
+            && left < (0.3 * outlier.residual.norm()).max(4.0 * row.sigma)
     })
 }
 

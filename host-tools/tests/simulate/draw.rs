@@ -138,6 +138,10 @@ pub fn kind(name: &str, robot: &Robot, arm: &Arm, poses: &[Moment], rng: &mut Ch
         "outliers" => Kind::Outliers,
         // Once a turn would be an axis out of square: geometry.
         "bearing wobble" => {
+            // The last axis moves a single marker as an eccentric encoder does:
+            // no data of one marker could tell them apart.
+            let inner = &revolute[..revolute.len() - 1];
+            let joint = inner[rng.random_range(0..inner.len())];
             Kind::BearingWobble { joint, order: f64::from(rng.random_range(2..=4)), phase }
         }
         "quadratic link bending" => {
