@@ -76,3 +76,31 @@ fn a_seed_is_a_set_and_every_column_varies() {
         }
     }
 }
+
+/// Poses that cannot tell two effects apart: both are named, and the poses that
+/// the report proposes separate them.
+#[test]
+fn ties_are_told_and_separated() {
+    let (mut ties, mut separated) = (0, 0);
+    for seed in 7_500..7_506 {
+        let set = BlindSet::tie(seed);
+        let (robot, data, _) = set.read();
+        let answer = |data: &_| {
+            diagnose(&robot, data, None, &DiagnoseOptions::default(), &|_| ()).unwrap().report
+        };
+        let report = answer(&data);
+        let proposed = report.alternatives.iter().flat_map(|a| &a.separating_poses);
+        let poses: Vec<Vec<f64>> = proposed.map(|p| p.joints.clone()).collect();
+        if poses.is_empty() {
+            continue;
+        }
+        ties += 1;
+        let after = answer(&simulate::parse(&robot, &set.measured_further(&poses)));
+        let truth = &set.open().arm.defects[0].kind;
+        let right = |e: &truearm_host::diagnose::Effect| {
+            e.name == truth.name() && e.joints == truth.joints()
+        };
+        separated += usize::from(after.effects.len() == 1 && right(&after.effects[0]));
+    }
+    assert!(ties >= 3 && separated >= ties - 1, "{separated} of {ties}");
+}

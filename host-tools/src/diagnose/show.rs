@@ -311,8 +311,10 @@ pub fn alternatives(
         if contains || seen.contains(&theirs) || !at_floor(node) {
             continue;
         }
-        let worse_by = node.cost() - best.cost();
-        if worse_by > WITHIN_REACH {
+        // Judged by the data alone: what a coefficient more costs is a reason to
+        // prefer, not to rule out.
+        let worse_by = node.misfit - best.misfit;
+        if worse_by > WITHIN_REACH || node.added.len() > best.added.len() {
             continue;
         }
         seen.push(theirs.clone());

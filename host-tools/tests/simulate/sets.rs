@@ -82,38 +82,78 @@ impl BlindSet {
     }
 
     fn attempt(seed: u64, wanted: &[Wanted], rng: &mut ChaCha8Rng) -> Option<Self> {
-        let text = robots::ALL[rng.random_range(0..robots::ALL.len())];
-        let sigma = f64::from(rng.random_range(10..=30)) * 1e-6;
-        // On the floor, under a ceiling, at a wall.
-        let down = match rng.random_range(0..4) {
-            0 => Vector3::new(0.0, 0.0, 9.81),
-            1 => Vector3::new(9.81, 0.0, 0.0),
-            _ => Vector3::new(0.0, 0.0, -9.81),
-        };
-        let text = format!(
-            "measurement_sigma_mm = {:.3}\ngravity_m_s2 = {:?}\n{text}",
-            sigma * 1e3,
-            down.data.0[0]
-        );
-        let robot = robot(&text);
-        let (arm, scale) = real(&robot, down, rng);
-        let [training, holdout] = moments(&robot, rng);
-        let mut draft = Draft { robot, arm, sigma, scale, training, holdout };
+        let (text, mut draft) = Draft::geometry(rng);
         let mut defects = Vec::new();
         for (name, range) in wanted {
             defects.push(draft.hide(name, *range, rng)?);
         }
         draft.arm.defects = defects;
-        let (measurements, outliers) = draft.measured(&draft.training, rng, true);
-        let (holdout, _) = draft.measured(&draft.holdout, rng, false);
-        let mut torques = Vec::new();
-        for defect in &draft.arm.defects {
-            if let Kind::Backlash { joint, .. } = defect.kind {
-                torques.extend(draft.training.iter().map(|m| draft.arm.torque(m, joint)));
+        Some(draft.sealed(seed, text, rng))
+    }
+
+    /// A set of which one joint was hardly moved: there a gain error and an
+    /// eccentric encoder look alike, and one of the two is hidden.
+    pub fn tie(seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        loop {
+            if let Some(set) = Self::attempt_tie(seed, &mut rng) {
+                return set;
             }
         }
-        let secret = Secret { truth: draft.truth(), arm: draft.arm, scale, outliers, torques };
-        Some(Self { seed, robot: text, measurements, holdout, secret })
+    }
+
+    fn attempt_tie(seed: u64, rng: &mut ChaCha8Rng) -> Option<Self> {
+        let (text, mut draft) = Draft::geometry(rng);
+        let joint = rng.random_range(1..4);
+        if draft.robot.joints[joint].link.kind != JointKind::Revolute {
+            return None;
+        }
+        let [low, high] = draft.robot.joints[joint].limits?;
+        let middle = low + (high - low) * rng.random_range(0.2..0.8);
+        for moment in draft.training.iter_mut().chain(&mut draft.holdout) {
+            let turned = middle + 0.15 * (moment.q[joint] - (low + high) / 2.0);
+            moment.q[joint] = ((turned.to_degrees() * 1e5).round() / 1e5).to_radians();
+        }
+        let phase = rng.random_range(0.0..std::f64::consts::TAU);
+        let kind = if rng.random_bool(0.5) {
+            Kind::JointGain { joint }
+        } else {
+            Kind::EncoderEccentricity { joint, phase }
+        };
+        let defect = draft.sized(kind, [2.0, 5.0], rng)?;
+        draft.arm.defects = vec![defect];
+        Some(draft.sealed(seed, text, rng))
+    }
+
+    /// The measurements with further poses (degrees or mm) behind them, on the
+    /// same arm in the same session.
+    pub fn measured_further(&self, poses: &[Vec<f64>]) -> String {
+        let (robot, data, _) = self.read();
+        let last = data.rows.last().and_then(|r| r.time).unwrap_or(0.0);
+        let moment = |(i, pose): (usize, &Vec<f64>)| {
+            let q = pose.iter().zip(&robot.joints).map(|(x, j)| match j.link.kind {
+                JointKind::Revolute => x.to_radians(),
+                JointKind::Prismatic => x * 1e-3,
+            });
+            let q: Vec<f64> = q.collect();
+            Moment {
+                directions: vec![1; q.len()],
+                before: q.clone(),
+                q,
+                time: last + 60.0 * (i + 1) as f64,
+                temperature: 20.0,
+                payload: 0.0,
+                later: true,
+            }
+        };
+        let moments: Vec<Moment> = poses.iter().enumerate().map(moment).collect();
+        let mut rng = ChaCha8Rng::seed_from_u64(!self.seed);
+        let arm = &self.secret.arm;
+        let points: Vec<_> =
+            moments.iter().map(|m| arm.point(m) + vector(&mut rng) * robot.sigma).collect();
+        let more = csv(&robot, &moments, |i| points[i]);
+        let rows = more.split_once('\n').map_or("", |(_, rows)| rows);
+        format!("{}{rows}", self.measurements)
     }
 }
 
@@ -155,28 +195,72 @@ struct Draft {
 }
 
 impl Draft {
+    /// A nominal arm's file, the real arm behind it, and a session.
+    fn geometry(rng: &mut ChaCha8Rng) -> (String, Self) {
+        let text = robots::ALL[rng.random_range(0..robots::ALL.len())];
+        let sigma = f64::from(rng.random_range(10..=30)) * 1e-6;
+        // On the floor, under a ceiling, at a wall.
+        let down = match rng.random_range(0..4) {
+            0 => Vector3::new(0.0, 0.0, 9.81),
+            1 => Vector3::new(9.81, 0.0, 0.0),
+            _ => Vector3::new(0.0, 0.0, -9.81),
+        };
+        let text = format!(
+            "measurement_sigma_mm = {:.3}\ngravity_m_s2 = {:?}\n{text}",
+            sigma * 1e3,
+            down.data.0[0]
+        );
+        let robot = robot(&text);
+        let (arm, scale) = real(&robot, down, rng);
+        let [training, holdout] = moments(&robot, rng);
+        (text, Draft { robot, arm, sigma, scale, training, holdout })
+    }
+
+    /// Measures, and seals what was hidden.
+    fn sealed(self, seed: u64, text: String, rng: &mut ChaCha8Rng) -> BlindSet {
+        let (measurements, outliers) = self.measured(&self.training, rng, true);
+        let (holdout, _) = self.measured(&self.holdout, rng, false);
+        let mut torques = Vec::new();
+        for defect in &self.arm.defects {
+            if let Kind::Backlash { joint, .. } = defect.kind {
+                torques.extend(self.training.iter().map(|m| self.arm.torque(m, joint)));
+            }
+        }
+        let (truth, scale) = (self.truth(), self.scale);
+        let secret = Secret { truth, arm: self.arm, scale, outliers, torques };
+        BlindSet { seed, robot: text, measurements, holdout, secret }
+    }
+
     /// Finds a place and a size for an effect. `None` if this arm has none.
     fn hide(&self, name: &str, [low, high]: [f64; 2], rng: &mut ChaCha8Rng) -> Option<Defect> {
         for _ in 0..12 {
             let kind = kind(name, &self.robot, &self.arm, &self.training, rng);
-            let mut size = kind.largest();
             if kind == Kind::Outliers {
+                return Some(Defect { size: kind.largest(), kind });
+            }
+            if let Some(defect) = self.sized(kind, [low, high], rng) {
+                return Some(defect);
+            }
+        }
+        None
+    }
+
+    /// A size of a kind at its place that stands out as far as wanted.
+    fn sized(&self, kind: Kind, [low, high]: [f64; 2], rng: &mut ChaCha8Rng) -> Option<Defect> {
+        let mut size = kind.largest();
+        let of = |size: f64| self.above_floor(Defect { kind: kind.clone(), size });
+        let mut reached = of(size);
+        if reached < low.max(OBSERVABLE) {
+            return None;
+        }
+        let target = low + rng.random_range(0.0..=1.0) * (high.min(reached) - low);
+        // Nearly proportional: a few proportional steps do what bisection would.
+        for _ in 0..6 {
+            if (reached / target - 1.0).abs() < 0.02 {
                 return Some(Defect { kind, size });
             }
-            let of = |size: f64| self.above_floor(Defect { kind: kind.clone(), size });
-            let mut reached = of(size);
-            if reached < low.max(OBSERVABLE) {
-                continue;
-            }
-            let target = low + rng.random_range(0.0..=1.0) * (high.min(reached) - low);
-            // Nearly proportional: a few proportional steps do what bisection would.
-            for _ in 0..6 {
-                if (reached / target - 1.0).abs() < 0.02 {
-                    return Some(Defect { kind, size });
-                }
-                size *= target / reached;
-                reached = of(size);
-            }
+            size *= target / reached;
+            reached = of(size);
         }
         None
     }

@@ -2,6 +2,7 @@
 
 mod blind;
 mod power;
+mod ties;
 
 /// The simulator of the host's tests.
 #[path = "../../../host-tools/tests/simulate/mod.rs"]
@@ -22,6 +23,8 @@ pub enum Study {
     Blind(blind::Options),
     /// How large must an effect be to be named?
     Power(power::Options),
+    /// Two effects look alike: is it said, and do the proposed poses tell?
+    Ties(ties::Options),
 }
 
 pub fn run(study: &Study) -> Result {
@@ -33,6 +36,7 @@ pub fn run(study: &Study) -> Result {
     match study {
         Study::Blind(options) => blind::run(options),
         Study::Power(options) => power::run(options),
+        Study::Ties(options) => ties::run(options),
     }
 }
 
