@@ -114,9 +114,11 @@ pub fn kind(name: &str, robot: &Robot, arm: &Arm, poses: &[Moment], rng: &mut Ch
             }
         },
         "backlash" => {
-            let largest =
-                poses.iter().map(|m| arm.torque(m, joint).abs()).fold(0.0_f64, f64::max).max(0.1);
-            Kind::Backlash { joint, friction: largest * rng.random_range(0.2..1.2) }
+            let largest = poses.iter().map(|m| arm.torque(m, joint).abs()).fold(0.0_f64, f64::max);
+            // Friction is made for the load; what an unloaded joint carries by
+            // accident never overcomes it.
+            let range = if loaded(joint, robot, arm, poses) { 0.2..1.2 } else { 2.0..4.0 };
+            Kind::Backlash { joint, friction: largest * rng.random_range(range) }
         }
         "thermal-expansion" => Kind::ThermalExpansion,
         "tool-remount" => Kind::ToolRemount { direction: vector(rng).normalize() },
