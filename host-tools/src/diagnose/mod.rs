@@ -4,6 +4,7 @@
 //! ([`search`]) -> *show* the gap shrink on held-out poses -> verdict.
 
 pub mod candidates;
+mod node;
 mod outcome;
 mod scan;
 pub mod score;
@@ -22,9 +23,10 @@ use crate::identify::estimate::Estimate;
 use crate::identify::registration::register;
 use crate::identify::robust::Flags;
 use crate::identify::{
-    Findings, Options, Problem, RowResult, Scaling, enough, folds, nominal_state,
+    Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
-use search::{Node, Search};
+use node::Node;
+use search::Search;
 
 /// Below this share of the structure that geometry leaves, a name would be
 /// forced: something else is at work. Few rows that stay above the noise floor
@@ -105,15 +107,14 @@ pub fn diagnose(
 
     let whereabouts = whereabouts::sentences(&problem, &root);
     let nominal = nominal_state(&problem, &best.fit.kept, &start)?;
-    let stages = show::stages(&search, &root, &best)?;
+    let folds = folds::random(data, &rows, folds::SEED);
+    let show = show::Show { search: &search, folds: &folds, holdout, robot };
+    let (best, stages, gap) = with_held_out_gain(&show, &root, best, &nominal)?;
     let alternatives = if matches!(verdict, Verdict::Explained) {
         show::alternatives(&search, robot, &best, &nodes)
     } else {
         Vec::new()
     };
-    let folds = folds::random(data, &rows, folds::SEED);
-    let show = show::Show { search: &search, folds: &folds, holdout, robot };
-    let gap = show.gap(&nominal, &stages)?;
     let held_out = show.held_out(&best)?;
     let blocked = match folds::blocked(data, &rows) {
         Some(folds) => Some(show::Show { folds: &folds, ..show }.held_out(&best)?),
@@ -184,6 +185,33 @@ fn judge(search: &Search, root: &Node, best: &Node) -> Result<(Verdict, Node)> {
     let strong = |k: &usize| (stages[*k - 1].reduced - stages[*k].reduced) / excess > STRONG;
     let last = (1..stages.len()).take_while(strong).last().unwrap_or(0);
     Ok((Verdict::Unexplained, stages[last].clone()))
+}
+
+/// Drops effects that do not lower the error of held-out poses, as long as the
+/// rest stays as good as it was.
+fn with_held_out_gain(
+    show: &show::Show,
+    root: &Node,
+    mut best: Node,
+    nominal: &State,
+) -> Result<(Node, Vec<Node>, Vec<GapRow>)> {
+    loop {
+        let stages = show::stages(show.search, root, &best)?;
+        let gap = show.gap(nominal, &stages)?;
+        let held = |k: usize| gap[k + 1].cross_validated_rms_mm.unwrap_or(f64::INFINITY);
+        let useless = (1..stages.len()).rev().find(|k| held(*k) >= held(k - 1));
+        let Some(k) = useless else { return Ok((best, stages, gap)) };
+        let fresh = |c: &candidates::Candidate| {
+            stages[k - 1].added.iter().any(|a| a.name() == c.name())
+                || stages[k].added.iter().all(|a| a.name() != c.name())
+        };
+        let added = best.added.iter().filter(|c| fresh(c)).cloned().collect();
+        let without = show.search.fit(added, &best.fit.fit.state)?;
+        if at_floor(&without) != at_floor(&best) {
+            return Ok((best, stages, gap));
+        }
+        best = without;
+    }
 }
 
 /// Whether the residuals are what the stated noise leaves: chi-square over

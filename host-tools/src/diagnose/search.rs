@@ -5,9 +5,9 @@
 
 use nalgebra::{DVector, Vector3};
 use rayon::prelude::*;
-use truearm::effects::Effect;
 
 use super::candidates::Candidate;
+use super::node::Node;
 use super::scan::scan;
 use super::score::{Score, Scorer};
 use crate::error::Result;
@@ -32,70 +32,6 @@ const TOGETHER: usize = 4;
 pub const WORTH: f64 = 8.0;
 /// Families an effect may come from.
 pub const FAMILIES: f64 = 11.0;
-
-/// A fitted explanation.
-#[derive(Debug, Clone)]
-pub struct Node {
-    /// What was added, in order.
-    pub added: Vec<Candidate>,
-    /// The fit.
-    pub fit: RobustFit,
-    /// Weighted sum of squares of the kept rows and penalty of the prior.
-    pub misfit: f64,
-    /// Price of terms and flags.
-    pub price: f64,
-    /// Weighted sum of squares of the kept rows over degrees of freedom.
-    pub reduced: f64,
-    /// Degrees of freedom.
-    pub freedom: f64,
-}
-
-impl Node {
-    /// What this explains beyond a node with fewer terms, less the price of the
-    /// difference; structure that is left counts as noise.
-    #[must_use]
-    pub fn worth(&self, fewer: &Self) -> f64 {
-        (fewer.misfit - self.misfit) / self.reduced.max(1.0) - (self.price - fewer.price)
-    }
-
-    /// The lower the better, for comparing explanations.
-    #[must_use]
-    pub fn cost(&self) -> f64 {
-        self.misfit + self.price
-    }
-
-    /// Signs and sizes that the physics allows.
-    #[must_use]
-    pub fn plausible(&self) -> bool {
-        self.fit.fit.state.terms.iter().all(plausible)
-    }
-
-    /// The additions of which a term has an impossible sign or size.
-    fn implausible(&self) -> Vec<Candidate> {
-        let mut terms = self.fit.fit.state.terms.iter();
-        let mut bad = |c: &&Candidate| {
-            // Every term is taken, or the next addition would see this one's.
-            c.terms.iter().filter_map(|_| terms.next()).filter(|t| !plausible(t)).count() > 0
-        };
-        self.added.iter().filter(|c| bad(c)).cloned().collect()
-    }
-}
-
-/// Signs and sizes that the physics allows: compliance gives way to the load,
-/// lengths grow with warmth, a link lags behind its motor.
-fn plausible(term: &ModelTerm) -> bool {
-    let c = term.coefficient();
-    match term {
-        ModelTerm::Arm(term) => match term.effect {
-            Effect::JointCompliance | Effect::BaseCompliance => (-1e-6..1e-2).contains(&c),
-            Effect::ThermalExpansion => (-1e-5..2e-4).contains(&c),
-            Effect::Backlash => (-1e-5..2e-2).contains(&c),
-            Effect::EncoderEccentricity => c.abs() < 6e-3,
-            _ => c.abs() < 2e-2,
-        },
-        _ => true,
-    }
-}
 
 /// Everything a search needs.
 pub struct Search<'a> {
@@ -210,12 +146,12 @@ impl Search<'_> {
         for (candidate, score) in self.candidates.iter().zip(tested.collect::<Vec<_>>()) {
             add(candidate.clone(), score);
         }
-        for joint in 0..self.problem.nominal.len() {
-            let joints = self.problem.nominal.len();
-            for (candidate, score) in scan(&scorer.joint(joint), joint, joints, self.highest_order)
-            {
-                add(candidate, score);
-            }
+        let joints = self.problem.nominal.len();
+        let scanned = (0..joints)
+            .into_par_iter()
+            .map(|joint| scan(&scorer.joint(joint), joint, joints, self.highest_order));
+        for (candidate, score) in scanned.collect::<Vec<_>>().into_iter().flatten() {
+            add(candidate, score);
         }
         scored.sort_by(|a, b| b.2.total_cmp(&a.2));
         let mut out: Vec<(Candidate, Score, f64)> = Vec::new();

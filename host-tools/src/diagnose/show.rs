@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use truearm::JointKind;
 use truearm::effects::{Effect as ArmEffect, Term};
 
+use super::node::Node;
 use super::outcome::{Alternative, Coefficient, Effect, GapRow, SeparatingPose};
-use super::search::{Node, Search};
+use super::search::Search;
 use super::tail::chi_square;
 use super::{HeldOut, at_floor, unknown_label};
 use crate::error::Result;

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::search::Node;
+use super::node::Node;
 use super::tail::chi_square;
 use crate::identify::Problem;
 

@@ -1,0 +1,71 @@
+//! A fitted explanation, and how two are compared.
+
+use truearm::effects::Effect;
+
+use super::candidates::Candidate;
+use crate::identify::ModelTerm;
+use crate::identify::robust::RobustFit;
+
+/// A fitted explanation.
+#[derive(Debug, Clone)]
+pub struct Node {
+    /// What was added, in order.
+    pub added: Vec<Candidate>,
+    /// The fit.
+    pub fit: RobustFit,
+    /// Weighted sum of squares of the kept rows and penalty of the prior.
+    pub misfit: f64,
+    /// Price of terms and flags.
+    pub price: f64,
+    /// Weighted sum of squares of the kept rows over degrees of freedom.
+    pub reduced: f64,
+    /// Degrees of freedom.
+    pub freedom: f64,
+}
+
+impl Node {
+    /// What this explains beyond a node with fewer terms, less the price of the
+    /// difference; structure that is left counts as noise.
+    #[must_use]
+    pub fn worth(&self, fewer: &Self) -> f64 {
+        (fewer.misfit - self.misfit) / self.reduced.max(1.0) - (self.price - fewer.price)
+    }
+
+    /// The lower the better, for comparing explanations.
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        self.misfit + self.price
+    }
+
+    /// Signs and sizes that the physics allows.
+    #[must_use]
+    pub fn plausible(&self) -> bool {
+        self.fit.fit.state.terms.iter().all(plausible)
+    }
+
+    /// The additions of which a term has an impossible sign or size.
+    pub(super) fn implausible(&self) -> Vec<Candidate> {
+        let mut terms = self.fit.fit.state.terms.iter();
+        let mut bad = |c: &&Candidate| {
+            // Every term is taken, or the next addition would see this one's.
+            c.terms.iter().filter_map(|_| terms.next()).filter(|t| !plausible(t)).count() > 0
+        };
+        self.added.iter().filter(|c| bad(c)).cloned().collect()
+    }
+}
+
+/// Signs and sizes that the physics allows: compliance gives way to the load,
+/// lengths grow with warmth, a link lags behind its motor.
+fn plausible(term: &ModelTerm) -> bool {
+    let c = term.coefficient();
+    match term {
+        ModelTerm::Arm(term) => match term.effect {
+            Effect::JointCompliance | Effect::BaseCompliance => (-1e-6..1e-2).contains(&c),
+            Effect::ThermalExpansion => (-1e-5..2e-4).contains(&c),
+            Effect::Backlash => (-1e-5..2e-2).contains(&c),
+            Effect::EncoderEccentricity => c.abs() < 6e-3,
+            _ => c.abs() < 2e-2,
+        },
+        _ => true,
+    }
+}
