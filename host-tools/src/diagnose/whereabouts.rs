@@ -67,6 +67,11 @@ pub fn sentences(problem: &Problem, root: &Node) -> Vec<String> {
     found.into_iter().map(|(_, sentence)| sentence).collect()
 }
 
+/// A p value in words.
+fn chance(p: f64) -> String {
+    if p < 1e-99 { "p < 1e-99".to_owned() } else { format!("p = {p:.1e}") }
+}
+
 /// Share of the residuals' variance that linear functions explain, in all three
 /// coordinates, and its p value (likelihood ratio).
 fn dependence(residuals: &[Vector3<f64>], functions: &[Vec<f64>]) -> Option<(f64, f64)> {
