@@ -165,10 +165,11 @@ fn show(score: &Score) {
 
 /// What the diagnosis must reach.
 fn required(classes: &[Vec<&Score>; 5]) -> Result {
+    // No sets, no figure: not a failure either.
     let good = |k: usize, test: fn(&Score) -> bool| {
         let of: &[&Score] = &classes[k];
         let count = of.iter().filter(|s| test(s)).count();
-        if of.is_empty() { 1.0 } else { count as f64 / of.len() as f64 }
+        (!of.is_empty()).then(|| count as f64 / of.len() as f64)
     };
     let mut failed = Vec::new();
     for (what, reached, needed) in [
@@ -179,6 +180,7 @@ fn required(classes: &[Vec<&Score>; 5]) -> Result {
         ("clean without a name", good(3, |s| s.answer.is_empty()), 0.99),
         ("unlisted without a forced name", good(4, |s| !s.forced()), 0.98),
     ] {
+        let Some(reached) = reached else { continue };
         let verdict = if reached >= needed { "ok" } else { "TOO FEW" };
         println!("{what}: {:.1} %, needed {:.0} %: {verdict}", 100.0 * reached, 100.0 * needed);
         if reached < needed {
