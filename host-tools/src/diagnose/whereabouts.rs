@@ -53,14 +53,10 @@ pub fn sentences(problem: &Problem, root: &Node) -> Vec<String> {
     for (name, functions) in tests {
         let Some((share, p)) = dependence(&residuals, &functions) else { continue };
         if p * count < SIGNIFICANT {
-            let percent = share * 100.0;
-            found.push((
-                share,
-                format!(
-                    "{percent:.0} % of the residual variance goes with {name} (p = {:.1e})",
-                    (p * count).max(1e-99)
-                ),
-            ));
+            let (percent, chance) = (share * 100.0, chance(p * count));
+            let sentence =
+                format!("{percent:.0} % of the residual variance goes with {name} ({chance})");
+            found.push((share, sentence));
         }
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
