@@ -39,7 +39,7 @@ const STRONG: f64 = 0.05;
 /// is a gross error once the structure is modelled.
 const GROSS: f64 = 6.0;
 
-/// More flagged rows than this share are no gross errors but structure.
+/// More flagged rows than this share (or three) are no gross errors but structure.
 const MOST_GROSS: f64 = 0.08;
 
 /// The result.
@@ -220,7 +220,7 @@ fn with_held_out_gain(
 fn at_floor(node: &Node) -> bool {
     let flagged = node.fit.outliers.len() as f64;
     let rows = flagged + node.fit.kept.len() as f64;
-    flagged <= MOST_GROSS * rows
+    flagged <= (MOST_GROSS * rows).max(3.0)
         && node.reduced < 1.0 + (5.0 * (2.0 / node.freedom).sqrt()).max(0.3)
 }
 
