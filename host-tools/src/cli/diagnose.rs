@@ -3,11 +3,11 @@ use std::path::PathBuf;
 use clap::Args;
 use truearm_host::Result;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
-use truearm_host::files::{Measurements, Robot, write};
+use truearm_host::files::{Measurements, Robot};
 
 use super::identify::residuals;
 use super::progress::Bar;
-use super::{table, warn};
+use super::{deliver, table, warn};
 
 /// Find where model and measurement disagree, name the missing effect, add it,
 /// and show the gap shrink on poses that were not fitted.
@@ -52,25 +52,13 @@ impl Diagnose {
         bar.finish();
         let found = found?;
         warn(&found.report.base.warnings);
-        let json = serde_json::to_string_pretty(&found.report)
-            .unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
-            + "\n";
-        if self.json {
-            print!("{json}");
-        } else {
-            print!("{}", table::diagnosis(&found.report));
-        }
-        if let Some(folder) = &self.out {
-            write(&folder.join("model.toml"), found.model.to_toml().as_bytes())?;
-            write(&folder.join("report.json"), json.as_bytes())?;
-            write(&folder.join("residuals.csv"), residuals(&data, &found.rows).as_bytes())?;
-            if !self.json {
-                println!(
-                    "wrote {}",
-                    folder.join("{model.toml,report.json,residuals.csv}").display()
-                );
-            }
-        }
-        Ok(())
+        deliver(
+            &found.report,
+            || table::diagnosis(&found.report),
+            self.json,
+            self.out.as_deref(),
+            &found.model,
+            || residuals(&data, &found.rows),
+        )
     }
 }

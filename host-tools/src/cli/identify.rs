@@ -2,13 +2,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use truearm_host::evaluate::evaluate;
-use truearm_host::files::{Measurements, Robot, write};
+use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::{LambdaRule, Options, RowResult, Scaling, identify};
 use truearm_host::{Error, Result};
 
 use super::evaluate::Frames;
 use super::progress::Bar;
-use super::{table, warn};
+use super::{deliver, table, warn};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
 #[derive(Args)]
@@ -62,27 +62,15 @@ impl Identify {
             found.report.warnings.extend(other.warnings.clone());
             found.report.validation = Some(evaluate(&found.model, other, frames)?);
         }
-        let json = serde_json::to_string_pretty(&found.report)
-            .unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
-            + "\n";
         warn(&found.report.warnings);
-        if self.json {
-            print!("{json}");
-        } else {
-            print!("{}", table::report(&found.report));
-        }
-        if let Some(folder) = &self.out {
-            write(&folder.join("model.toml"), found.model.to_toml().as_bytes())?;
-            write(&folder.join("report.json"), json.as_bytes())?;
-            write(&folder.join("residuals.csv"), residuals(&data, &found.rows).as_bytes())?;
-            if !self.json {
-                println!(
-                    "wrote {}",
-                    folder.join("{model.toml,report.json,residuals.csv}").display()
-                );
-            }
-        }
-        Ok(())
+        deliver(
+            &found.report,
+            || table::report(&found.report),
+            self.json,
+            self.out.as_deref(),
+            &found.model,
+            || residuals(&data, &found.rows),
+        )
     }
 
     fn options(&self) -> Result<Options> {

@@ -8,8 +8,12 @@ mod pack;
 mod progress;
 mod table;
 
+use std::path::Path;
+
 use clap::{Parser, Subcommand};
 use miette::miette;
+use truearm_host::Result;
+use truearm_host::files::{Model, write};
 
 /// Identify the true geometry of a robot arm from tracker measurements.
 #[derive(Parser)]
@@ -49,4 +53,31 @@ fn warn(warnings: &[String]) {
     for warning in warnings {
         eprintln!("warning: {warning}");
     }
+}
+
+/// Prints a report, as JSON or in words, and writes the files of a folder.
+fn deliver(
+    report: &impl serde::Serialize,
+    words: impl FnOnce() -> String,
+    as_json: bool,
+    folder: Option<&Path>,
+    model: &Model,
+    residuals: impl FnOnce() -> String,
+) -> Result<()> {
+    let json = serde_json::to_string_pretty(report)
+        .unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
+        + "\n";
+    if as_json {
+        print!("{json}");
+    } else {
+        print!("{}", words());
+    }
+    let Some(folder) = folder else { return Ok(()) };
+    write(&folder.join("model.toml"), model.to_toml().as_bytes())?;
+    write(&folder.join("report.json"), json.as_bytes())?;
+    write(&folder.join("residuals.csv"), residuals().as_bytes())?;
+    if !as_json {
+        println!("wrote {}", folder.join("{model.toml,report.json,residuals.csv}").display());
+    }
+    Ok(())
 }

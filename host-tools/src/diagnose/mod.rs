@@ -110,6 +110,11 @@ pub fn diagnose(
     let folds = folds::random(data, &rows, folds::SEED);
     let show = show::Show { search: &search, folds: &folds, holdout, robot };
     let (best, stages, gap) = with_held_out_gain(&show, &root, best, &nominal)?;
+    let nothing = best.added.is_empty() && best.fit.outliers.is_empty();
+    let verdict = match verdict {
+        Verdict::Explained if nothing => Verdict::Clean,
+        other => other,
+    };
     let alternatives = if matches!(verdict, Verdict::Explained) {
         show::alternatives(&search, robot, &best, &nodes)
     } else {
@@ -160,18 +165,19 @@ pub fn diagnose(
 }
 
 /// The tolerances of the prior are a guess; corrections that are larger all
-/// over say that the arm was made to wider ones (type II maximum likelihood).
+/// over say that the arm was made to wider ones (one step towards the maximum of
+/// the marginal likelihood).
 fn believable_lambda(problem: &Problem, node: &Node) -> f64 {
     let norm = problem.corrections(&node.fit.fit.state).norm_squared();
     let count = 5.0 * problem.nominal.len() as f64;
     (count / norm.max(1e-9)).clamp(0.02, 1.0)
 }
 
-/// Clean, explained or unexplained, and the explanation that may be named.
+/// Explained or unexplained, and the explanation that may be named; one that
+/// needs no name is clean.
 fn judge(search: &Search, root: &Node, best: &Node) -> Result<(Verdict, Node)> {
     if at_floor(best) {
-        let nothing = best.added.is_empty() && best.fit.outliers.is_empty();
-        return Ok((if nothing { Verdict::Clean } else { Verdict::Explained }, best.clone()));
+        return Ok((Verdict::Explained, best.clone()));
     }
     // Something is left. Names are given only to what carries a good part of
     // the structure, and only if together they carry nearly all of it.
