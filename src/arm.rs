@@ -4,8 +4,8 @@
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use crate::effects::{Bending, Inputs, Load, MAX_TERMS, Masses, Term};
-use crate::kinematics::{Chain, Link, MdhParameters, Pose};
+use crate::effects::{Bending, FoldedTerms, Inputs, Load, MAX_TERMS, Masses, Term, Weights};
+use crate::kinematics::{Chain, Link, MdhParameters, Pose, Turns};
 use crate::scalar::Scalar;
 
 /// Everything a controller has to know of an identified arm, SI units; what a
@@ -74,11 +74,14 @@ pub struct Arm<T, const N: usize> {
     nominal: Chain<T, N>,
     real: Chain<T, N>,
     covered: [Option<[T; 2]>; N],
+    limits: [Option<[T; 2]>; N],
     terms: Vec<Term<T>, MAX_TERMS>,
+    folded: FoldedTerms<T, N>,
     /// Only where a term depends on gravity: whether to compute loads is
     /// decided here and not in every tick.
-    masses: Option<Masses<T, N>>,
+    weights: Option<Weights<T, N>>,
     reference_temperature: T,
+    orientation_identified: bool,
 }
 
 impl<T: Scalar, const N: usize> Arm<T, N> {
@@ -93,13 +96,19 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
         for (link, correction) in links.iter_mut().zip(&p.corrections) {
             *link = link.corrected(correction);
         }
+        let nominal = Chain::new(&p.nominal, Pose::identity(), tool);
+        let folded = FoldedTerms::new(&p.terms);
+        let weights = p.masses.filter(|_| folded.needs_load()).map(|masses| masses.on(&nominal));
         Self {
-            nominal: Chain::new(&p.nominal, Pose::identity(), tool),
+            nominal,
             real: Chain::new(&links, base, tool),
             covered: p.covered,
+            limits: p.limits,
             terms: p.terms.clone(),
-            masses: p.masses.filter(|_| p.terms.iter().any(Term::needs_load)),
+            folded,
+            weights,
             reference_temperature: p.reference_temperature,
+            orientation_identified: p.orientation_identified,
         }
     }
 
@@ -163,17 +172,45 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
     /// than a link's mass is known.
     #[must_use]
     pub fn bending(&self, q: &[T; N], state: &State<T, N>) -> Bending<T, N> {
-        let load = match &self.masses {
-            Some(masses) => masses.load(&self.nominal, q, state.payload),
-            None => Load::none(),
-        };
-        let inputs = Inputs {
+        match &self.weights {
+            Some(_) => self.bending_at(q, &self.load(&self.nominal.turns(q), state.payload), state),
+            None => self.bending_at(q, &Load::none(), state),
+        }
+    }
+
+    /// Gravity loads, where a term needs them, of the nominal chain.
+    #[inline]
+    pub(crate) fn load(&self, turns: &Turns<T, N>, payload: T) -> Load<T, N> {
+        self.weights.as_ref().map_or(Load::none(), |w| w.load(&self.nominal, turns, payload))
+    }
+
+    /// [`Self::bending`] with known gravity loads.
+    #[inline]
+    pub(crate) fn bending_at(
+        &self,
+        q: &[T; N],
+        load: &Load<T, N>,
+        state: &State<T, N>,
+    ) -> Bending<T, N> {
+        self.folded.bending(&Inputs {
             q: *q,
-            load,
+            load: *load,
             direction: state.direction,
             warmth: state.temperature - self.reference_temperature,
-        };
-        Bending::of(&self.terms, &inputs)
+        })
+    }
+
+    /// Joint limits, rad or m.
+    #[must_use]
+    pub fn limits(&self) -> &[Option<[T; 2]>; N] {
+        &self.limits
+    }
+
+    /// Whether the data determined the orientation of the flange; if not, only
+    /// the tool point is better than nominal.
+    #[must_use]
+    pub fn orientation_identified(&self) -> bool {
+        self.orientation_identified
     }
 
     /// Whether every joint lies within the range that the identification

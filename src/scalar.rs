@@ -57,6 +57,9 @@ pub trait Scalar:
     ///   neighbouring `f32` angles are half a milliradian apart and more.
     /// * `f64`: `libm`, below 1 ulp for every finite angle.
     fn sin_cos(self) -> (Self, Self);
+    /// Angle of the point (x, `self`) from the x axis, rad: `libm`. For load
+    /// time, not for a tick.
+    fn atan2(self, x: Self) -> Self;
     /// Square root, correctly rounded; NaN below zero.
     fn sqrt(self) -> Self;
     /// Magnitude.
@@ -85,6 +88,9 @@ impl Scalar for f32 {
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
         sin_cos_f32(self)
+    }
+    fn atan2(self, x: Self) -> Self {
+        libm::atan2f(self, x)
     }
     #[inline]
     fn sqrt(self) -> Self {
@@ -120,6 +126,9 @@ impl Scalar for f64 {
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
         libm::sincos(self)
+    }
+    fn atan2(self, x: Self) -> Self {
+        libm::atan2(self, x)
     }
     #[inline]
     fn sqrt(self) -> Self {

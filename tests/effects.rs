@@ -7,7 +7,7 @@ use common::{Matrix, identity, link, product, puma, rotation, scara, ur10};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm::effects::{Bending, Effect, Inputs, Load, Masses, Term};
+use truearm::effects::{Bending, Effect, FoldedTerms, Inputs, Load, Masses, Term};
 use truearm::{Arm, ArmParameters, Chain, JointKind, Link, MdhParameters, Pose, State};
 
 const TOOL: [f64; 3] = [0.05, -0.03, 0.12];
@@ -308,4 +308,32 @@ fn an_arm_without_terms_is_rigid() {
     let soft = Term { coefficient: 1e-5, ..term(Effect::JointCompliance, 1, 0) };
     let weightless = Arm::new(&ArmParameters { masses: None, ..parameters(&[soft]) });
     assert_eq!(weightless.real_pose_in(&Q, &state), weightless.real().forward(&Q));
+}
+
+#[test]
+fn folded_terms_give_the_sum_of_the_terms() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let repertoire = all_terms::<6>();
+    for _ in 0..200 {
+        let mut terms = heapless::Vec::new();
+        while !terms.is_full() {
+            let any = repertoire[rng.random_range(0..repertoire.len())];
+            terms.push(Term { coefficient: rng.random_range(-1e-3..1e-3), ..any }).unwrap();
+        }
+        let inputs = Inputs {
+            q: [0; 6].map(|_| rng.random_range(-6.2..6.2)),
+            load: Load {
+                torque: [0; 6].map(|_| rng.random_range(-50.0..50.0)),
+                moment: [0; 2].map(|_| rng.random_range(-90.0..90.0)),
+            },
+            direction: [0; 6].map(|_| f64::from(rng.random_range(-1..=1))),
+            warmth: rng.random_range(-9.0..9.0),
+        };
+        let (folded, sum) =
+            (FoldedTerms::<f64, 6>::new(&terms).bending(&inputs), Bending::of(&terms, &inputs));
+        let parts = |b: &Bending<f64, 6>| [&b.joints[..], &b.base[..], &b.growth[..]].concat();
+        for (folded, sum) in parts(&folded).into_iter().zip(parts(&sum)) {
+            assert!((folded - sum).abs() < 1e-14, "{folded} {sum}");
+        }
+    }
 }

@@ -61,7 +61,6 @@ fn elementary_functions_come_from_scalar_rs_only() {
         ".sin()",
         ".cos()",
         ".tan()",
-        ".atan2(",
         ".powi(",
         ".powf(",
         ".norm()",

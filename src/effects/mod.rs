@@ -5,12 +5,14 @@
 //! [`Term::basis`] times a geometric column. Identification and controller
 //! share this code.
 
+mod folded;
 mod inputs;
 mod statics;
 mod term;
 
+pub use folded::FoldedTerms;
 pub use inputs::Inputs;
-pub use statics::{Load, Masses};
+pub use statics::{Load, Masses, Weights};
 pub use term::{Bending, Effect, Term};
 
 /// Most terms of an arm.

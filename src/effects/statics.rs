@@ -1,7 +1,6 @@
 use nalgebra::Vector3;
 
-use crate::kinematics::{Chain, LinkFrame};
-use crate::kinematics::{cross, dot};
+use crate::kinematics::{Chain, Turns, axis, cross, dot, rotate};
 use crate::scalar::Scalar;
 
 /// Masses that load an arm; SI units.
@@ -35,43 +34,83 @@ impl<T: Scalar, const N: usize> Load<T, N> {
     }
 }
 
+/// Masses on a chain, reduced to what a tick has to compute.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weights<T, const N: usize> {
+    gravity: Vector3<T>,
+    mass: [T; N],
+    /// Mass times centre of mass of each link in its hinge's turned frame, kg m.
+    moment: [[T; 3]; N],
+    /// Payload point in the last hinge's turned frame, m.
+    payload: [T; 3],
+}
+
 impl<T: Scalar, const N: usize> Masses<T, N> {
+    /// Folds the masses for this chain, at load time. The chain's base pose
+    /// must be the frame of `gravity`.
+    #[must_use]
+    pub fn on(&self, chain: &Chain<T, N>) -> Weights<T, N> {
+        let mut moment = [[T::ZERO; 3]; N];
+        for (i, out) in moment.iter_mut().enumerate() {
+            if let (Some(m), Some(com)) = (self.mass.get(i), self.com.get(i)) {
+                *out = chain.in_hinge(i, com).map(|x| x * *m);
+            }
+        }
+        let payload = chain.in_hinge(N.saturating_sub(1), &self.payload_com);
+        Weights { gravity: self.gravity, mass: self.mass, moment, payload }
+    }
+
     /// Gravity torque of every joint and overturning moment of the base, at
     /// joint values `q` with `payload` kg at the payload point; exact for the
     /// rigid arm. The chain's base pose must be the frame of `gravity`.
     #[must_use]
     pub fn load(&self, chain: &Chain<T, N>, q: &[T; N], payload: T) -> Load<T, N> {
-        let frames = chain.link_frames(q);
-        let mut load = Load::none();
-        // Mass and first moment of all that hangs on the joint, from the tip.
-        let mut mass = payload;
-        let mut moment = match frames.last() {
-            Some(last) => last.point(&self.payload_com) * payload,
-            None => return load,
-        };
-        let links = frames.iter().zip(self.mass.iter().zip(&self.com));
-        for ((frame, (m, com)), torque) in links.zip(&mut load.torque).rev() {
-            mass += *m;
-            moment += frame.point(com) * *m;
-            let arm = moment - frame.on_axis * mass;
-            *torque = if frame.prismatic {
-                dot(&frame.axis, &self.gravity) * mass
-            } else {
-                dot(&frame.axis, &cross(&arm, &self.gravity))
-            };
-        }
-        let base = chain.base();
-        let about = cross(&(moment - base.translation * mass), &self.gravity);
-        load.moment = [
-            dot(&crate::kinematics::axis(&base.rotation, 0), &about),
-            dot(&crate::kinematics::axis(&base.rotation, 1), &about),
-        ];
-        load
+        self.on(chain).load(chain, &chain.turns(q), payload)
     }
 }
 
-impl<T: Scalar> LinkFrame<T> {
-    fn point(&self, p: &Vector3<T>) -> Vector3<T> {
-        self.origin + self.x * p.x + self.y * p.y + self.z * p.z
+impl<T: Scalar, const N: usize> Weights<T, N> {
+    /// As [`Masses::load`]: gravity is turned outwards from joint to joint, the
+    /// first moment of all that hangs on a joint is summed inwards.
+    #[must_use]
+    #[inline]
+    pub fn load(&self, chain: &Chain<T, N>, turns: &Turns<T, N>, payload: T) -> Load<T, N> {
+        let mut load = Load::none();
+        let mut pull = [[T::ZERO; 3]; N];
+        let root = &chain.root().rotation;
+        let mut g = [0, 1, 2].map(|j| dot(&axis(root, j), &self.gravity));
+        for ((hinge, turn), pull) in chain.hinges().iter().zip(&turns.joints).zip(&mut pull) {
+            g = turn.undo(g);
+            *pull = g;
+            g = hinge.untwist(g);
+        }
+        let mut mass = payload;
+        let mut moment = self.payload.map(|x| x * payload);
+        let links = chain.hinges().iter().zip(&turns.joints);
+        let weights = self.mass.iter().zip(&self.moment);
+        let joints = links.zip(weights).zip(&pull).zip(&mut load.torque);
+        for (i, ((((hinge, turn), (m, own)), g), torque)) in joints.enumerate().rev() {
+            if i + 1 < N {
+                moment = hinge.twist(moment);
+                for (moment, offset) in moment.iter_mut().zip(&hinge.offset) {
+                    *moment += *offset * mass;
+                }
+            }
+            for (moment, own) in moment.iter_mut().zip(own) {
+                *moment += *own;
+            }
+            mass += *m;
+            *torque =
+                if hinge.prismatic() { g[2] * mass } else { moment[0] * g[1] - moment[1] * g[0] };
+            moment = turn.apply(moment);
+            moment[2] += turn.slide * mass;
+        }
+        let [x, y, z] = moment;
+        let base = chain.base();
+        let arm = chain.root().translation - base.translation;
+        let moment = rotate(root, &Vector3::new(x, y, z)) + arm * mass;
+        let about = cross(&moment, &self.gravity);
+        load.moment = [0, 1].map(|j| dot(&axis(&base.rotation, j), &about));
+        load
     }
 }

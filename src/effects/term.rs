@@ -149,14 +149,9 @@ impl<T: Scalar> Term<T> {
             }),
             Effect::JointGain => at(&inputs.q, self.joint),
             Effect::JointCoupling => at(&inputs.q, self.source),
-            Effect::Backlash => at(&inputs.load.torque, self.joint).map(|torque| {
-                if self.order > T::ZERO && torque.abs() > self.order {
-                    // Gravity pulls the link to its side of the gap.
-                    if torque > T::ZERO { T::ONE } else { -T::ONE }
-                } else {
-                    -at(&inputs.direction, self.joint).unwrap_or(T::ZERO)
-                }
-            }),
+            Effect::Backlash => at(&inputs.load.torque, self.joint)
+                .zip(at(&inputs.direction, self.joint))
+                .map(|(torque, direction)| side_of_gap(self.order, torque, direction)),
             Effect::ThermalExpansion => Some(inputs.warmth),
         };
         value.unwrap_or(T::ZERO)
@@ -195,6 +190,18 @@ impl<T: Scalar> Term<T> {
     }
 }
 
+/// The side of the gap a link lies on: +1, -1, or 0 if unknown. It lags behind
+/// the motion it came to rest from, unless gravity exceeds the friction and
+/// pulls it over.
+#[inline]
+pub(super) fn side_of_gap<T: Scalar>(friction: T, torque: T, direction: T) -> T {
+    if friction > T::ZERO && torque.abs() > friction {
+        if torque > T::ZERO { T::ONE } else { -T::ONE }
+    } else {
+        -direction
+    }
+}
+
 /// What all terms together do to an arm at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bending<T, const N: usize> {
@@ -207,6 +214,13 @@ pub struct Bending<T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> Bending<T, N> {
+    /// Whether any link changes its lengths.
+    #[must_use]
+    #[inline]
+    pub fn grows(&self) -> bool {
+        self.growth.iter().any(|g| *g != T::ZERO)
+    }
+
     /// Sums the terms.
     #[must_use]
     #[inline]

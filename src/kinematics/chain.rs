@@ -1,66 +1,10 @@
 use nalgebra::{Matrix3, Vector3};
 
+use super::hinge::{Hinge, Turn, Turns};
 use super::link::{JointKind, Link};
-use super::pose::{Pose, cross, rotate};
+use super::pose::{Pose, axis, cross, rotate};
+use crate::effects::Bending;
 use crate::scalar::Scalar;
-
-/// A link with everything folded that does not change from tick to tick.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct FoldedLink<T> {
-    pub kind: JointKind,
-    pub a: T,
-    pub d: T,
-    pub theta: T,
-    pub sin_alpha: T,
-    pub cos_alpha: T,
-    pub sin_beta: T,
-    pub cos_beta: T,
-    /// Of the fixed angle of a prismatic joint; unused for a revolute one.
-    sin_theta: T,
-    cos_theta: T,
-}
-
-impl<T: Scalar> FoldedLink<T> {
-    fn new(link: &Link<T>) -> Self {
-        let p = &link.parameters;
-        let (sin_alpha, cos_alpha) = p.alpha.sin_cos();
-        let (sin_beta, cos_beta) = p.beta.sin_cos();
-        let (sin_theta, cos_theta) = p.theta.sin_cos();
-        Self {
-            kind: link.kind,
-            a: p.a,
-            d: p.d,
-            theta: p.theta,
-            sin_alpha,
-            cos_alpha,
-            sin_beta,
-            cos_beta,
-            sin_theta,
-            cos_theta,
-        }
-    }
-
-    /// `Tz(d) Ry(beta)`, what lies between the joint and the next frame.
-    fn behind(&self) -> Pose<T> {
-        let (s, c, o, l) = (self.sin_beta, self.cos_beta, T::ZERO, T::ONE);
-        Pose {
-            rotation: Matrix3::new(c, o, s, o, l, o, -s, o, c),
-            translation: Vector3::new(o, o, self.d),
-        }
-    }
-
-    /// `(sin, cos, d)` of the joint at joint value `q` (rad or m).
-    #[inline]
-    pub fn at(&self, q: T) -> (T, T, T) {
-        match self.kind {
-            JointKind::Revolute => {
-                let (sin, cos) = (q + self.theta).sin_cos();
-                (sin, cos, self.d)
-            }
-            JointKind::Prismatic => (self.sin_theta, self.cos_theta, self.d + q),
-        }
-    }
-}
 
 /// A serial chain ready for the control loop: base, N links, tool
 /// (paper Eq. 3, 18-20), with the sines of all constant angles taken at load.
@@ -69,37 +13,51 @@ impl<T: Scalar> FoldedLink<T> {
 /// rad (revolute) or m (prismatic), in the order of the links.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chain<T, const N: usize> {
-    pub(super) links: [FoldedLink<T>; N],
+    pub(super) links: [Link<T>; N],
+    pub(super) hinges: [Hinge<T>; N],
     pub(super) base: Pose<T>,
     pub(super) tool: Pose<T>,
     /// All before the first joint, `base Rx(alpha_1) Tx(a_1)`.
-    root: Pose<T>,
+    pub(super) root: Pose<T>,
     /// All behind the last joint, `Tz(d_N) Ry(beta_N) tool`.
-    tip: Pose<T>,
+    pub(super) tip: Pose<T>,
 }
 
 impl<T: Scalar, const N: usize> Chain<T, N> {
     /// Folds `links`, the pose of the robot base and the pose of the tool in
-    /// the last frame. Costs 3N sine-cosines; call it at load time.
+    /// the last frame. Costs about 5N sine-cosines; call it at load time.
     #[must_use]
     pub fn new(links: &[Link<T>; N], base: Pose<T>, tool: Pose<T>) -> Self {
-        let links = links.each_ref().map(FoldedLink::new);
         let mut root = base;
         if let Some(first) = links.first() {
-            let (s, c, o, l) = (first.sin_alpha, first.cos_alpha, T::ZERO, T::ONE);
+            let ((s, c), o, l) = (first.parameters.alpha.sin_cos(), T::ZERO, T::ONE);
             root = base.compose(&Pose {
                 rotation: Matrix3::new(l, o, o, o, c, -s, o, s, c),
-                translation: Vector3::new(first.a, o, o),
+                translation: Vector3::new(first.parameters.a, o, o),
             });
         }
-        Self { links, base, tool, root, tip: tool }.with_tool(tool)
+        let hinges = Hinge::between(links);
+        Self { links: *links, hinges, base, tool, root, tip: tool }.with_tool(tool)
     }
 
     /// The same chain with another tool pose in the last frame.
     #[must_use]
     pub fn with_tool(&self, tool: Pose<T>) -> Self {
-        let tip = self.links.last().map_or(tool, |last| last.behind().compose(&tool));
+        let tip = self.links.last().map_or(tool, |last| {
+            let ((s, c), o, l) = (last.parameters.beta.sin_cos(), T::ZERO, T::ONE);
+            let behind = Pose {
+                rotation: Matrix3::new(c, o, s, o, l, o, -s, o, c),
+                translation: Vector3::new(o, o, last.parameters.d),
+            };
+            behind.compose(&tool)
+        });
         Self { tool, tip, ..*self }
+    }
+
+    /// The links it was made of.
+    #[must_use]
+    pub fn links(&self) -> &[Link<T>; N] {
+        &self.links
     }
 
     /// Pose of the base.
@@ -114,50 +72,118 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         &self.tool
     }
 
+    pub(crate) fn root(&self) -> &Pose<T> {
+        &self.root
+    }
+
+    pub(crate) fn hinges(&self) -> &[Hinge<T>; N] {
+        &self.hinges
+    }
+
+    /// A point of the link `index` (from 0) in the turned frame of its hinge.
+    pub(crate) fn in_hinge(&self, index: usize, p: &Vector3<T>) -> [T; 3] {
+        let p = [p.x, p.y, p.z];
+        match (self.hinges.get(index), self.links.get(index)) {
+            (Some(hinge), Some(link)) => hinge.inside(link, p),
+            _ => p,
+        }
+    }
+
+    /// Sines and cosines of all joint angles at joint values `q`.
+    #[must_use]
+    #[inline]
+    pub fn turns(&self, q: &[T; N]) -> Turns<T, N> {
+        let mut joints = self.hinges.iter().zip(q);
+        let none = Turn { sin: T::ZERO, cos: T::ONE, slide: T::ZERO };
+        Turns { joints: [(); N].map(|()| joints.next().map_or(none, |(hinge, q)| hinge.turn(*q))) }
+    }
+
     /// Pose of the tool at joint values `q`.
     ///
     /// Runs from the tool to the base with two columns and a point, the third
-    /// column by a cross product at the end: 56 operations and one sine-cosine
-    /// a joint, 736 instructions for six joints in `f32` on a Cortex-M4F (counted
+    /// column by a cross product at the end: 39 operations and one sine-cosine
+    /// a joint, 650 instructions for six joints in `f32` on a Cortex-M4F (counted
     /// by the image in tests/firmware). In `f32` within 1 um of `f64` for a 1 m
     /// arm and |q| <= 2 pi. NaN or out-of-range joint values
     /// give NaN, never a panic.
     #[must_use]
     #[inline]
     pub fn forward(&self, q: &[T; N]) -> Pose<T> {
+        self.carry(q, |hinge, _| hinge.offset, &self.root.translation, &self.tip.translation)
+    }
+
+    /// Tool pose with everything bent that terms bend: joints, lengths, base.
+    #[must_use]
+    #[inline]
+    pub fn forward_bent(&self, q: &[T; N], bending: &Bending<T, N>) -> Pose<T> {
+        let mut joints = *q;
+        for (q, bend) in joints.iter_mut().zip(&bending.joints) {
+            *q += *bend;
+        }
+        let mut pose = if bending.grows() {
+            self.forward_grown(&joints, &bending.growth)
+        } else {
+            self.forward(&joints)
+        };
+        let [x, y] = bending.base;
+        if x != T::ZERO || y != T::ZERO {
+            let r = &self.base.rotation;
+            pose.tilt(&self.base.translation, &(axis(r, 0) * x + axis(r, 1) * y));
+        }
+        pose
+    }
+
+    /// Tool pose with the lengths of every link stretched by its growth.
+    fn forward_grown(&self, joints: &[T; N], growth: &[T; N]) -> Pose<T> {
+        let (mut root, mut tip) = (self.root.translation, self.tip.translation);
+        if let (Some(link), Some(growth)) = (self.links.first(), growth.first()) {
+            root += axis(&self.base.rotation, 0) * (link.parameters.a * *growth);
+        }
+        if let (Some(link), Some(growth)) = (self.links.last(), growth.last()) {
+            tip.z += link.parameters.d * *growth;
+        }
+        let growth_of = |index: usize| growth.get(index).copied().unwrap_or(T::ZERO);
+        let offset = |hinge: &Hinge<T>, index| hinge.grown(growth_of(index), growth_of(index + 1));
+        self.carry(joints, offset, &root, &tip)
+    }
+
+    /// From tool to base, with `offset` from each joint's axis to the next
+    /// (joints counted from 0), `root` and `tip` in place of the translations
+    /// before the first and behind the last joint.
+    #[inline]
+    fn carry(
+        &self,
+        q: &[T; N],
+        offset: impl Fn(&Hinge<T>, usize) -> [T; 3],
+        root: &Vector3<T>,
+        tip: &Vector3<T>,
+    ) -> Pose<T> {
         let column = |j: usize| {
             let m = &self.tip.rotation;
             [m[(0, j)], m[(1, j)], m[(2, j)]]
         };
-        let t = &self.tip.translation;
-        let mut state = [column(0), column(1), [t.x, t.y, t.z]];
-        let mut joints = self.links.iter().zip(q).rev();
+        let mut state = [column(0), column(1), [tip.x, tip.y, tip.z]];
+        let mut joints = self.hinges.iter().zip(q).enumerate().rev();
         let mut next = joints.next();
-        while let Some((link, &q)) = next {
-            let (sin, cos) = match link.kind {
-                JointKind::Revolute => (q + link.theta).sin_cos(),
+        while let Some((_, (hinge, q))) = next {
+            let turn = match hinge.kind {
+                JointKind::Revolute => hinge.turned(*q),
                 JointKind::Prismatic => {
-                    state[2][2] += q;
-                    (link.sin_theta, link.cos_theta)
+                    state[2][2] += *q;
+                    hinge.fixed()
                 }
             };
             for v in &mut state {
-                *v = [cos * v[0] - sin * v[1], sin * v[0] + cos * v[1], v[2]];
+                *v = turn.apply(*v);
             }
             next = joints.next();
-            // To the joint before: Tx(a), Rx(alpha) of this link, then Ry(beta),
-            // Tz(d) of the one before.
-            let Some((before, _)) = next else { break };
-            state[2][0] += link.a;
-            let (s, c) = (link.sin_alpha, link.cos_alpha);
+            let Some((index, (before, _))) = next else { break };
             for v in &mut state {
-                *v = [v[0], c * v[1] - s * v[2], s * v[1] + c * v[2]];
+                *v = before.twist(*v);
             }
-            let (s, c) = (before.sin_beta, before.cos_beta);
-            for v in &mut state {
-                *v = [c * v[0] + s * v[2], v[1], c * v[2] - s * v[0]];
+            for (p, offset) in state[2].iter_mut().zip(offset(before, index)) {
+                *p += offset;
             }
-            state[2][2] += before.d;
         }
         let [x, y, p] = state.map(|[x, y, z]| Vector3::new(x, y, z));
         let x = rotate(&self.root.rotation, &x);
@@ -165,7 +191,7 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         let z = cross(&x, &y);
         Pose {
             rotation: Matrix3::from_columns(&[x, y, z]),
-            translation: self.root.transform_point(&p),
+            translation: rotate(&self.root.rotation, &p) + root,
         }
     }
 }

@@ -1,9 +1,9 @@
 use nalgebra::Vector3;
 
 use super::chain::Chain;
-use super::link::{JointKind, LinkParameter};
+use super::hinge::{Hinge, Turn, Turns};
+use super::link::{JointKind, LinkParameter, MdhParameters};
 use super::pose::{Pose, axis, cross};
-use crate::effects::Bending;
 use crate::scalar::Scalar;
 
 /// Velocity of the tool for one joint moving at 1 rad/s or 1 m/s.
@@ -72,27 +72,7 @@ pub struct IdentificationJacobian<T, const N: usize> {
     pub tool: [Vector3<T>; 3],
 }
 
-/// Where a link is at one pose, in the frame the base is given in.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinkFrame<T> {
-    /// Axes of the link's frame, behind its joint.
-    pub x: Vector3<T>,
-    /// y axis.
-    pub y: Vector3<T>,
-    /// z axis.
-    pub z: Vector3<T>,
-    /// Origin of the link's frame, m.
-    pub origin: Vector3<T>,
-    /// Joint axis.
-    pub axis: Vector3<T>,
-    /// A point on the joint axis, m.
-    pub on_axis: Vector3<T>,
-    /// The joint slides along its axis instead of turning about it.
-    pub prismatic: bool,
-}
-
-/// The axes of one link on the way from base to tool.
-#[derive(Clone, Copy)]
+/// Axes of one link on the way from base to tool, in the frame the base is given in.
 struct Axes<T> {
     /// x axis and origin of the frame before: alpha turns about it, a moves along it.
     x: Vector3<T>,
@@ -106,96 +86,56 @@ struct Axes<T> {
 }
 
 impl<T: Scalar, const N: usize> Chain<T, N> {
-    /// Walks from base to tool; returns the tool pose and each link's axes.
+    /// Tool pose and geometric Jacobian at joint values `q` (rad or m);
+    /// instructions on a Cortex-M4F: README.
+    #[must_use]
     #[inline]
-    fn walk(&self, q: &[T; N]) -> (Pose<T>, [Axes<T>; N]) {
-        let r = &self.base.rotation;
-        let (mut x, mut y, mut z) = (axis(r, 0), axis(r, 1), axis(r, 2));
-        let mut o = self.base.translation;
-        let blank = Axes { x, before: o, z, on_z: o, y, after: o };
-        let mut axes = [blank; N];
-        for ((link, &q), out) in self.links.iter().zip(q).zip(&mut axes) {
-            let (sin, cos, d) = link.at(q);
-            out.x = x;
-            out.before = o;
-            (y, z) =
-                (y * link.cos_alpha + z * link.sin_alpha, z * link.cos_alpha - y * link.sin_alpha);
-            o += x * link.a;
-            out.z = z;
-            out.on_z = o;
-            (x, y) = (x * cos + y * sin, y * cos - x * sin);
-            o += z * d;
-            out.y = y;
-            out.after = o;
-            (x, z) = (x * link.cos_beta - z * link.sin_beta, x * link.sin_beta + z * link.cos_beta);
-        }
-        let flange = Pose { rotation: nalgebra::Matrix3::from_columns(&[x, y, z]), translation: o };
-        (flange.compose(&self.tool), axes)
-    }
-
-    /// Frames of all links at joint values `q` (rad or m).
-    #[must_use]
-    pub fn link_frames(&self, q: &[T; N]) -> [LinkFrame<T>; N] {
-        let (_, axes) = self.walk(q);
-        let mut links = self.links.iter();
-        axes.map(|at| {
-            let link = links.next();
-            let (s, c) = link.map_or((T::ZERO, T::ONE), |l| (l.sin_beta, l.cos_beta));
-            // x before beta, from the axes that are known: y cross z.
-            let x = cross(&at.y, &at.z);
-            LinkFrame {
-                x: x * c - at.z * s,
-                y: at.y,
-                z: x * s + at.z * c,
-                origin: at.after,
-                axis: at.z,
-                on_axis: at.on_z,
-                prismatic: link.is_some_and(|l| l.kind == JointKind::Prismatic),
-            }
-        })
-    }
-
-    /// Tool pose with everything bent that terms bend: joints, base, lengths.
-    #[must_use]
-    pub fn forward_bent(&self, q: &[T; N], bending: &Bending<T, N>) -> Pose<T> {
-        let mut joints = *q;
-        for (q, bend) in joints.iter_mut().zip(&bending.joints) {
-            *q += *bend;
-        }
-        let mut pose = self.forward(&joints);
-        if bending.growth.iter().any(|g| *g != T::ZERO) {
-            // The tool point is linear in the lengths.
-            let (_, axes) = self.walk(&joints);
-            for ((link, at), growth) in self.links.iter().zip(&axes).zip(&bending.growth) {
-                pose.translation += (at.x * link.a + at.z * link.d) * *growth;
-            }
-        }
-        let [x, y] = bending.base;
-        if x != T::ZERO || y != T::ZERO {
-            let base = &self.base;
-            let turn = Pose::from_rotation_vector(
-                Vector3::new(T::ZERO, T::ZERO, T::ZERO),
-                axis(&base.rotation, 0) * x + axis(&base.rotation, 1) * y,
-            );
-            let arm = pose.translation - base.translation;
-            pose.translation = base.translation + turn.transform_point(&arm);
-            pose.rotation = turn.compose(&pose).rotation;
-        }
-        pose
-    }
-
-    /// Tool pose and geometric Jacobian at joint values `q` (rad or m).
-    #[must_use]
     pub fn jacobian(&self, q: &[T; N]) -> Jacobian<T, N> {
-        let (pose, axes) = self.walk(q);
-        let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
-        let mut columns = [Twist { linear: none, angular: none }; N];
-        for ((link, at), out) in self.links.iter().zip(&axes).zip(&mut columns) {
-            *out = match link.kind {
+        self.walk(self.hinges.iter().zip(q).map(|(hinge, q)| (hinge, hinge.turn(*q))))
+    }
+
+    /// The same from sines and cosines that are known already.
+    #[must_use]
+    #[inline]
+    pub fn jacobian_at(&self, turns: &Turns<T, N>) -> Jacobian<T, N> {
+        self.walk(self.hinges.iter().zip(turns.joints))
+    }
+
+    /// From base to tool.
+    #[inline]
+    fn walk<'a>(&'a self, joints: impl Iterator<Item = (&'a Hinge<T>, Turn<T>)>) -> Jacobian<T, N> {
+        let r = &self.root.rotation;
+        let (mut x, mut y, mut z) = (axis(r, 0), axis(r, 1), axis(r, 2));
+        let mut o = self.root.translation;
+        let mut joints = joints.enumerate();
+        // Each joint's axis and, until the tool point is known, a point on it.
+        let mut columns = [(); N].map(|()| {
+            let at = Twist { linear: o, angular: z };
+            let Some((index, (hinge, turn))) = joints.next() else { return at };
+            (x, y) = (x * turn.cos + y * turn.sin, y * turn.cos - x * turn.sin);
+            if hinge.kind == JointKind::Prismatic {
+                o += z * turn.slide;
+            }
+            if index + 1 < N {
+                let [a, b, c] = hinge.offset;
+                o += x * a + y * b + z * c;
+                let (sin, cos) = (hinge.sin_twist, hinge.cos_twist);
+                (y, z) = (y * cos + z * sin, z * cos - y * sin);
+            }
+            at
+        });
+        let flange = Pose { rotation: nalgebra::Matrix3::from_columns(&[x, y, z]), translation: o };
+        let pose = flange.compose(&self.tip);
+        for (hinge, twist) in self.hinges.iter().zip(&mut columns) {
+            let axis = twist.angular;
+            *twist = match hinge.kind {
                 JointKind::Revolute => {
-                    Twist { linear: cross(&at.z, &(pose.translation - at.on_z)), angular: at.z }
+                    let arm = pose.translation - twist.linear;
+                    Twist { linear: cross(&axis, &arm), angular: axis }
                 }
-                JointKind::Prismatic => Twist { linear: at.z, angular: none },
+                JointKind::Prismatic => {
+                    Twist { linear: axis, angular: Vector3::new(T::ZERO, T::ZERO, T::ZERO) }
+                }
             };
         }
         Jacobian { pose, columns }
@@ -205,7 +145,33 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     /// (rad or m). Exact, not a difference quotient.
     #[must_use]
     pub fn identification_jacobian(&self, q: &[T; N]) -> IdentificationJacobian<T, N> {
-        let (pose, axes) = self.walk(q);
+        let r = &self.base.rotation;
+        let (mut x, mut y, mut z) = (axis(r, 0), axis(r, 1), axis(r, 2));
+        let mut o = self.base.translation;
+        let mut joints = self.links.iter().zip(q);
+        let axes = [(); N].map(|()| {
+            let (before, x_before) = (o, x);
+            let Some((link, &q)) = joints.next() else {
+                return Axes { x, before, z, on_z: o, y, after: o };
+            };
+            let MdhParameters { alpha, a, theta, d, beta } = link.parameters;
+            let (angle, d) = match link.kind {
+                JointKind::Revolute => (theta + q, d),
+                JointKind::Prismatic => (theta, d + q),
+            };
+            let (sin, cos) = alpha.sin_cos();
+            (y, z) = (y * cos + z * sin, z * cos - y * sin);
+            o += x * a;
+            let (axis, on_axis) = (z, o);
+            let (sin, cos) = angle.sin_cos();
+            (x, y) = (x * cos + y * sin, y * cos - x * sin);
+            o += z * d;
+            let (sin, cos) = beta.sin_cos();
+            (x, z) = (x * cos - z * sin, x * sin + z * cos);
+            Axes { x: x_before, before, z: axis, on_z: on_axis, y, after: o }
+        });
+        let flange = Pose { rotation: nalgebra::Matrix3::from_columns(&[x, y, z]), translation: o };
+        let pose = flange.compose(&self.tool);
         let p = pose.translation;
         let links = axes.map(|at| LinkColumns {
             alpha: cross(&at.x, &(p - at.before)),

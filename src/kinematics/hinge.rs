@@ -1,0 +1,171 @@
+use super::link::{JointKind, Link, MdhParameters};
+use crate::scalar::Scalar;
+
+/// A joint with the constant way to the next one, reduced to what a tick has
+/// to compute.
+///
+/// Between two joints stand `Tz(d) Ry(beta) Rx(alpha) Tx(a)`. Its rotation is
+/// also `Rz(before) Rx(twist) Rz(behind)`; the two turns about z join the
+/// constant angles of the joints on either side, so that beta costs nothing:
+/// a joint is `Rz(theta + q) T(offset) Rx(twist)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hinge<T> {
+    pub kind: JointKind,
+    /// Constant part of the angle about the joint axis.
+    theta: T,
+    /// The share of it that this link's beta and the next one's alpha add.
+    before: T,
+    /// Of a prismatic joint, whose angle never changes.
+    sin_theta: T,
+    cos_theta: T,
+    pub sin_twist: T,
+    pub cos_twist: T,
+    /// From a point on this axis to one on the next, turned with the joint.
+    pub offset: [T; 3],
+    /// The parts of `offset` that are the next link's length and this link's offset.
+    across: [T; 3],
+    along: T,
+}
+
+/// A joint's angle as sine and cosine, and what it slides, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn<T> {
+    pub(crate) sin: T,
+    pub(crate) cos: T,
+    pub(crate) slide: T,
+}
+
+/// All joints of a [`super::Chain`] at one moment, so that pose, Jacobian and
+/// gravity loads share the sines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turns<T, const N: usize> {
+    pub(crate) joints: [Turn<T>; N],
+}
+
+impl<T: Scalar> Turn<T> {
+    /// `Rz(angle) v`.
+    #[inline]
+    pub fn apply(&self, v: [T; 3]) -> [T; 3] {
+        [self.cos * v[0] - self.sin * v[1], self.sin * v[0] + self.cos * v[1], v[2]]
+    }
+
+    /// `Rz(-angle) v`.
+    #[inline]
+    pub fn undo(&self, v: [T; 3]) -> [T; 3] {
+        [self.cos * v[0] + self.sin * v[1], self.cos * v[1] - self.sin * v[0], v[2]]
+    }
+}
+
+impl<T: Scalar> Hinge<T> {
+    /// The hinges of a chain of links. The way behind the last is the tip's.
+    pub fn between<const N: usize>(links: &[Link<T>; N]) -> [Self; N] {
+        let mut hinges = links.map(|link| {
+            let (sin_theta, cos_theta) = link.parameters.theta.sin_cos();
+            Self {
+                kind: link.kind,
+                theta: link.parameters.theta,
+                before: T::ZERO,
+                sin_theta,
+                cos_theta,
+                sin_twist: T::ZERO,
+                cos_twist: T::ONE,
+                offset: [T::ZERO; 3],
+                across: [T::ZERO; 3],
+                along: T::ZERO,
+            }
+        });
+        let mut behind = T::ZERO;
+        for (i, hinge) in hinges.iter_mut().enumerate() {
+            hinge.theta += behind;
+            behind = T::ZERO;
+            if let (Some(this), Some(next)) = (links.get(i), links.get(i + 1)) {
+                behind = hinge.reach(this, next);
+            }
+            (hinge.sin_theta, hinge.cos_theta) = hinge.theta.sin_cos();
+        }
+        hinges
+    }
+
+    /// Takes in the way from `this` link to the `next`; returns the turn about
+    /// the next axis.
+    fn reach(&mut self, this: &Link<T>, next: &Link<T>) -> T {
+        let (sb, cb) = this.parameters.beta.sin_cos();
+        let (sa, ca) = next.parameters.alpha.sin_cos();
+        // Third column and third row of Ry(beta) Rx(alpha), compared with those
+        // of Rz(before) Rx(twist) Rz(behind). The twist takes alpha's sign, so
+        // that without beta nothing turns.
+        let size = (sa * sa + sb * ca * (sb * ca)).sqrt();
+        self.sin_twist = if sa < T::ZERO { -size } else { size };
+        self.cos_twist = cb * ca;
+        let sign = if sa < T::ZERO { -T::ONE } else { T::ONE };
+        let before = (sign * sb * ca).atan2(sign * sa);
+        let behind = (-sign * sb).atan2(sign * cb * sa);
+        self.theta += before;
+        self.before = before;
+        let (s, c) = before.sin_cos();
+        let a = next.parameters.a;
+        self.across = [c * cb * a, -(s * cb * a), -(sb * a)];
+        self.along = this.parameters.d;
+        self.offset = self.grown(T::ZERO, T::ZERO);
+        behind
+    }
+
+    /// `offset` with this link and the next one stretched.
+    #[inline]
+    pub fn grown(&self, this: T, next: T) -> [T; 3] {
+        let [x, y, z] = self.across.map(|a| a + a * next);
+        [x, y, z + self.along + self.along * this]
+    }
+
+    /// `Rx(twist) v`.
+    #[inline]
+    pub fn twist(&self, v: [T; 3]) -> [T; 3] {
+        let (s, c) = (self.sin_twist, self.cos_twist);
+        [v[0], c * v[1] - s * v[2], s * v[1] + c * v[2]]
+    }
+
+    /// `Rx(-twist) v`.
+    #[inline]
+    pub fn untwist(&self, v: [T; 3]) -> [T; 3] {
+        let (s, c) = (self.sin_twist, self.cos_twist);
+        [v[0], c * v[1] + s * v[2], c * v[2] - s * v[1]]
+    }
+
+    /// A point of this link's frame, behind `Tz(d) Ry(beta)`, in the turned frame.
+    pub fn inside(&self, link: &Link<T>, p: [T; 3]) -> [T; 3] {
+        let MdhParameters { d, beta, .. } = link.parameters;
+        let (s, c) = beta.sin_cos();
+        let [x, y, z] = [c * p[0] + s * p[2], p[1], c * p[2] - s * p[0] + d];
+        // What the hinge turns more than the link, on this side of it.
+        let (s, c) = self.before.sin_cos();
+        [c * x + s * y, c * y - s * x, z]
+    }
+
+    /// A revolute joint at `q`, rad.
+    #[inline]
+    pub fn turned(&self, q: T) -> Turn<T> {
+        let (sin, cos) = (q + self.theta).sin_cos();
+        Turn { sin, cos, slide: T::ZERO }
+    }
+
+    /// A prismatic joint at its zero.
+    #[inline]
+    pub fn fixed(&self) -> Turn<T> {
+        Turn { sin: self.sin_theta, cos: self.cos_theta, slide: T::ZERO }
+    }
+
+    /// The joint at value `q`, rad or m.
+    #[inline]
+    pub fn turn(&self, q: T) -> Turn<T> {
+        match self.kind {
+            JointKind::Revolute => self.turned(q),
+            JointKind::Prismatic => Turn { slide: q, ..self.fixed() },
+        }
+    }
+
+    /// Whether it slides.
+    #[inline]
+    pub fn prismatic(&self) -> bool {
+        self.kind == JointKind::Prismatic
+    }
+}
