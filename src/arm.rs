@@ -16,6 +16,8 @@ pub struct ArmParameters<T, const N: usize> {
     pub robot_id: u64,
     /// Grows with every parameter set of a robot.
     pub sequence: u32,
+    /// When they were identified, Unix seconds; 0 if unknown.
+    pub created: u32,
     /// Nominal links, as the controller's own kinematics has them.
     pub nominal: [Link<T>; N],
     /// Identified corrections, added to the nominal parameters.
@@ -192,12 +194,23 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
         load: &Load<T, N>,
         state: &State<T, N>,
     ) -> Bending<T, N> {
-        self.folded.bending(&Inputs {
+        self.folded.bending(&self.inputs(q, load, state))
+    }
+
+    /// What the terms depend on, with known gravity loads.
+    #[inline]
+    pub(crate) fn inputs(
+        &self,
+        q: &[T; N],
+        load: &Load<T, N>,
+        state: &State<T, N>,
+    ) -> Inputs<T, N> {
+        Inputs {
             q: *q,
             load: *load,
             direction: state.direction,
             warmth: state.temperature - self.reference_temperature,
-        })
+        }
     }
 
     /// Joint limits, rad or m.

@@ -35,6 +35,7 @@ fn parameters() -> ArmParameters<f32, 3> {
     ArmParameters {
         robot_id: robot_id("arm", "0042"),
         sequence: 7,
+        created: 1_700_000_000,
         nominal: [
             Link::revolute(0.0, 0.0, 0.0, 0.1273, 0.0),
             Link::prismatic(1.5, -0.612, 0.1, 0.02, 0.0),
@@ -118,13 +119,13 @@ fn bad_values_are_named() {
     let refused =
         |offset, value: &[u8]| Blob::check(&forge(offset, value)).unwrap_err().to_string();
     let real = |offset, value: f32| refused(offset, &value.to_le_bytes());
-    let (joint, meaning) = (|k: usize| 100 + 76 * (k - 1), "has a value without a meaning");
+    let (joint, meaning) = (|k: usize| 104 + 76 * (k - 1), "has a value without a meaning");
     let unknown = |field: &str| format!("{field} {meaning} in this layout");
-    assert_eq!(real(28, f32::NAN), "base translation x is not a finite number");
-    assert_eq!(real(60, f32::INFINITY), "tool z is not a finite number");
-    assert_eq!(real(72, 201.0), "reference temperature is outside its plausible range");
-    assert_eq!(real(84, -21.0), "gravity z is outside its plausible range");
-    assert_eq!(real(96, 11.0), "payload point z is outside its plausible range");
+    assert_eq!(real(32, f32::NAN), "base translation x is not a finite number");
+    assert_eq!(real(64, f32::INFINITY), "tool z is not a finite number");
+    assert_eq!(real(76, 201.0), "reference temperature is outside its plausible range");
+    assert_eq!(real(88, -21.0), "gravity z is outside its plausible range");
+    assert_eq!(real(100, 11.0), "payload point z is outside its plausible range");
     assert_eq!(real(joint(1) + 8, 10.5), "joint 1 nominal a is outside its plausible range");
     assert_eq!(
         real(joint(2) + 32, 0.3),
@@ -138,16 +139,16 @@ fn bad_values_are_named() {
     );
     assert_eq!(refused(joint(1), &[2]), unknown("joint 1 kind"));
     assert_eq!(refused(joint(1) + 1, &[0xff]), unknown("joint 1 presence"));
-    assert_eq!(refused(24, &[4]), unknown("flags"));
-    assert_eq!(refused(27, &[1]), unknown("reserved"));
+    assert_eq!(refused(28, &[0x10]), unknown("flags"));
+    assert_eq!(refused(31, &[1]), unknown("reserved"));
     // Without masses nothing may look like one.
-    assert_eq!(refused(24, &[0]), "gravity x is outside its plausible range");
-    assert_eq!(refused(4, &[9]), "layout 9 is not known to this version, which reads layout 2");
+    assert_eq!(refused(28, &[0]), "gravity x is outside its plausible range");
+    assert_eq!(refused(4, &[9]), "layout 9 is newer than this version, which reads layout 3");
     assert_eq!(refused(0, b"JUNK"), "does not begin with TARM: not a parameter blob");
     assert_eq!(refused(6, &[17]), "17 joints where 1 to 16 are possible");
     assert_eq!(refused(7, &[25]), "25 terms where 24 are possible");
-    assert_eq!(refused(6, &[2]), "the length field says 524 where joints and terms need 448");
-    assert_eq!(refused(7, &[3]), "the length field says 524 where joints and terms need 356");
+    assert_eq!(refused(6, &[2]), "the length field says 528 where the contents need 452");
+    assert_eq!(refused(7, &[3]), "the length field says 528 where the contents need 360");
     assert_eq!(
         Blob::check(&blob()).unwrap().parameters::<f32, 6>(),
         Err(DecodeError::WrongArm { blob: 3, arm: 6 })
@@ -163,14 +164,14 @@ fn what_a_reader_would_refuse_is_not_written() {
     assert!(matches!(error, EncodeError::Refused(DecodeError::Field(_, Flaw::Implausible))));
     assert!(error.to_string().contains("joint 2 correction d"), "{error}");
     let error = encode(&parameters(), &mut bytes[..100]).unwrap_err();
-    assert_eq!(error, EncodeError::NoRoom { needed: 524, got: 100 });
+    assert_eq!(error, EncodeError::NoRoom { needed: 528, got: 100 });
 }
 
 /// Terms 1 to 11 are those of `every_effect`.
 #[test]
 fn bad_terms_are_named() {
     let refused = |number: usize, offset: usize, value: &[u8]| {
-        let at = 100 + 3 * 76 + 8 * (number - 1) + offset;
+        let at = 104 + 3 * 76 + 8 * (number - 1) + offset;
         Blob::check(&forge(at, value)).unwrap_err().to_string()
     };
     let real = |number, value: f32| refused(number, 4, &value.to_le_bytes());
@@ -250,7 +251,7 @@ fn orders_are_rounded_to_64ths() {
 
 #[test]
 fn six_joints_with_everything_fit_768_bytes() {
-    assert_eq!(encoded_len(6, MAX_TERMS), 752);
+    assert_eq!(encoded_len(6, MAX_TERMS), 756);
 }
 
 /// The check values that FORMAT.md promises.
@@ -270,7 +271,7 @@ proptest! {
 
     /// Past the checksum as well: any byte of a mended blob.
     #[test]
-    fn no_mended_blob_panics(offset in 0..516_usize, value in any::<[u8; 4]>()) {
+    fn no_mended_blob_panics(offset in 0..520_usize, value in any::<[u8; 4]>()) {
         if let Ok(blob) = Blob::check(&forge(offset, &value)) {
             let p = blob.parameters::<f32, 3>().unwrap();
             prop_assert!(p.tool.iter().all(|x| x.is_finite()));

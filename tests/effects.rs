@@ -251,6 +251,7 @@ fn parameters(terms: &[Term<f64>]) -> ArmParameters<f64, 6> {
     ArmParameters {
         robot_id: 0,
         sequence: 0,
+        created: 0,
         nominal,
         corrections,
         base_translation: Vector3::new(1e-3, 0.0, 2e-3),

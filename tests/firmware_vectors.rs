@@ -27,7 +27,7 @@ fn host_gives_the_bits_of_the_vector_files() {
         let vectors = Vectors::parse(vectors).unwrap();
         assert_eq!(vectors.poses().len(), 1024);
         let hash = vectors::hash(&Arm::new(&parameters(blob)), vectors.poses());
-        assert_eq!(hash, vectors.expected, "{hash:016x}; if meant: cargo xtask vectors BLOB");
+        assert_eq!(hash, vectors.expected, "{hash:016x}; if meant: cargo xtask vectors");
     }
 }
 

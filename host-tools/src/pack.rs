@@ -17,9 +17,12 @@ use crate::identify::ModelTerm;
 /// More terms than a controller takes, a creation time that cannot be read, or
 /// a value that a controller would refuse, by name.
 pub fn pack(model: &Model, sequence: Option<u32>) -> Result<Vec<u8>> {
-    let sequence = match sequence {
-        Some(number) => number,
-        None => created(model)?,
+    let (sequence, created) = match (sequence, created(model)) {
+        (Some(number), created) => (number, created.unwrap_or(0)),
+        (None, created) => {
+            let created = created?;
+            (created, created)
+        }
     };
     let terms: Vec<_> = arm_terms(model).collect();
     let terms = heapless::Vec::from_slice(&terms).map_err(|_| {
@@ -34,7 +37,7 @@ pub fn pack(model: &Model, sequence: Option<u32>) -> Result<Vec<u8>> {
     })?;
     let mut bytes = vec![0; blob::encoded_len(model.robot.joints.len(), terms.len())];
     let written = with_joints!(model.robot.joints.len(), N => {
-        blob::encode(&parameters::<N>(model, terms, sequence), &mut bytes)
+        blob::encode(&parameters::<N>(model, terms, sequence, created), &mut bytes)
     });
     written.map_err(|e| {
         let help = match e {
@@ -120,6 +123,7 @@ fn parameters<const N: usize>(
     model: &Model,
     terms: heapless::Vec<Term<f64>, MAX_TERMS>,
     sequence: u32,
+    created: u32,
 ) -> ArmParameters<f64, N> {
     let robot = &model.robot;
     let joints: [_; N] = fixed(&robot.joints);
@@ -127,6 +131,7 @@ fn parameters<const N: usize>(
     ArmParameters {
         robot_id: blob::robot_id(&robot.name, &robot.serial),
         sequence,
+        created,
         nominal: joints.map(|j| j.link),
         corrections: fixed(&model.corrections),
         base_translation: model.frame_translation,

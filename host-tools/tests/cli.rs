@@ -166,7 +166,7 @@ fn pack_and_inspect() {
     identify("seed-table-8", "", &["--out", folder.path().to_str().unwrap()]);
     let (said, _) =
         run(&["pack", &path("model.toml"), "--out", &path("params.bin"), "--sequence", "77"]);
-    assert!(said.contains("560 bytes") && said.contains("orientation: not identified"), "{said}");
+    assert!(said.contains("564 bytes") && said.contains("orientation: not identified"), "{said}");
     assert!(said.contains("joint 6 beta moves no measured point"), "{said}");
     let (fields, _) = run(&["inspect", &path("params.bin")]);
     for field in ["checksum good", "sequence              77", "392.25", "109.15"] {
@@ -175,7 +175,7 @@ fn pack_and_inspect() {
     let bytes = std::fs::read(path("params.bin")).unwrap();
     std::fs::write(path("short.bin"), &bytes[..200]).unwrap();
     let message = fail(&["inspect", &path("short.bin")]);
-    assert!(message.contains("200 bytes where 560 are needed"), "{message}");
+    assert!(message.contains("200 bytes where 564 are needed"), "{message}");
     let mut flipped = bytes;
     flipped[100] ^= 1;
     std::fs::write(path("flipped.bin"), &flipped).unwrap();

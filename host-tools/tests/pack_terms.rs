@@ -57,7 +57,7 @@ fn a_model_file_keeps_its_terms() {
 fn the_blob_has_the_terms_of_the_arm() {
     let model = model();
     let bytes = pack(&model, None).unwrap();
-    assert_eq!(bytes.len(), 560 + 4 * 8);
+    assert_eq!(bytes.len(), 564 + 4 * 8);
     let p = Blob::check(&bytes).unwrap().parameters::<f64, 6>().unwrap();
     let effects: Vec<_> = p.terms.iter().map(|t| (t.effect, t.joint, t.order)).collect();
     assert_eq!(

@@ -1,12 +1,17 @@
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::check::{Blob, DecodeError, Reader, kind_of};
-use super::layout::{FLAG_MASSES, FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, RECORD, TERM};
+use super::check::{Blob, Reader, kind_of};
+use super::covariance::Covariance;
+use super::error::DecodeError;
+use super::layout::{
+    CREATED, FLAG_MASSES, FLAG_ORIENTATION, FLAGS, HAS_COVERED, HAS_LIMITS, LENGTH, RANGES, REALS,
+    RECORD, ROBOT_ID, SEQUENCE, TERM,
+};
 use super::term;
 use crate::arm::ArmParameters;
 use crate::effects::Masses;
-use crate::kinematics::{JointKind, Link, MdhParameters};
+use crate::kinematics::{Link, MdhParameters};
 use crate::scalar::Scalar;
 
 impl Blob<'_> {
@@ -25,25 +30,75 @@ impl Blob<'_> {
     /// Bytes of the blob, checksum included.
     #[must_use]
     pub fn size(&self) -> usize {
-        super::encoded_len(self.joints(), self.terms())
+        u32::from_le_bytes(self.field(LENGTH.start)) as usize
     }
 
     /// Sequence number; the higher of two valid blobs is the newer.
     #[must_use]
     pub fn sequence(&self) -> u32 {
-        let [.., a, b, c, d] = self.header_bytes::<16>();
-        u32::from_le_bytes([a, b, c, d])
+        u32::from_le_bytes(self.field(SEQUENCE.start))
     }
 
     /// Id of the robot, see [`super::robot_id`].
     #[must_use]
     pub fn robot_id(&self) -> u64 {
-        let [.., a, b, c, d, e, f, g, h] = self.header_bytes::<24>();
-        u64::from_le_bytes([a, b, c, d, e, f, g, h])
+        u64::from_le_bytes(self.field(ROBOT_ID.start))
     }
 
-    fn header_bytes<const K: usize>(&self) -> [u8; K] {
-        self.header.first_chunk().copied().unwrap_or([0; K])
+    /// Creation time, Unix seconds; 0 if unknown.
+    #[must_use]
+    pub fn created(&self) -> u32 {
+        u32::from_le_bytes(self.field(CREATED.start))
+    }
+
+    /// Whether it carries an authentication tag. Whether the tag is right only
+    /// a key can tell, see [`super::Acceptance`].
+    #[must_use]
+    pub fn is_tagged(&self) -> bool {
+        self.tag.is_some()
+    }
+
+    /// Covariance of the parameters, if it carries one.
+    #[must_use]
+    pub fn covariance(&self) -> Option<Covariance<'_>> {
+        (!self.factor.is_empty()).then_some(Covariance { blob: self })
+    }
+
+    /// Whether both say the same of the same robot: all but sequence number,
+    /// creation time, tag and checksum. A store writes nothing then.
+    #[must_use]
+    pub fn same_content(&self, other: &Self) -> bool {
+        let apart = |blob: &Self| {
+            let mut header = *blob.header;
+            header[SEQUENCE].fill(0);
+            header[CREATED].fill(0);
+            (header, blob.tag.is_some())
+        };
+        apart(self) == apart(other)
+            && self.records == other.records
+            && self.terms == other.terms
+            && self.factor == other.factor
+    }
+
+    pub(super) fn field<const K: usize>(&self, at: usize) -> [u8; K] {
+        self.header.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0; K])
+    }
+
+    pub(super) fn flags(&self) -> u8 {
+        self.header[FLAGS]
+    }
+
+    /// Nominal links and corrections.
+    pub(super) fn links<T: Scalar, const N: usize>(&self) -> [(Link<T>, MdhParameters<T>); N] {
+        let mut records = self.records.chunks_exact(RECORD);
+        [(); N].map(|()| {
+            let mut reader = Reader(records.next().unwrap_or(&[]));
+            let [kind, ..]: [u8; 4] = reader.take().copied().unwrap_or_default();
+            let mut parameters =
+                || MdhParameters::from_array([0; 5].map(|_| T::from_f32(reader.f32())));
+            let kind = kind_of(kind).unwrap_or_default();
+            (Link { kind, parameters: parameters() }, parameters())
+        })
     }
 
     /// Copies the fields into a plain struct.
@@ -56,18 +111,19 @@ impl Blob<'_> {
         if self.joints() != N {
             return Err(DecodeError::WrongArm { blob: self.joints(), arm: N });
         }
-        let [.., flags] = self.header_bytes::<25>();
-        let mut reader = Reader(self.header.get(28..).unwrap_or(&[]));
+        let flags = self.flags();
+        let mut reader = Reader(&self.header[REALS]);
         let vector = |reader: &mut Reader| {
             let [x, y, z] = [reader.f32(), reader.f32(), reader.f32()].map(T::from_f32);
             Vector3::new(x, y, z)
         };
-        let zero = MdhParameters::from_array([T::ZERO; 5]);
+        let links = self.links();
         let mut out = ArmParameters {
             robot_id: self.robot_id(),
             sequence: self.sequence(),
-            nominal: [Link { kind: JointKind::Revolute, parameters: zero }; N],
-            corrections: [zero; N],
+            created: self.created(),
+            nominal: links.map(|(nominal, _)| nominal),
+            corrections: links.map(|(_, correction)| correction),
             base_translation: vector(&mut reader),
             base_rotation: vector(&mut reader),
             tool: vector(&mut reader),
@@ -86,19 +142,12 @@ impl Blob<'_> {
             com: [Vector3::new(T::ZERO, T::ZERO, T::ZERO); N],
             payload_com: vector(&mut reader),
         };
-        let joints = out.nominal.iter_mut().zip(&mut out.corrections);
         let ranges = out.limits.iter_mut().zip(&mut out.covered);
         let loads = masses.mass.iter_mut().zip(&mut masses.com);
         let records = self.records.chunks_exact(RECORD);
-        let all = joints.zip(ranges).zip(loads).zip(records);
-        for ((((link, correction), (limits, covered)), (mass, com)), record) in all {
-            let mut reader = Reader(record);
-            let [kind, presence, ..]: [u8; 4] = reader.take().copied().unwrap_or_default();
-            link.kind = kind_of(kind).unwrap_or_default();
-            let mut parameters =
-                || MdhParameters::from_array([0; 5].map(|_| T::from_f32(reader.f32())));
-            link.parameters = parameters();
-            *correction = parameters();
+        for (((limits, covered), (mass, com)), record) in ranges.zip(loads).zip(records) {
+            let [_, presence, ..]: [u8; 4] = record.first_chunk().copied().unwrap_or_default();
+            let mut reader = Reader(record.get(RANGES).unwrap_or(&[]));
             for (range, bit) in [(limits, HAS_LIMITS), (covered, HAS_COVERED)] {
                 let value = [reader.f32(), reader.f32()].map(T::from_f32);
                 *range = (presence & bit != 0).then_some(value);

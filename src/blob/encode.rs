@@ -2,10 +2,11 @@ use core::fmt;
 
 use nalgebra::Vector3;
 
-use super::check::{Blob, DecodeError};
+use super::check::Blob;
+use super::error::DecodeError;
 use super::layout::{
-    CHECKSUM, FLAG_MASSES, FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, LAYOUT, MAGIC, MAX_JOINTS,
-    checksum, encoded_len,
+    CHECKSUM, FLAG_COVARIANCE, FLAG_MASSES, FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, LAYOUT,
+    MAGIC, MAX_JOINTS, checksum, encoded_len, factor_len,
 };
 use super::term;
 use crate::arm::ArmParameters;
@@ -24,6 +25,13 @@ pub enum EncodeError {
         /// Bytes given.
         got: usize,
     },
+    /// The factor of a covariance has the wrong size for these joints and terms.
+    Factor {
+        /// Numbers needed, see [`super::factor_len`].
+        needed: usize,
+        /// Numbers given.
+        got: usize,
+    },
     /// A reader would refuse the result for this reason.
     Refused(DecodeError),
 }
@@ -33,6 +41,9 @@ impl fmt::Display for EncodeError {
         match self {
             Self::NoRoom { needed, got } => {
                 write!(f, "{got} bytes of room where {needed} are needed")
+            }
+            Self::Factor { needed, got } => {
+                write!(f, "a covariance factor of {got} numbers where {needed} are needed")
             }
             Self::Refused(error) => write!(f, "these parameters would be refused: {error}"),
         }
@@ -70,8 +81,27 @@ pub fn encode<T: Scalar, const N: usize>(
     parameters: &ArmParameters<T, N>,
     out: &mut [u8],
 ) -> Result<usize, EncodeError> {
+    encode_with(parameters, None, out)
+}
+
+/// Like [`encode`], with the covariance of the parameters: the lower triangle
+/// `L` of `L L'`, column by column, parameters ordered as in [`super::format`].
+///
+/// # Errors
+/// As for [`encode`], and a factor of another size than [`factor_len`].
+pub fn encode_with<T: Scalar, const N: usize>(
+    parameters: &ArmParameters<T, N>,
+    factor: Option<&[f32]>,
+    out: &mut [u8],
+) -> Result<usize, EncodeError> {
     let p = parameters;
-    let needed = encoded_len(N, p.terms.len());
+    if let Some(factor) = factor {
+        let (needed, got) = (factor_len(N, p.terms.len()), factor.len());
+        if needed != got {
+            return Err(EncodeError::Factor { needed, got });
+        }
+    }
+    let needed = encoded_len(N, p.terms.len()) + 4 * factor.map_or(0, <[f32]>::len);
     let got = out.len();
     let out = out.get_mut(..needed).ok_or(EncodeError::NoRoom { needed, got })?;
     if N == 0 || N > MAX_JOINTS {
@@ -80,6 +110,9 @@ pub fn encode<T: Scalar, const N: usize>(
     let mut flags = if p.orientation_identified { FLAG_ORIENTATION } else { 0 };
     if p.masses.is_some() {
         flags |= FLAG_MASSES;
+    }
+    if factor.is_some() {
+        flags |= FLAG_COVARIANCE;
     }
     let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
     let masses = p.masses.unwrap_or(Masses {
@@ -95,6 +128,7 @@ pub fn encode<T: Scalar, const N: usize>(
     w.put(&(needed as u32).to_le_bytes());
     w.put(&p.sequence.to_le_bytes());
     w.put(&p.robot_id.to_le_bytes());
+    w.put(&p.created.to_le_bytes());
     w.put(&[flags, 0, 0, 0]);
     for v in [&p.base_translation, &p.base_rotation, &p.tool] {
         w.reals(&[v.x, v.y, v.z]);
@@ -127,6 +161,9 @@ pub fn encode<T: Scalar, const N: usize>(
     }
     for (term, number) in p.terms.iter().zip(1..) {
         w.put(&term::to_bytes(number, term).map_err(EncodeError::Refused)?);
+    }
+    for value in factor.unwrap_or(&[]) {
+        w.put(&value.to_le_bytes());
     }
     let (body, tail) = out.split_at_mut(needed - CHECKSUM);
     tail.copy_from_slice(&checksum(body).to_le_bytes());

@@ -1,26 +1,57 @@
+use core::ops::Range;
+
 use crc::{CRC_32_ISCSI, CRC_64_XZ, Crc};
 
 /// First four bytes of every blob.
 pub const MAGIC: [u8; 4] = *b"TARM";
-/// The layout this version writes and reads.
-pub const LAYOUT: u16 = 2;
+/// The layout this version writes and reads: format 1.0.
+pub const LAYOUT: u16 = 3;
 /// More joints than any arm.
 pub const MAX_JOINTS: usize = 16;
+/// Bytes of an authentication tag.
+pub const TAG: usize = 32;
 
-pub(super) const HEADER: usize = 100;
+pub(super) const HEADER: usize = 104;
 pub(super) const RECORD: usize = 76;
 pub(super) const TERM: usize = 8;
 pub(super) const CHECKSUM: usize = 4;
 
+// Fields of the header that are read or changed by themselves.
+pub(super) const LENGTH: Range<usize> = 8..12;
+pub(super) const SEQUENCE: Range<usize> = 12..16;
+pub(super) const ROBOT_ID: Range<usize> = 16..24;
+pub(super) const CREATED: Range<usize> = 24..28;
+pub(super) const FLAGS: usize = 28;
+pub(super) const REALS: Range<usize> = 32..HEADER;
+/// In a joint record, all behind the links: ranges and masses.
+pub(super) const RANGES: Range<usize> = 44..RECORD;
+
 pub(super) const FLAG_ORIENTATION: u8 = 1;
 pub(super) const FLAG_MASSES: u8 = 2;
+pub(super) const FLAG_COVARIANCE: u8 = 4;
+pub(super) const FLAG_TAG: u8 = 8;
 pub(super) const HAS_LIMITS: u8 = 1;
 pub(super) const HAS_COVERED: u8 = 2;
 
-/// Bytes of a blob for this many joints and terms.
+/// Bytes of a blob for this many joints and terms, without covariance and
+/// without tag, which takes [`TAG`] more.
 #[must_use]
 pub const fn encoded_len(joints: usize, terms: usize) -> usize {
     HEADER + RECORD * joints + TERM * terms + CHECKSUM
+}
+
+/// Parameters that a covariance speaks of: 6 of the base, 3 of the tool point,
+/// 5 a joint, 1 a term.
+#[must_use]
+pub const fn uncertain_parameters(joints: usize, terms: usize) -> usize {
+    9 + 5 * joints + terms
+}
+
+/// Numbers of the triangular factor of a covariance, 4 bytes each in a blob.
+#[must_use]
+pub const fn factor_len(joints: usize, terms: usize) -> usize {
+    let p = uncertain_parameters(joints, terms);
+    p * (p + 1) / 2
 }
 
 static CRC32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);

@@ -1,17 +1,30 @@
 //! Parameter blobs: what `truearm pack` writes and a controller reads from
-//! flash or EEPROM. The byte map is in [`format`].
+//! flash or EEPROM. The byte map is in [`format`](mod@format).
 //!
 //! Reading is two steps: [`Blob::check`] verifies every byte in place and
-//! copies nothing; [`Blob::parameters`] then fills a plain struct.
+//! copies nothing; [`Blob::parameters`] then fills a plain struct. A controller
+//! puts [`Acceptance`] before both: whose blob it is, how old, who wrote it.
 
+mod acceptance;
+#[cfg(feature = "auth")]
+mod auth;
 mod check;
+mod covariance;
 mod decode;
 mod encode;
+mod error;
 #[doc = include_str!("FORMAT.md")]
 pub mod format {}
 mod layout;
 mod term;
 
-pub use check::{Blob, DecodeError, FieldName, Flaw, Record};
-pub use encode::{EncodeError, encode};
-pub use layout::{LAYOUT, MAGIC, MAX_JOINTS, encoded_len, robot_id};
+pub use acceptance::{Acceptance, Refusal};
+#[cfg(feature = "auth")]
+pub use auth::{Key, authenticate};
+pub use check::Blob;
+pub use covariance::Covariance;
+pub use encode::{EncodeError, encode, encode_with};
+pub use error::{DecodeError, FieldName, Flaw, Record};
+pub use layout::{
+    LAYOUT, MAGIC, MAX_JOINTS, TAG, encoded_len, factor_len, robot_id, uncertain_parameters,
+};

@@ -1,6 +1,7 @@
 //! The 8 bytes of a term.
 
-use super::check::{DecodeError, FieldName, Flaw, Reader, Record};
+use super::check::Reader;
+use super::error::{DecodeError, FieldName, Flaw, Record};
 use super::layout::TERM;
 use crate::effects::{Effect, Term};
 use crate::scalar::Scalar;

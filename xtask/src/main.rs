@@ -33,10 +33,10 @@ enum Verb {
         #[arg(long)]
         blob: Option<PathBuf>,
     },
-    /// Rewrite the shipped blob and vector file from a parameter blob
+    /// Rewrite the shipped blobs and vector files
     Vectors {
-        /// Parameter blob of a six-joint arm
-        blob: PathBuf,
+        /// Parameter blob of a six-joint arm; the shipped one if not given
+        blob: Option<PathBuf>,
     },
     /// Figures too long for a test run
     Study {
@@ -51,7 +51,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().verb {
         Verb::Test => test::run(),
         Verb::Firmware { blob } => firmware::run(blob.as_deref()),
-        Verb::Vectors { blob } => vectors::ship(&blob),
+        Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),
         Verb::Ci => ci::run(),
     };

@@ -1,4 +1,4 @@
-//! `cargo xtask vectors BLOB`, and vector files for the firmware run.
+//! `cargo xtask vectors`, and vector files for the firmware run.
 
 #[path = "../../tests/firmware/src/vectors.rs"]
 mod format;
@@ -38,8 +38,10 @@ pub fn shipped_terms() -> Files {
     shipped_as("ur10-terms.blob", "terms.vectors")
 }
 
-/// Rewrites the shipped files for this blob.
-pub fn ship(blob: &Path) -> Result {
+/// Rewrites the shipped files for this blob; without one only what follows from
+/// the shipped blob.
+pub fn ship(blob: Option<&Path>) -> Result {
+    let blob = &blob.map_or_else(|| shipped().blob, Path::to_owned);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut angle = || rng.random_range(-core::f32::consts::TAU..=core::f32::consts::TAU);
     let poses: Vec<Joints> = (0..POSES).map(|_| [0; JOINTS].map(|_| angle())).collect();

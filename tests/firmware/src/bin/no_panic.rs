@@ -10,17 +10,22 @@ use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug;
-use truearm::blob::{Blob, DecodeError};
+use truearm::blob::{Acceptance, Refusal};
 use truearm::{Arm, State};
 
 /// What a controller calls, on values the compiler knows nothing about.
-fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), DecodeError> {
-    let parameters = Blob::check(black_box(bytes))?.parameters::<f32, 6>()?;
+fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), Refusal> {
+    let mine = Acceptance::of(black_box(1)).not_before(black_box(2));
+    let blob = mine.check(black_box(bytes))?;
+    let parameters = blob.parameters::<f32, 6>()?;
     let arm = Arm::new(black_box(&parameters));
     black_box(arm.real_pose(black_box(q)));
     let state = State { direction: *q, payload: q[0], temperature: q[1] };
     black_box(arm.real_pose_in(black_box(q), black_box(&state)));
     black_box(arm.bending(black_box(q), black_box(&state)));
+    if let Some(covariance) = blob.covariance() {
+        black_box(covariance.point_sigma(black_box(&arm), black_box(q), black_box(&state)));
+    }
     black_box(arm.with_tool(*black_box(arm.nominal().tool())));
     black_box(arm.covers(black_box(q)));
     black_box(arm.real().jacobian(black_box(q)));

@@ -1,0 +1,95 @@
+use super::check::{Blob, Reader};
+use super::layout::{REALS, uncertain_parameters};
+use crate::arm::{Arm, State};
+use crate::effects::{MAX_TERMS, Term};
+use crate::kinematics::LinkParameter;
+use crate::scalar::Scalar;
+
+use nalgebra::Vector3;
+
+/// Covariance of a blob's parameters, still in place: a triangular factor over
+/// [base translation, base rotation, tool point, links, terms].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Covariance<'a> {
+    pub(super) blob: &'a Blob<'a>,
+}
+
+impl Covariance<'_> {
+    /// Parameters it speaks of.
+    #[must_use]
+    pub fn parameters(&self) -> usize {
+        uncertain_parameters(self.blob.joints(), self.blob.terms())
+    }
+
+    /// The factor: a lower triangle column by column, SI.
+    pub fn factor(&self) -> impl Iterator<Item = f32> {
+        self.blob.factor.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes))
+    }
+
+    /// One standard deviation of where the tool point is, along x, y, z of the
+    /// nominal base, m: `sqrt(diag(J L L' J'))`, first order in the errors.
+    ///
+    /// `arm` is the arm of this blob. Its own tool point was identified together
+    /// with the geometry and counts with its covariance; another one (given by
+    /// [`Arm::with_tool`]) counts as exact in the identified flange frame, and
+    /// then what points could not tell of the flange shows: with one reflector
+    /// that is as wide as the manufacturing tolerances.
+    ///
+    /// Costs P(P + 1) / 2 times three multiply-adds for P parameters: a check
+    /// point's work, not every tick's. No heap; about 1 KB of stack in `f32`.
+    /// NaN if the arm has another number of joints or terms than the blob.
+    #[must_use]
+    pub fn point_sigma<T: Scalar, const N: usize>(
+        &self,
+        arm: &Arm<T, N>,
+        q: &[T; N],
+        state: &State<T, N>,
+    ) -> [T; 3] {
+        let terms = arm.terms();
+        if self.blob.joints() != N || self.blob.terms() != terms.len() {
+            return [T::from_f32(f32::NAN); 3];
+        }
+        let load = arm.load(&arm.nominal().turns(q), state.payload);
+        let inputs = arm.inputs(q, &load, state);
+        let mut bent = *q;
+        for (q, bend) in bent.iter_mut().zip(&arm.bending_at(q, &load, state).joints) {
+            *q += *bend;
+        }
+        let jacobian = arm.real().identification_jacobian(&bent);
+        let zero = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
+        let tool = if self.is_own_tool(arm) { jacobian.tool } else { [zero; 3] };
+        let link = |c: &crate::kinematics::LinkColumns<T>| LinkParameter::ALL.map(|p| *c.get(p));
+        let columns = jacobian.links.each_ref().map(link);
+        // Base compliance turns about the base's own axes, which are the outer
+        // ones to within the small residual base, as in the identification.
+        let links = self.blob.links().map(|(nominal, correction)| nominal.corrected(&correction));
+        let mut of_terms = [zero; MAX_TERMS];
+        for (column, term) in of_terms.iter_mut().zip(terms) {
+            let basis = Term::basis(term, &inputs);
+            *column = term.column(basis, &links, &jacobian.links, &jacobian.base_rotation);
+        }
+        let all = jacobian.base_translation.iter().chain(&jacobian.base_rotation).chain(&tool);
+        let all = all.chain(columns.as_flattened()).chain(of_terms.iter().take(terms.len()));
+
+        let mut reader = Reader(self.blob.factor);
+        let mut variance = [T::ZERO; 3];
+        for column in 0..self.parameters() {
+            let mut sum = zero;
+            for derivative in all.clone().skip(column) {
+                sum += *derivative * T::from_f32(reader.f32());
+            }
+            for (variance, sum) in variance.iter_mut().zip([sum.x, sum.y, sum.z]) {
+                *variance += sum * sum;
+            }
+        }
+        variance.map(T::sqrt)
+    }
+
+    /// Whether the arm still carries the tool point of the blob.
+    fn is_own_tool<T: Scalar, const N: usize>(&self, arm: &Arm<T, N>) -> bool {
+        let mut reader = Reader(self.blob.header[REALS].get(24..).unwrap_or(&[]));
+        let own = [0; 3].map(|_| T::from_f32(reader.f32()));
+        let carried = &arm.real().tool().translation;
+        [carried.x, carried.y, carried.z] == own
+    }
+}
