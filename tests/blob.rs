@@ -1,65 +1,15 @@
 //! The parameter blob: round trip, and refusal of everything that is not one.
 
-use nalgebra::Vector3;
+#[path = "common/blobs.rs"]
+mod blobs;
+
+use blobs::{mend, parameters, term};
 use proptest::prelude::*;
-use truearm::blob::{Blob, DecodeError, EncodeError, Flaw, encode, encoded_len, robot_id};
-use truearm::effects::{Effect, MAX_TERMS, Masses, Term};
-use truearm::{ArmParameters, Link, MdhParameters};
-
-fn term(effect: Effect, joint: u8, order: f32, coefficient: f32) -> Term<f32> {
-    Term { effect, joint, source: 0, component: 0, order, coefficient }
-}
-
-/// As many as there is room for, every effect among them.
-fn every_effect() -> heapless::Vec<Term<f32>, MAX_TERMS> {
-    let all = Term::<f32>::ALL;
-    let mut terms = heapless::Vec::from_iter([
-        term(Effect::JointCompliance, 1, 0.0, 1e-5),
-        Term { component: 1, ..term(Effect::BaseCompliance, 0, 0.0, -2e-6) },
-        term(Effect::EncoderEccentricity, 0, 2.0, 1e-4),
-        Term { component: 1, ..term(Effect::GearTransmissionError, 2, 201.25, 5e-5) },
-        term(Effect::JointPeriodicError, 2, 65535.0 / 64.0, -3e-5),
-        term(Effect::JointGain, 0, 0.0, 2e-4),
-        Term { source: 1, ..term(Effect::JointCoupling, 2, 0.0, 1e-3) },
-        term(Effect::Backlash, 0, 0.0, 2e-4),
-        term(Effect::Backlash, 1, 3.5, 2e-4),
-        term(Effect::ThermalExpansion, all, 0.0, 1.2e-5),
-        term(Effect::ThermalExpansion, 2, 0.0, 1e-5),
-    ]);
-    while terms.push(term(Effect::JointPeriodicError, 1, terms.len() as f32, 1e-5)).is_ok() {}
-    terms
-}
-
-fn parameters() -> ArmParameters<f32, 3> {
-    let correction = |k: f32| MdhParameters::from_array([1e-3 * k, 2e-4, -3e-3, 4e-4 * k, 5e-4]);
-    ArmParameters {
-        robot_id: robot_id("arm", "0042"),
-        sequence: 7,
-        created: 1_700_000_000,
-        nominal: [
-            Link::revolute(0.0, 0.0, 0.0, 0.1273, 0.0),
-            Link::prismatic(1.5, -0.612, 0.1, 0.02, 0.0),
-            Link::revolute(-1.5, 0.3, 0.0, 0.0, 0.01),
-        ],
-        corrections: [correction(1.0), correction(2.0), correction(3.0)],
-        base_translation: Vector3::new(1e-3, -2e-3, 3e-4),
-        base_rotation: Vector3::new(1e-4, 2e-4, -3e-4),
-        tool: Vector3::new(0.0, 0.01, 0.109),
-        limits: [Some([-6.2, 6.2]), Some([0.0, 0.5]), None],
-        covered: [Some([-1.0, 1.0]), None, Some([-2.0, 2.0])],
-        rms_before: 1.1e-3,
-        rms_after: 4.4e-4,
-        terms: every_effect(),
-        masses: Some(Masses {
-            gravity: Vector3::new(0.5, -0.1, -9.8),
-            mass: [7.0, 12.5, 0.25],
-            com: [Vector3::new(0.0, 0.1, -0.2), Vector3::zeros(), Vector3::new(0.3, 0.0, 0.0)],
-            payload_com: Vector3::new(0.0, 0.02, 0.15),
-        }),
-        reference_temperature: 21.5,
-        orientation_identified: false,
-    }
-}
+use truearm::blob::{
+    Blob, DecodeError, EncodeError, Flaw, encode, encode_with, encoded_len, factor_len, robot_id,
+};
+use truearm::effects::{Effect, MAX_TERMS, Term};
+use truearm::{Arm, Pose, State};
 
 fn blob() -> Vec<u8> {
     let mut bytes = vec![0; encoded_len(3, MAX_TERMS)];
@@ -71,9 +21,7 @@ fn blob() -> Vec<u8> {
 fn forge(offset: usize, value: &[u8]) -> Vec<u8> {
     let mut bytes = blob();
     bytes[offset..offset + value.len()].copy_from_slice(value);
-    let body = bytes.len() - 4;
-    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(&bytes[..body]);
-    bytes[body..].copy_from_slice(&crc.to_le_bytes());
+    mend(&mut bytes);
     bytes
 }
 
@@ -83,6 +31,7 @@ fn what_is_written_is_read() {
     let blob = Blob::check(&bytes).unwrap();
     assert_eq!(blob.parameters::<f32, 3>(), Ok(parameters()));
     assert_eq!((blob.sequence(), blob.robot_id()), (7, robot_id("arm", "0042")));
+    assert_eq!((blob.created(), blob.is_tagged()), (1_700_000_000, false));
     assert_eq!((blob.joints(), blob.terms(), blob.size()), (3, MAX_TERMS, bytes.len()));
     let wide = blob.parameters::<f64, 3>().unwrap();
     assert_eq!(wide.nominal[1].parameters.a, f64::from(-0.612_f32));
@@ -101,16 +50,6 @@ fn every_truncation_is_refused() {
     for length in 0..bytes.len() {
         let error = Blob::check(&bytes[..length]).unwrap_err();
         assert!(matches!(error, DecodeError::Truncated { got, .. } if got == length), "{error}");
-    }
-}
-
-#[test]
-fn every_single_bit_flip_is_refused() {
-    let bytes = blob();
-    for bit in 0..bytes.len() * 8 {
-        let mut flipped = bytes.clone();
-        flipped[bit / 8] ^= 1 << (bit % 8);
-        assert!(Blob::check(&flipped).is_err(), "bit {bit}");
     }
 }
 
@@ -153,6 +92,135 @@ fn bad_values_are_named() {
         Blob::check(&blob()).unwrap().parameters::<f32, 6>(),
         Err(DecodeError::WrongArm { blob: 3, arm: 6 })
     );
+}
+
+/// Drafts and layouts to come have errors of their own.
+#[test]
+fn other_layouts_are_refused_by_number() {
+    let layout = |l: u16| Blob::check(&forge(4, &l.to_le_bytes())).map(drop);
+    for draft in 0..3 {
+        assert_eq!(layout(draft), Err(DecodeError::DraftLayout(draft)));
+    }
+    assert_eq!(layout(3), Ok(()));
+    for newer in [4, 300, u16::MAX] {
+        assert_eq!(layout(newer), Err(DecodeError::NewerLayout(newer)));
+    }
+    let message = DecodeError::DraftLayout(2).to_string();
+    assert_eq!(message, "layout 2 was a draft and is no longer read; this version reads layout 3");
+}
+
+#[test]
+fn sequence_and_time_are_not_content() {
+    let first = blob();
+    let other = |change: &dyn Fn(&mut truearm::ArmParameters<f32, 3>)| {
+        let mut p = parameters();
+        change(&mut p);
+        let mut bytes = vec![0; encoded_len(3, MAX_TERMS)];
+        encode(&p, &mut bytes).unwrap();
+        Blob::check(&first).unwrap().same_content(&Blob::check(&bytes).unwrap())
+    };
+    assert!(other(&|p| (p.sequence, p.created) = (8, 9)));
+    assert!(!other(&|p| p.robot_id += 1));
+    assert!(!other(&|p| p.tool.x += 1e-6));
+    assert!(!other(&|p| p.corrections[2].beta += 1e-6));
+    assert!(!other(&|p| p.terms[23].coefficient += 1e-9));
+    assert!(!other(&|p| p.masses.as_mut().unwrap().mass[1] += 1e-3));
+}
+
+/// A factor of which every number can be told from every other.
+fn factor() -> Vec<f32> {
+    (1..=factor_len(3, MAX_TERMS)).map(|k| 1e-6 * k as f32).collect()
+}
+
+#[test]
+fn a_covariance_is_kept_and_checked() {
+    let factor = factor();
+    let mut bytes = vec![0; encoded_len(3, MAX_TERMS) + 4 * factor.len()];
+    let size = encode_with(&parameters(), Some(&factor), &mut bytes);
+    assert_eq!(size, Ok(bytes.len()));
+    let blob = Blob::check(&bytes).unwrap();
+    assert_eq!(blob.size(), bytes.len());
+    let covariance = blob.covariance().unwrap();
+    assert_eq!(covariance.parameters(), 48);
+    assert!(covariance.factor().eq(factor.iter().copied()));
+    let (plain, bare) = (parameters(), self::blob());
+    assert_eq!(blob.parameters::<f32, 3>(), Ok(plain.clone()));
+    assert!(Blob::check(&bare).unwrap().covariance().is_none());
+    assert!(!blob.same_content(&Blob::check(&bare).unwrap()));
+
+    let at = encoded_len(3, MAX_TERMS) - 4;
+    let refused = |number: usize, value: f32| {
+        let mut bytes = bytes.clone();
+        bytes[at + 4 * (number - 1)..][..4].copy_from_slice(&value.to_le_bytes());
+        mend(&mut bytes);
+        Blob::check(&bytes).unwrap_err().to_string()
+    };
+    let name = |n| format!("number {n} of covariance factor");
+    assert_eq!(refused(17, f32::NAN), name(17) + " is not a finite number");
+    assert_eq!(refused(1176, 10.5), name(1176) + " is outside its plausible range");
+    // The first number of the second column stands on the diagonal.
+    assert_eq!(refused(49, -1e-9), name(49) + " is outside its plausible range");
+    let error = encode_with(&plain, Some(&factor[1..]), &mut [0; 9000]).unwrap_err();
+    assert_eq!(error, EncodeError::Factor { needed: 1176, got: 1175 });
+}
+
+/// A factor with one column is one error vector: the deviation must be the
+/// change of the tool point when the parameters change by it.
+#[test]
+fn point_sigma_is_the_change_of_the_point() {
+    let mut plain: truearm::ArmParameters<f64, 3> =
+        Blob::check(&blob()).unwrap().parameters().unwrap();
+    for term in &mut plain.terms {
+        // Bent little, so that first order is all there is.
+        term.coefficient *= 1e-3;
+    }
+    let q = [0.3, 0.2, -0.7];
+    let state = State { direction: [1.0, -1.0, 1.0], payload: 2.0, temperature: 30.0 };
+    let point = |p: &truearm::ArmParameters<f64, 3>| Arm::new(p).real_pose_in(&q, &state).translation;
+    let step = 1e-6;
+    for k in 0..48 {
+        let mut numbers = vec![0.0; factor_len(3, MAX_TERMS)];
+        // Row k of the first column; column k begins with its diagonal.
+        numbers[k] = 1.0;
+        let mut bytes = [0; 9000];
+        encode_with(&plain, Some(&numbers), &mut bytes).unwrap();
+        let blob = Blob::check(&bytes).unwrap();
+        let rounded = blob.parameters::<f64, 3>().unwrap();
+        let arm = Arm::new(&rounded);
+        let sigma = blob.covariance().unwrap().point_sigma(&arm, &q, &state);
+        let mut moved = [rounded.clone(), rounded.clone()];
+        for (p, step) in moved.iter_mut().zip([step, -step]) {
+            match k {
+                0..3 => p.base_translation[k] += step,
+                3..6 => {
+                    let mut turn = nalgebra::Vector3::zeros();
+                    turn[k - 3] = step;
+                    let zero = nalgebra::Vector3::zeros();
+                    let left = Pose::from_rotation_vector(zero, turn);
+                    let base = Pose::from_rotation_vector(zero, p.base_rotation);
+                    let rotation = left.compose(&base).rotation;
+                    p.base_rotation =
+                        nalgebra::Rotation3::from_matrix_unchecked(rotation).scaled_axis();
+                }
+                6..9 => p.tool[k - 6] += step,
+                9..24 => {
+                    let mut c = p.corrections[(k - 9) / 5].to_array();
+                    c[(k - 9) % 5] += step;
+                    p.corrections[(k - 9) / 5] = truearm::MdhParameters::from_array(c);
+                }
+                _ => p.terms[k - 24].coefficient += step,
+            }
+        }
+        let change = (point(&moved[0]) - point(&moved[1])) / (2.0 * step);
+        for c in 0..3 {
+            let (expected, close) = (change[c].abs(), 2e-3 * change.norm().max(1e-9));
+            assert!((sigma[c] - expected).abs() < close, "{k}: {sigma:?}, {change}");
+        }
+        // Another tool is exact.
+        let other = arm.with_tool(Pose::translation(0.0, 0.0, 0.3));
+        let sigma = blob.covariance().unwrap().point_sigma(&other, &q, &state);
+        assert!(!(6..9).contains(&k) || sigma == [0.0; 3]);
+    }
 }
 
 #[test]
@@ -251,7 +319,11 @@ fn orders_are_rounded_to_64ths() {
 
 #[test]
 fn six_joints_with_everything_fit_768_bytes() {
-    assert_eq!(encoded_len(6, MAX_TERMS), 756);
+    let size = encoded_len(6, MAX_TERMS);
+    assert!(size <= 768 && size + truearm::blob::TAG <= 800);
+    assert_eq!(size, blobs::full().len());
+    // The covariance and everything else fit a slot of 16 KiB.
+    assert!(size + truearm::blob::TAG + 4 * factor_len(6, MAX_TERMS) <= 16 * 1024 - 64);
 }
 
 /// The check values that FORMAT.md promises.

@@ -32,6 +32,6 @@ pub fn parameter_slots() -> [(&'static str, &'static [u8]); 2] {
 /// What lies where a vector file belongs.
 pub fn vector_region() -> &'static [u8] {
     // SAFETY: the board has 4 MiB of memory at address 0, of which memory.x
-    // gives none beyond 0x0010_2000 to anyone; nothing writes there.
+    // gives none beyond 0x0010_8000 to anyone; nothing writes there.
     unsafe { slice::from_raw_parts(core::ptr::with_exposed_provenance(VECTORS), VECTORS_SIZE) }
 }

@@ -15,7 +15,7 @@ use truearm::{Arm, State};
 
 /// What a controller calls, on values the compiler knows nothing about.
 fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), Refusal> {
-    let mine = Acceptance::of(black_box(1)).not_before(black_box(2));
+    let mine = Acceptance::of(black_box(1)).with_key(black_box([3; 32])).not_before(black_box(2));
     let blob = mine.check(black_box(bytes))?;
     let parameters = blob.parameters::<f32, 6>()?;
     let arm = Arm::new(black_box(&parameters));
