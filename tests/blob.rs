@@ -176,7 +176,8 @@ fn point_sigma_is_the_change_of_the_point() {
     }
     let q = [0.3, 0.2, -0.7];
     let state = State { direction: [1.0, -1.0, 1.0], payload: 2.0, temperature: 30.0 };
-    let point = |p: &truearm::ArmParameters<f64, 3>| Arm::new(p).real_pose_in(&q, &state).translation;
+    let point =
+        |p: &truearm::ArmParameters<f64, 3>| Arm::new(p).real_pose_in(&q, &state).translation;
     let step = 1e-6;
     for k in 0..48 {
         let mut numbers = vec![0.0; factor_len(3, MAX_TERMS)];

@@ -98,9 +98,8 @@ mod auth {
         use sha2::{Digest, Sha256};
         let bytes = signed();
         let (body, tag) = bytes[..bytes.len() - 4].split_at(bytes.len() - 4 - TAG);
-        let pad = |x: u8| -> Vec<u8> {
-            (0..64).map(|k| KEY.get(k).copied().unwrap_or(0) ^ x).collect()
-        };
+        let pad =
+            |x: u8| -> Vec<u8> { (0..64).map(|k| KEY.get(k).copied().unwrap_or(0) ^ x).collect() };
         let inner = Sha256::new().chain_update(pad(0x36)).chain_update(body).finalize();
         let outer = Sha256::new().chain_update(pad(0x5c)).chain_update(inner).finalize();
         assert_eq!(outer[..], *tag);

@@ -21,7 +21,8 @@ fn flip(bytes: &mut [u8], bit: usize) {
 /// The blob in slots that were erased, zeroed, and held a longer blob before.
 fn slots(blob: &[u8]) -> [Vec<u8>; 3] {
     let behind = |fill: Vec<u8>| [blob, &fill].concat();
-    let older: Vec<u8> = (0..4096_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    let older: Vec<u8> =
+        (0..4096_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     [behind(vec![0xff; 4096]), behind(vec![0; 4096]), behind(older)]
 }
 
