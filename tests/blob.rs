@@ -2,6 +2,7 @@
 
 #[path = "common/blobs.rs"]
 mod blobs;
+mod common;
 
 use blobs::{mend, parameters, term};
 use proptest::prelude::*;
@@ -325,6 +326,50 @@ fn six_joints_with_everything_fit_768_bytes() {
     assert_eq!(size, blobs::full().len());
     // The covariance and everything else fit a slot of 16 KiB.
     assert!(size + truearm::blob::TAG + 4 * factor_len(6, MAX_TERMS) <= 16 * 1024 - 64);
+}
+
+/// Why there is no binary64 in the format: what rounding every number of a UR10
+/// to binary32 does to the tool point.
+#[test]
+fn rounding_to_binary32_moves_the_tool_by_a_tenth_of_a_micrometre() {
+    use rand::{RngExt, SeedableRng};
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+    let mut worst = 0_f64;
+    let (mut square, mut count) = (0.0, 0.0);
+    for _ in 0..10 {
+        let mut small = || rng.random_range(-2e-3..2e-3);
+        let exact = truearm::ArmParameters {
+            nominal: common::ur10(),
+            corrections: [(); 6]
+                .map(|()| truearm::MdhParameters::from_array([(); 5].map(|()| small()))),
+            base_translation: [(); 3].map(|()| small()).into(),
+            base_rotation: [(); 3].map(|()| small()).into(),
+            tool: nalgebra::Vector3::new(0.06, -0.025, 0.11),
+            terms: heapless::Vec::new(),
+            masses: None,
+            limits: [None; 6],
+            covered: [None; 6],
+            ..Blob::check(&blobs::full()).unwrap().parameters::<f64, 6>().unwrap()
+        };
+        let mut bytes = [0; 1024];
+        encode(&exact, &mut bytes).unwrap();
+        let rounded = Blob::check(&bytes).unwrap().parameters::<f64, 6>().unwrap();
+        assert_ne!(rounded, exact);
+        let (exact, rounded) = (Arm::new(&exact), Arm::new(&rounded));
+        for _ in 0..1000 {
+            let q = [(); 6].map(|()| rng.random_range(-3.2..3.2));
+            let off = exact.real_pose(&q).translation - rounded.real_pose(&q).translation;
+            worst = worst.max(off.norm());
+            square += off.norm_squared();
+            count += 1.0;
+        }
+    }
+    println!(
+        "binary32: RMS {:.3} um, worst {:.3} um",
+        f64::sqrt(square / count) * 1e6,
+        worst * 1e6
+    );
+    assert!(worst < 0.12e-6);
 }
 
 /// The check values that FORMAT.md promises.

@@ -215,7 +215,7 @@ fn registered(
 #[must_use]
 pub fn not_covered(model: &Model, data: &Measurements) -> Vec<usize> {
     let outside = |j: &usize| {
-        let [low, high] = model.covered[*j];
+        let Some([low, high]) = model.covered[*j] else { return true };
         data.rows.iter().any(|r| r.q[*j] < low - MARGIN || r.q[*j] > high + MARGIN)
     };
     (0..model.covered.len()).filter(outside).map(|j| j + 1).collect()

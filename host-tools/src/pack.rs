@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use truearm::ArmParameters;
-use truearm::blob::{self, DecodeError, EncodeError, Flaw, Record};
+use truearm::blob::{self, DecodeError, EncodeError, Flaw, Key, Record};
 use truearm::effects::{MAX_TERMS, Masses, Term};
 
 use crate::chain::{fixed, with_joints};
@@ -10,14 +10,35 @@ use crate::error::{Error, Result};
 use crate::files::{Model, Robot};
 use crate::identify::ModelTerm;
 
-/// The blob of a model. The sequence number is the model's creation time in
-/// Unix seconds unless given.
+/// What the user may choose.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PackOptions {
+    /// Sequence number; that of the model, by default its creation time in
+    /// Unix seconds, if not given.
+    pub sequence: Option<u32>,
+    /// With the covariance, for the uncertainty of the tool point.
+    pub covariance: bool,
+    /// With an authentication tag under this key.
+    pub key: Option<Key>,
+}
+
+/// The blob of a model, without covariance and tag.
 ///
 /// # Errors
-/// More terms than a controller takes, a creation time that cannot be read, or
-/// a value that a controller would refuse, by name.
+/// As for [`pack_with`].
 pub fn pack(model: &Model, sequence: Option<u32>) -> Result<Vec<u8>> {
-    let (sequence, created) = match (sequence, created(model)) {
+    pack_with(model, &PackOptions { sequence, ..PackOptions::default() })
+}
+
+/// The blob of a model.
+///
+/// # Errors
+/// More terms than a controller takes, a creation time that cannot be read, a
+/// covariance that is missing or of another model, or a value that a controller
+/// would refuse, by name.
+pub fn pack_with(model: &Model, options: &PackOptions) -> Result<Vec<u8>> {
+    let (sequence, created) = match (options.sequence.or(model.provenance.sequence), created(model))
+    {
         (Some(number), created) => (number, created.unwrap_or(0)),
         (None, created) => {
             let created = created?;
@@ -35,11 +56,18 @@ pub fn pack(model: &Model, sequence: Option<u32>) -> Result<Vec<u8>> {
             "identify it again with `truearm diagnose --most-terms 24`, or take out of model.toml the [[terms]] that matter least",
         )
     })?;
-    let mut bytes = vec![0; blob::encoded_len(model.robot.joints.len(), terms.len())];
-    let written = with_joints!(model.robot.joints.len(), N => {
-        blob::encode(&parameters::<N>(model, terms, sequence, created), &mut bytes)
+    let joints = model.robot.joints.len();
+    let factor = if options.covariance { Some(factor(model, terms.len())?) } else { None };
+    let numbers = factor.map_or(0, <[f32]>::len);
+    let mut bytes = vec![0; blob::encoded_len(joints, terms.len()) + 4 * numbers + blob::TAG];
+    let written = with_joints!(joints, N => {
+        blob::encode_with(&parameters::<N>(model, terms, sequence, created), factor, &mut bytes)
     });
-    written.map_err(|e| {
+    let written = written.and_then(|size| match &options.key {
+        Some(key) => blob::authenticate(&mut bytes, key),
+        None => Ok(size),
+    });
+    let size = written.map_err(|e| {
         let help = match e {
             EncodeError::Refused(DecodeError::Field(_, Flaw::NeedsMasses)) => {
                 "give gravity_m_s2 and [[links]] in robot.toml and identify again"
@@ -53,7 +81,30 @@ pub fn pack(model: &Model, sequence: Option<u32>) -> Result<Vec<u8>> {
         };
         Error::data(format!("{}: {e}", model.robot.path.display()), help)
     })?;
+    bytes.truncate(size);
     Ok(bytes)
+}
+
+/// The model's covariance, if it is one of so many terms.
+fn factor(model: &Model, terms: usize) -> Result<&[f32]> {
+    let path = model.robot.path.display();
+    let factor = model.covariance.as_deref().ok_or_else(|| {
+        Error::data(
+            format!("{path}: no [covariance]"),
+            "identify again with this version, or pack without --covariance",
+        )
+    })?;
+    let needed = blob::factor_len(model.robot.joints.len(), terms);
+    if factor.len() != needed {
+        return Err(Error::data(
+            format!(
+                "{path}: [covariance] has {} numbers where joints and terms need {needed}",
+                factor.len()
+            ),
+            "terms were changed by hand: identify again, or pack without --covariance",
+        ));
+    }
+    Ok(factor)
 }
 
 /// The terms that belong to the arm, in the order of the blob.
@@ -129,7 +180,7 @@ fn parameters<const N: usize>(
     let joints: [_; N] = fixed(&robot.joints);
     let covered: [_; N] = fixed(&model.covered);
     ArmParameters {
-        robot_id: blob::robot_id(&robot.name, &robot.serial),
+        robot_id: model.robot_id.unwrap_or_else(|| blob::robot_id(&robot.name, &robot.serial)),
         sequence,
         created,
         nominal: joints.map(|j| j.link),
@@ -143,10 +194,9 @@ fn parameters<const N: usize>(
         masses: masses(robot),
         reference_temperature: robot.reference_temperature,
         limits: joints.map(|j| j.limits),
-        covered: covered.map(Some),
+        covered,
         rms_before: model.provenance.nominal_rms_mm * 1e-3,
         rms_after: model.provenance.cross_validated_rms_mm * 1e-3,
-        // Points say nothing of how the flange is turned about them.
-        orientation_identified: false,
+        orientation_identified: model.orientation_identified,
     }
 }

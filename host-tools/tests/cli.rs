@@ -203,10 +203,8 @@ fn the_blob_is_the_model() {
     let (mut square, mut count) = (0.0, 0.0);
     for k in 0..200 {
         let q: [f64; 6] = core::array::from_fn(|j| {
-            model.covered[j][0]
-                + (model.covered[j][1] - model.covered[j][0])
-                    * f64::from((k * (7 + j as i32)) % 101 + 1)
-                    / 103.0
+            let [low, high] = model.covered[j].unwrap();
+            low + (high - low) * f64::from((k * (7 + j as i32)) % 101 + 1) / 103.0
         });
         let expected = frame.transform_point(&chain.pose(&q).translation);
         let real = arm.real_pose(&q).translation;

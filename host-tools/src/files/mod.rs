@@ -2,6 +2,7 @@
 //! and degrees exist only here; everything inside is SI.
 
 mod columns;
+mod covariance;
 mod measurements;
 mod model;
 mod model_file;

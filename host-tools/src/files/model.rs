@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use truearm::{JointKind, LinkParameter, MdhParameters, Pose};
 
+use super::covariance;
 use super::model_file::*;
 use super::model_terms;
 use super::robot::{Robot, mm, parse};
@@ -21,10 +22,10 @@ pub struct Model {
     pub robot: Robot,
     /// Identified corrections of each link.
     pub corrections: Vec<MdhParameters<f64>>,
-    /// One standard deviation of each correction.
+    /// One standard deviation of each correction; empty if unknown.
     pub uncertainties: Vec<MdhParameters<f64>>,
-    /// Joint ranges of the identification, rad or m.
-    pub covered: Vec<[f64; 2]>,
+    /// Joint ranges of the identification, rad or m; `None` if unknown.
+    pub covered: Vec<Option<[f64; 2]>>,
     /// Terms beyond geometry.
     pub terms: Vec<ModelTerm>,
     /// Robot base in the frame of each tracker station.
@@ -39,6 +40,12 @@ pub struct Model {
     pub provenance: Provenance,
     /// Directions the data could not determine, in words.
     pub unidentifiable: Vec<String>,
+    /// Whether the data determined how the flange is turned.
+    pub orientation_identified: bool,
+    /// Id of the robot where name and serial are not known, only their hash.
+    pub robot_id: Option<u64>,
+    /// Factor of the covariance of the arm's parameters as a blob holds it.
+    pub covariance: Option<Vec<f32>>,
 }
 
 /// Where a model came from.
@@ -48,6 +55,9 @@ pub struct Provenance {
     pub version: String,
     /// UTC, RFC 3339.
     pub created: String,
+    /// Sequence number, where it is not the creation time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sequence: Option<u32>,
     /// The measurements.
     pub data: String,
     /// Rows of the measurements.
@@ -109,7 +119,10 @@ impl Model {
         });
         let corrections = (0..robot.joints.len()).map(|i| {
             let [alpha_deg, a_mm, theta_offset_deg, d_mm, beta_deg] = to_file(&self.corrections[i]);
-            let s = to_file(&self.uncertainties[i]);
+            let sigma = self.uncertainties.get(i).map(|sigma| {
+                let [alpha_deg, a_mm, theta_offset_deg, d_mm, beta_deg] = to_file(sigma);
+                SigmaFile { alpha_deg, a_mm, theta_offset_deg, d_mm, beta_deg }
+            });
             let range = self.covered[i];
             CorrectionFile {
                 joint: i + 1,
@@ -118,15 +131,9 @@ impl Model {
                 theta_offset_deg,
                 d_mm,
                 beta_deg,
-                sigma: SigmaFile {
-                    alpha_deg: s[0],
-                    a_mm: s[1],
-                    theta_offset_deg: s[2],
-                    d_mm: s[3],
-                    beta_deg: s[4],
-                },
-                covered_deg: revolute(i).then_some(range.map(f64::to_degrees)),
-                covered_mm: (!revolute(i)).then_some(range.map(|x| x * 1e3)),
+                sigma,
+                covered_deg: range.filter(|_| revolute(i)).map(|r| r.map(f64::to_degrees)),
+                covered_mm: range.filter(|_| !revolute(i)).map(|r| r.map(|x| x * 1e3)),
             }
         });
         let stations = self.stations.iter().map(|(label, pose)| {
@@ -150,6 +157,8 @@ impl Model {
             schema: SCHEMA,
             name: robot.name.clone(),
             serial: robot.serial.clone(),
+            robot_id: self.robot_id.map(|id| format!("{id:#018x}")),
+            orientation_identified: self.orientation_identified,
             measurement_sigma_mm: robot.sigma * 1e3,
             gravity_m_s2: robot.gravity.map(Into::into),
             reference_temperature_c: robot.reference_temperature,
@@ -172,7 +181,8 @@ impl Model {
         let body = toml::to_string(&file).unwrap_or_else(|e| unreachable!("a plain struct: {e}"));
         format!(
             "# An arm identified by truearm. Lengths mm, angles degrees. `corrections` add to\n\
-             # the nominal `joints`; `stations` are the robot base in each tracker frame.\n{body}"
+             # the nominal `joints`; `stations` are the robot base in each tracker frame.\n{body}{}",
+            self.covariance.as_deref().map(covariance::to_toml).unwrap_or_default()
         )
     }
 
@@ -204,6 +214,19 @@ impl Model {
             corrections: Vec::new(),
             uncertainties: Vec::new(),
             covered: Vec::new(),
+            orientation_identified: part.orientation_identified,
+            robot_id: match &part.robot_id {
+                Some(text) => {
+                    let wrong = || fail(format!("robot_id \"{text}\" is not 0x and 16 hex digits"));
+                    let digits = text.strip_prefix("0x").ok_or_else(wrong)?;
+                    Some(u64::from_str_radix(digits, 16).map_err(|_| wrong())?)
+                }
+                None => None,
+            },
+            covariance: match &part.covariance {
+                Some(file) => Some(file.factor().map_err(fail)?),
+                None => None,
+            },
             terms: Vec::new(),
             stations: Vec::new(),
             markers: part.markers.into_iter().map(|m| (m.label, mm(m.xyz_mm))).collect(),
@@ -214,26 +237,22 @@ impl Model {
             robot,
         };
         for c in &part.corrections {
-            let s = &c.sigma;
             let all = [c.alpha_deg, c.a_mm, c.theta_offset_deg, c.d_mm, c.beta_deg];
             if all.iter().any(|x| !x.is_finite()) {
                 return Err(fail(format!("correction of joint {} is not finite", c.joint)));
             }
             model.corrections.push(from_file(all));
-            model.uncertainties.push(from_file([
-                s.alpha_deg,
-                s.a_mm,
-                s.theta_offset_deg,
-                s.d_mm,
-                s.beta_deg,
-            ]));
+            if let Some(s) = &c.sigma {
+                let all = [s.alpha_deg, s.a_mm, s.theta_offset_deg, s.d_mm, s.beta_deg];
+                model.uncertainties.push(from_file(all));
+            }
             model.covered.push(match (c.covered_deg, c.covered_mm) {
-                (Some(range), _) => range.map(f64::to_radians),
-                (None, Some(range)) => range.map(|x| x * 1e-3),
-                (None, None) => {
-                    return Err(fail(format!("joint {} has no covered range", c.joint)));
-                }
+                (Some(range), _) => Some(range.map(f64::to_radians)),
+                (None, range) => range.map(|range| range.map(|x| x * 1e-3)),
             });
+        }
+        if ![0, n].contains(&model.uncertainties.len()) {
+            return Err(fail("some corrections have a sigma and some have none".to_owned()));
         }
         for s in part.stations {
             let [x, y, z, w] = s.quaternion_xyzw;
@@ -255,8 +274,8 @@ impl Model {
             let term = model_terms::measurement_term(term);
             model.terms.push(term.map_err(|e| wrong("measurement_terms", i + 1, e))?);
         }
-        if model.stations.is_empty() || model.markers.is_empty() {
-            return Err(fail("a model needs a station and a marker".to_owned()));
+        if model.markers.is_empty() {
+            return Err(fail("a model needs a marker".to_owned()));
         }
         Ok(model)
     }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Provenance;
+use super::covariance::CovarianceFile;
 use super::model_terms::{MeasurementTermFile, TermFile};
 
 /// The file. The keys of robot.toml stand in it as they do there, so that a
@@ -12,6 +13,9 @@ pub(super) struct ModelFile {
     pub schema: &'static str,
     pub name: String,
     pub serial: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot_id: Option<String>,
+    pub orientation_identified: bool,
     pub measurement_sigma_mm: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity_m_s2: Option<[f64; 3]>,
@@ -37,6 +41,10 @@ pub(super) struct ModelFile {
 #[derive(Deserialize)]
 pub(super) struct ModelPart {
     pub schema: String,
+    pub robot_id: Option<String>,
+    #[serde(default)]
+    pub orientation_identified: bool,
+    pub covariance: Option<CovarianceFile>,
     #[serde(default)]
     pub unidentifiable: Vec<String>,
     pub provenance: Provenance,
@@ -46,6 +54,7 @@ pub(super) struct ModelPart {
     pub terms: Vec<TermFile>,
     #[serde(default)]
     pub measurement_terms: Vec<MeasurementTermFile>,
+    #[serde(default)]
     pub stations: Vec<StationFile>,
     pub markers: Vec<MarkerFile>,
 }
@@ -94,7 +103,8 @@ pub(super) struct CorrectionFile {
     pub theta_offset_deg: f64,
     pub d_mm: f64,
     pub beta_deg: f64,
-    pub sigma: SigmaFile,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma: Option<SigmaFile>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covered_deg: Option<[f64; 2]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]

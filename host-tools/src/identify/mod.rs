@@ -14,6 +14,7 @@ pub mod registration;
 pub mod robust;
 mod summary;
 mod term;
+pub mod uncertainty;
 mod unknowns;
 
 pub use conditions::Conditions;

@@ -1,15 +1,16 @@
 //! From findings to model and report.
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{DMatrix, Rotation3, Vector3};
 use truearm::{MdhParameters, Pose};
 
 use super::estimate::Estimate;
 use super::problem::link_corrections;
+use super::uncertainty::{factor, of_arm};
 use super::{Identification, Problem, RowResult, Scaling, State, redundancy, registration, robust};
 use crate::chain::chain;
 use crate::files::{Model, Provenance, Robot};
 use crate::report::{AllRows, FlaggedRow, Report, Stats, robust_distance_scale};
-use crate::tikhonov::covariance;
+use crate::tikhonov;
 
 /// All that was found out about a data set.
 pub struct Findings<'a> {
@@ -119,11 +120,13 @@ impl Findings<'_> {
         let Self { robot, problem, found, .. } = self;
         let data = problem.data;
         let state = &found.fit.state;
-        let sigma = self.sigmas();
+        let unknowns = self.covariance();
+        let sigma: Vec<f64> = unknowns.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect();
         let at = |i: usize| problem.unknowns.free() + 5 * i;
         let uncertainties = (0..robot.joints.len())
             .map(|i| MdhParameters::from_array(core::array::from_fn(|k| sigma[at(i) + k])));
         let frame = robot_frame(problem, found);
+        let covariance = of_arm(problem, state, &found.robust.kept, &unknowns, &frame);
         let turn = Rotation3::from_matrix_unchecked(frame.rotation).scaled_axis();
         let stations = data.stations.iter().cloned().zip(state.bases.iter().copied());
         let markers = data.markers.iter().cloned().zip(state.markers.iter().copied());
@@ -131,16 +134,21 @@ impl Findings<'_> {
             robot: (*robot).clone(),
             corrections: link_corrections(state, &problem.nominal),
             uncertainties: uncertainties.collect(),
-            covered: data.covered(),
+            covered: data.covered().into_iter().map(Some).collect(),
             terms: state.terms.clone(),
             stations: stations.collect(),
             markers: markers.collect(),
             frame_translation: frame.translation,
             frame_rotation: turn,
+            // Points say nothing of how the flange is turned about them.
+            orientation_identified: false,
+            robot_id: None,
+            covariance: Some(factor(&covariance)),
             provenance: Provenance {
                 version: env!("CARGO_PKG_VERSION").to_owned(),
                 created: humantime::format_rfc3339_seconds(std::time::SystemTime::now())
                     .to_string(),
+                sequence: None,
                 data: report.data.clone(),
                 rows: report.rows,
                 poses: report.poses,
@@ -155,12 +163,12 @@ impl Findings<'_> {
         }
     }
 
-    /// One standard deviation of every unknown, SI, from the posterior
-    /// covariance and the scale of the residuals.
+    /// Covariance of all unknowns, SI, from the posterior and the scale of the
+    /// residuals.
     #[must_use]
-    pub fn sigmas(&self) -> Vec<f64> {
+    pub fn covariance(&self) -> DMatrix<f64> {
         let Self { problem, found, .. } = self;
-        let cov = covariance(&found.fit.triangle, problem.unknowns.free(), found.lambda);
+        let cov = tikhonov::covariance(&found.fit.triangle, problem.unknowns.free(), found.lambda);
         let noise = match problem.scaling {
             Scaling::Prior => found.robust.scale,
             Scaling::Printed => {
@@ -168,8 +176,14 @@ impl Findings<'_> {
                 found.robust.scale * robust::median(&sigmas)
             }
         };
-        let units = problem.units();
-        (0..units.len()).map(|k| cov[(k, k)].max(0.0).sqrt() * noise * units[k]).collect()
+        let units = DMatrix::from_diagonal(&(problem.units() * noise));
+        &units * cov * &units
+    }
+
+    /// One standard deviation of every unknown, SI.
+    #[must_use]
+    pub fn sigmas(&self) -> Vec<f64> {
+        self.covariance().diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
     }
 }
 
