@@ -7,26 +7,39 @@ use truearm::{ArmParameters, JointKind};
 
 use crate::chain::with_joints;
 
-/// A blob in words, every field with its unit.
-///
-/// # Errors
-/// Why a controller would refuse it.
-pub fn describe(bytes: &[u8]) -> std::result::Result<String, blob::DecodeError> {
-    let blob = Blob::check(bytes)?;
+/// A blob in words, every field with its unit. `given` is how many bytes it was
+/// found in.
+#[must_use]
+pub fn describe(blob: &Blob, given: usize) -> String {
     let mut text = format!(
-        "truearm parameter blob, layout {}, {} bytes, checksum good\n",
+        "truearm parameter blob, layout {} (format 1.0), {} bytes, checksum good\n",
         blob::LAYOUT,
         blob.size()
     );
-    if bytes.len() > blob.size() {
-        text += &format!("{} bytes behind the blob are ignored\n", bytes.len() - blob.size());
+    if given > blob.size() {
+        text += &format!("{} bytes behind the blob are ignored\n", given - blob.size());
     }
-    with_joints!(blob.joints(), N => text += &fields(&blob.parameters::<f64, N>()?));
-    Ok(text)
+    text += if blob.is_tagged() {
+        "authentication        HMAC-SHA-256 tag, not checked without a key\n"
+    } else {
+        "authentication        none\n"
+    };
+    with_joints!(blob.joints(), N => {
+        let parameters = blob.parameters::<f64, N>();
+        text += &fields(blob, &parameters.unwrap_or_else(|e| unreachable!("N was chosen: {e}")));
+    });
+    text
 }
 
-fn fields<const N: usize>(p: &ArmParameters<f64, N>) -> String {
-    let when = std::time::UNIX_EPOCH + std::time::Duration::from_secs(u64::from(p.sequence));
+fn fields<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
+    let created = match p.created {
+        0 => "unknown".to_owned(),
+        seconds => {
+            let since = std::time::Duration::from_secs(u64::from(seconds));
+            let when = humantime::format_rfc3339_seconds(std::time::UNIX_EPOCH + since);
+            format!("{when} ({seconds} Unix s)")
+        }
+    };
     let vector = |v: &Vector3<f64>, factor: f64| {
         let [x, y, z] = [v.x, v.y, v.z].map(|x| shown(x * factor));
         format!("{x:.4} {y:.4} {z:.4}")
@@ -35,7 +48,8 @@ fn fields<const N: usize>(p: &ArmParameters<f64, N>) -> String {
         if p.orientation_identified { "identified" } else { "not identified (nominal)" };
     let mut text = format!(
         "robot id              {:#018x}\n\
-         sequence              {} ({} if it is a time)\n\
+         sequence              {}\n\
+         created               {created}\n\
          base translation mm   {}\n\
          base rotation deg     {}\n\
          tool mm               {}\n\
@@ -46,7 +60,6 @@ fn fields<const N: usize>(p: &ArmParameters<f64, N>) -> String {
          joint     alpha deg       a mm  theta deg       d mm   beta deg   limits          covered\n",
         p.robot_id,
         p.sequence,
-        humantime::format_rfc3339_seconds(when),
         vector(&p.base_translation, 1e3),
         vector(&p.base_rotation, 1_f64.to_degrees()),
         vector(&p.tool, 1e3),
@@ -97,10 +110,58 @@ fn fields<const N: usize>(p: &ArmParameters<f64, N>) -> String {
             text += &format!("{:<4} {:>11.4}   {}\n", i + 1, shown(*mass), vector(com, 1e3));
         }
     }
-    if !p.terms.is_empty() {
-        text += "\nterm  effect                   joint  component     order    coefficient (SI)\n";
+    text += &terms(&p.terms);
+    text += &uncertainty(blob, p);
+    text
+}
+
+/// Standard deviations from the covariance, as the corrections are printed.
+fn uncertainty<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
+    let Some(covariance) = blob.covariance() else {
+        return "\ncovariance            none\n".to_owned();
+    };
+    let size = covariance.parameters();
+    let mut variance = vec![0.0; size];
+    let mut numbers = covariance.factor();
+    for column in 0..size {
+        for (variance, x) in variance[column..].iter_mut().zip(&mut numbers) {
+            *variance += f64::from(x).powi(2);
+        }
     }
-    for (i, t) in p.terms.iter().enumerate() {
+    let sigma: Vec<f64> = variance.into_iter().map(f64::sqrt).collect();
+    let (mm, degrees) = (1e3, 1_f64.to_degrees());
+    let three = |at: usize, factor: f64| {
+        let [x, y, z] = [0, 1, 2].map(|k| sigma[at + k] * factor);
+        format!("{x:.4} {y:.4} {z:.4}")
+    };
+    let mut text = format!(
+        "\ncovariance            of {size} parameters; one standard deviation of each:\n\
+         base translation mm   {}\nbase rotation deg     {}\ntool mm               {}\n\
+         joint     alpha deg       a mm  theta deg       d mm   beta deg\n",
+        three(0, mm),
+        three(3, degrees),
+        three(6, mm)
+    );
+    for i in 0..N {
+        let factors = [degrees, mm, degrees, mm, degrees];
+        let cells =
+            factors.iter().enumerate().map(|(k, f)| format!(" {:>10.4}", sigma[9 + 5 * i + k] * f));
+        text += &format!("{:7}{}\n", i + 1, cells.collect::<String>());
+    }
+    for (i, _) in p.terms.iter().enumerate() {
+        text += &format!("term {:<3} {:.3e} (SI)\n", i + 1, sigma[9 + 5 * N + i]);
+    }
+    text
+}
+
+/// The terms, a line each.
+fn terms(terms: &[Term<f64>]) -> String {
+    let mut text = match terms {
+        [] => String::new(),
+        _ => "\nterm  effect                   joint  component     order    coefficient (SI)\n"
+            .to_owned(),
+    };
+    for (i, t) in terms.iter().enumerate() {
         let (joint, component, order) = term_columns(t);
         let (name, coefficient) = (t.effect.name(), t.coefficient);
         let line = format!(
@@ -114,7 +175,7 @@ fn fields<const N: usize>(p: &ArmParameters<f64, N>) -> String {
 }
 
 /// Joint, component and order of a term as a reader of reports knows them.
-fn term_columns(term: &Term<f64>) -> (String, &'static str, String) {
+pub(crate) fn term_columns(term: &Term<f64>) -> (String, &'static str, String) {
     let number = |joint: u8| (u16::from(joint) + 1).to_string();
     let joint = match term.effect {
         Effect::BaseCompliance => "base".to_owned(),

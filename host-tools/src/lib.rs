@@ -5,14 +5,18 @@
 //! [`truearm`] crate, the same code that runs on the controller.
 
 pub mod chain;
+pub mod compare;
 pub mod describe;
 pub mod diagnose;
 pub mod error;
 pub mod evaluate;
+pub mod explain;
+pub mod export;
 pub mod files;
 pub mod identify;
 pub mod pack;
 pub mod report;
 pub mod tikhonov;
+pub mod unpack;
 
 pub use error::{Error, Result};

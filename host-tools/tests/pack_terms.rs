@@ -80,7 +80,7 @@ fn the_blob_has_the_terms_of_the_arm() {
             "warning: order of term 2 (joint-periodic-error of joint 3) rounded from 3.15 to 3.15625",
         ]
     );
-    let text = describe(&bytes).unwrap();
+    let text = describe(&Blob::check(&bytes).unwrap(), bytes.len());
     for words in ["reference temp. C     22.50", "-9.81", "12.7000", "2.5 N m", "all"] {
         assert!(text.contains(words), "{words} in {text}");
     }

@@ -1,26 +1,56 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use truearm::blob::{Acceptance, Blob};
+use truearm_host::Result;
 use truearm_host::describe::describe;
-use truearm_host::{Error, Result};
+use truearm_host::files::{Robot, read_key};
+
+use super::{read_blob, refused, warn};
 
 /// Print every field of a parameter blob, or why a controller would refuse it.
 #[derive(Args)]
 pub struct Inspect {
     /// The blob
     blob: PathBuf,
+    /// Is it this robot's? robot.toml or model.toml
+    #[arg(long, value_name = "FILE")]
+    robot: Option<PathBuf>,
+    /// Was it written with this key? 32 bytes or 64 hexadecimal digits
+    #[arg(long, value_name = "FILE")]
+    key: Option<PathBuf>,
+    /// Is it at least of this sequence number, that of the blob in force?
+    #[arg(long, value_name = "SEQUENCE")]
+    not_before: Option<u32>,
 }
 
 impl Inspect {
     pub fn run(self) -> Result<()> {
-        let bytes = std::fs::read(&self.blob).map_err(|e| Error::io(&self.blob, e))?;
-        let text = describe(&bytes).map_err(|e| {
-            Error::data(
-                format!("{}: {e}", self.blob.display()),
-                "a controller refuses it too; pack the model again",
-            )
-        })?;
-        print!("{text}");
+        let bytes = read_blob(&self.blob)?;
+        let refused = |e| refused(&self.blob, &bytes, &e);
+        let blob = Blob::check(&bytes).map_err(|e| refused(e.into()))?;
+        print!("{}", describe(&blob, bytes.len()));
+
+        let mut asked = Vec::new();
+        let mut acceptance = Acceptance::of(blob.robot_id());
+        if let Some(path) = &self.robot {
+            let robot = Robot::read(path)?;
+            warn(&robot.warnings);
+            acceptance = Acceptance::of(truearm::blob::robot_id(&robot.name, &robot.serial));
+            asked.push(format!("robot {} {}", robot.name, robot.serial));
+        }
+        if let Some(path) = &self.key {
+            acceptance = acceptance.with_key(read_key(path)?);
+            asked.push(format!("key {}", path.display()));
+        }
+        if let Some(sequence) = self.not_before {
+            acceptance = acceptance.not_before(sequence);
+            asked.push(format!("sequence {sequence} in force"));
+        }
+        acceptance.judge(&blob).map_err(refused)?;
+        if !asked.is_empty() {
+            println!("\naccepted by a controller with: {}", asked.join(", "));
+        }
         Ok(())
     }
 }

@@ -1,19 +1,23 @@
 //! The command line: one file a subcommand, each a thin layer over the library.
 
 mod diagnose;
+mod diff;
 mod evaluate;
 mod identify;
 mod inspect;
 mod pack;
 mod progress;
 mod table;
+mod unpack;
 
 use std::path::Path;
 
 use clap::{Parser, Subcommand};
 use miette::miette;
-use truearm_host::Result;
+use truearm::blob::{Blob, Refusal};
+use truearm_host::explain::explain;
 use truearm_host::files::{Model, write};
+use truearm_host::{Error, Result};
 
 /// Identify the true geometry of a robot arm from tracker measurements.
 #[derive(Parser)]
@@ -30,6 +34,8 @@ enum Verb {
     Evaluate(evaluate::Evaluate),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
+    Diff(diff::Diff),
+    Unpack(unpack::Unpack),
 }
 
 impl Cli {
@@ -41,6 +47,8 @@ impl Cli {
             Verb::Evaluate(verb) => verb.run(),
             Verb::Pack(verb) => verb.run(),
             Verb::Inspect(verb) => verb.run(),
+            Verb::Diff(verb) => verb.run(),
+            Verb::Unpack(verb) => verb.run(),
         };
         done.map_err(|e| {
             if e.help().is_empty() { miette!("{e}") } else { miette!(help = e.help(), "{e}") }
@@ -53,6 +61,19 @@ fn warn(warnings: &[String]) {
     for warning in warnings {
         eprintln!("warning: {warning}");
     }
+}
+
+/// Reads a file and takes it as a blob; what is wrong with it is explained.
+fn read_blob(path: &Path) -> Result<Vec<u8>> {
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    match Blob::check(&bytes) {
+        Ok(_) => Ok(bytes),
+        Err(error) => Err(refused(path, &bytes, &error.into())),
+    }
+}
+
+fn refused(path: &Path, bytes: &[u8], refusal: &Refusal) -> Error {
+    Error::data(format!("{}: {refusal}", path.display()), explain(bytes, refusal))
 }
 
 /// Prints a report, as JSON or in words, and writes the files of a folder.

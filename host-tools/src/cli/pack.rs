@@ -1,52 +1,149 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use clap::Args;
-use truearm_host::Result;
-use truearm_host::files::{Model, write};
-use truearm_host::pack::{notes, pack};
+use clap::{Args, ValueEnum};
+use truearm::blob::Blob;
+use truearm_host::export::{self, Region, Regions};
+use truearm_host::files::{Model, read_key, write};
+use truearm_host::pack::{PackOptions, notes, pack_with};
+use truearm_host::{Error, Result};
+
+use super::refused;
 
 /// Pack a model into a parameter blob for the controller.
 #[derive(Args)]
 pub struct Pack {
     /// model.toml of `identify`
     model: PathBuf,
-    /// The blob to write
+    /// The file to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// What to write; ihex, uf2 and elf carry the address of the slot
+    #[arg(long, value_enum, default_value_t = Format::Bin)]
+    format: Format,
+    /// The slot the blob is for: its address and room, from the linker script
+    #[arg(long, value_enum)]
+    slot: Option<Slot>,
+    /// Linker script with the regions PARAM_A and PARAM_B
+    #[arg(long, value_name = "FILE", default_value = "memory.x")]
+    memory: PathBuf,
+    /// Family id of a UF2 bootloader, as 0xe48bff56 for the RP2040
+    #[arg(long, value_name = "ID", value_parser = family)]
+    uf2_family: Option<u32>,
     /// Sequence number; the model's creation time in Unix seconds if not given
     #[arg(long)]
     sequence: Option<u32>,
+    /// With the covariance, so that the controller can state the tool point's
+    /// uncertainty; several kilobytes
+    #[arg(long)]
+    covariance: bool,
+    /// With an authentication tag under this key: 32 bytes or 64 hexadecimal digits
+    #[arg(long, value_name = "FILE")]
+    key: Option<PathBuf>,
+}
+
+/// File formats.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Format {
+    /// The bytes of the blob
+    Bin,
+    /// Intel HEX
+    Ihex,
+    /// USB Flashing Format
+    Uf2,
+    /// C source
+    C,
+    /// Rust source
+    Rust,
+    /// ELF for 32-bit Arm
+    Elf,
+}
+
+/// The two places for parameters.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Slot {
+    A,
+    B,
+}
+
+fn family(text: &str) -> std::result::Result<u32, String> {
+    let digits = text.strip_prefix("0x").ok_or("it begins with 0x")?;
+    u32::from_str_radix(digits, 16).map_err(|e| e.to_string())
 }
 
 impl Pack {
     pub fn run(self) -> Result<()> {
         let model = Model::read(&self.model)?;
-        let bytes = pack(&model, self.sequence)?;
-        write(&self.out, &bytes)?;
-        println!("wrote {}: {} bytes", self.out.display(), bytes.len());
-        for note in notes(&model) {
-            println!("{note}");
+        let key = self.key.as_deref().map(read_key).transpose()?;
+        let options = PackOptions { sequence: self.sequence, covariance: self.covariance, key };
+        let bytes = pack_with(&model, &options)?;
+        let slot = self.region(bytes.len())?;
+        write(&self.out, &self.encoded(&bytes, slot.as_ref())?)?;
+        println!("wrote {}: {} bytes of parameters", self.out.display(), bytes.len());
+        if let Some(Region { name, origin, length }) = &slot {
+            println!("slot {name} at {origin:#010x}, {length} bytes");
         }
-        println!(
-            "frame: commanded poses refer to the nominal base; residual base {:.3} {:.3} {:.3} mm",
-            model.frame_translation.x * 1e3,
-            model.frame_translation.y * 1e3,
-            model.frame_translation.z * 1e3
-        );
-        println!("flange orientation: not identified, points only; it stays nominal");
-        if model.markers.len() > 1 {
-            println!(
-                "tool: marker \"{}\", the first of {}",
-                model.markers[0].0,
-                model.markers.len()
-            );
-        }
-        if !model.unidentifiable.is_empty() {
-            println!("directions the data did not determine, left at or near nominal:");
-            for line in &model.unidentifiable {
-                println!("  {line}");
-            }
-        }
+        report(&model);
         Ok(())
+    }
+
+    /// Where the blob goes, if that was asked for.
+    fn region(&self, size: usize) -> Result<Option<Region>> {
+        let name = match self.slot {
+            Some(Slot::A) => "PARAM_A",
+            Some(Slot::B) => "PARAM_B",
+            None => return Ok(None),
+        };
+        let regions = Regions::read(&self.memory)?;
+        let region = regions.find(&self.memory, name)?;
+        if size > region.length as usize {
+            return Err(Error::data(
+                format!("{size} bytes of parameters, {name} has {}", region.length),
+                "make the slot larger in the linker script, or pack without --covariance",
+            ));
+        }
+        Ok(Some(region.clone()))
+    }
+
+    fn encoded(&self, bytes: &[u8], slot: Option<&Region>) -> Result<Vec<u8>> {
+        let blob = Blob::check(bytes).map_err(|e| refused(Path::new(""), bytes, &e.into()))?;
+        let slot = slot.ok_or_else(|| {
+            Error::data(
+                "this format carries an address",
+                "say for which slot with --slot a or --slot b",
+            )
+        });
+        Ok(match self.format {
+            Format::Bin => bytes.to_vec(),
+            Format::C => export::c(bytes, &blob).into_bytes(),
+            Format::Rust => export::rust(bytes, &blob).into_bytes(),
+            Format::Ihex => export::intel_hex(bytes, slot?).into_bytes(),
+            Format::Uf2 => export::uf2(bytes, slot?, self.uf2_family),
+            Format::Elf => export::elf(bytes, slot?),
+        })
+    }
+}
+
+/// What the blob says and does not say.
+fn report(model: &Model) {
+    for note in notes(model) {
+        println!("{note}");
+    }
+    println!(
+        "frame: commanded poses refer to the nominal base; residual base {:.3} {:.3} {:.3} mm",
+        model.frame_translation.x * 1e3,
+        model.frame_translation.y * 1e3,
+        model.frame_translation.z * 1e3
+    );
+    if !model.orientation_identified {
+        println!("flange orientation: not identified, points only; it stays nominal");
+    }
+    if model.markers.len() > 1 {
+        println!("tool: marker \"{}\", the first of {}", model.markers[0].0, model.markers.len());
+    }
+    if !model.unidentifiable.is_empty() {
+        println!("directions the data did not determine, left at or near nominal:");
+        for line in &model.unidentifiable {
+            println!("  {line}");
+        }
     }
 }

@@ -3,12 +3,14 @@
 
 mod columns;
 mod covariance;
+mod key;
 mod measurements;
 mod model;
 mod model_file;
 mod model_terms;
 mod robot;
 
+pub use key::read_key;
 pub use measurements::{Measurements, Row};
 pub use model::{Model, Provenance};
 pub use robot::{Joint, LinkMass, Robot};

@@ -1,0 +1,37 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use truearm::blob::Blob;
+use truearm_host::Result;
+use truearm_host::compare::compare;
+
+use super::{read_blob, refused};
+
+/// Compare two parameter blobs: which parameters moved, and the tool with them.
+#[derive(Args)]
+pub struct Diff {
+    /// The blob before
+    before: PathBuf,
+    /// The blob after
+    after: PathBuf,
+    /// Poses drawn from the workspace to find how far the tool moves
+    #[arg(long, default_value_t = 10_000)]
+    poses: usize,
+    /// Seed of the draw
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+impl Diff {
+    pub fn run(self) -> Result<()> {
+        let [a, b] = [&self.before, &self.after].map(|path| Ok((path, read_blob(path)?)));
+        let (a, b) = (a?, b?);
+        let check = |(path, bytes): &(&PathBuf, Vec<u8>)| {
+            Blob::check(bytes).map(drop).map_err(|e| refused(path, bytes, &e.into()))
+        };
+        check(&a)?;
+        check(&b)?;
+        print!("{}", compare(&a.1, &b.1, self.poses, self.seed)?);
+        Ok(())
+    }
+}

@@ -1,0 +1,39 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use truearm_host::Result;
+use truearm_host::files::write;
+use truearm_host::unpack::{Name, not_carried, unpack};
+
+use super::read_blob;
+
+/// Make a model.toml of a parameter blob; packing it gives the same bytes.
+#[derive(Args)]
+pub struct Unpack {
+    /// The blob
+    blob: PathBuf,
+    /// The model.toml to write
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Name of the robot, which the blob has only as a hash
+    #[arg(long)]
+    name: Option<String>,
+    /// Its serial number
+    #[arg(long, requires = "name", default_value = "")]
+    serial: String,
+}
+
+impl Unpack {
+    pub fn run(self) -> Result<()> {
+        let bytes = read_blob(&self.blob)?;
+        let name = self.name.map(|name| Name { name, serial: self.serial });
+        let model = unpack(&bytes, &self.blob, name)?;
+        write(&self.out, model.to_toml().as_bytes())?;
+        println!("wrote {}", self.out.display());
+        println!("a blob does not carry, and the file therefore lacks:");
+        for line in not_carried(&model, &bytes) {
+            println!("  {line}");
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,233 @@
+//! Two blobs side by side: which parameters moved, and the tool with them.
+
+use nalgebra::{Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use truearm::blob::Blob;
+use truearm::effects::Term;
+use truearm::{Arm, ArmParameters, JointKind, LinkParameter, State};
+
+use crate::chain::with_joints;
+use crate::describe::term_columns;
+use crate::error::{Error, Result};
+
+/// Temperatures drawn: so far from the reference temperature, K.
+const WARMTH: f64 = 10.0;
+/// Range of a joint of which nothing is known, rad and m.
+const UNKNOWN: [f64; 2] = [std::f64::consts::PI, 1.0];
+
+/// The differences in words. The tool's motion is that over a seeded draw of
+/// poses within the limits of the joints (where there are none, the ranges the
+/// identification covered), each in a state of its own.
+///
+/// # Errors
+/// A blob that a controller would refuse, or two of different joint counts.
+pub fn compare(before: &[u8], after: &[u8], poses: usize, seed: u64) -> Result<String> {
+    let check = |bytes, which| {
+        Blob::check(bytes)
+            .map_err(|e| Error::data(format!("the blob {which}: {e}"), "see `truearm inspect`"))
+    };
+    let (a, b) = (check(before, "before")?, check(after, "after")?);
+    if a.joints() != b.joints() {
+        return Err(Error::data(
+            format!("{} joints before, {} after", a.joints(), b.joints()),
+            "only blobs of the same arm can be compared",
+        ));
+    }
+    let mut text = String::new();
+    if a.robot_id() != b.robot_id() {
+        text += &format!("different robots: {:#018x}, {:#018x}\n", a.robot_id(), b.robot_id());
+    }
+    if a.sequence() != b.sequence() {
+        text += &format!("sequence {} -> {}\n", a.sequence(), b.sequence());
+    }
+    if a.same_content(&b) {
+        return Ok(text + "the parameters are the same\n");
+    }
+    if a.covariance().is_some() != b.covariance().is_some() {
+        text += &format!("covariance {} -> {}\n", has(&a), has(&b));
+    }
+    with_joints!(a.joints(), N => {
+        let fail = |e| Error::data(format!("{e}"), "see `truearm inspect`");
+        let (a, b) = (a.parameters::<f64, N>().map_err(fail)?, b.parameters().map_err(fail)?);
+        text += &parameters(&a, &b);
+        text += &motion(&a, &b, poses, seed);
+    });
+    Ok(text)
+}
+
+fn has(blob: &Blob) -> &'static str {
+    if blob.covariance().is_some() { "present" } else { "absent" }
+}
+
+/// Lines `name before -> after (by)`, only of what moved.
+struct Moved(String);
+
+impl Moved {
+    fn number(&mut self, name: &str, unit: &str, factor: f64, [a, b]: [f64; 2]) {
+        if a != b {
+            let (a, b) = (a * factor, b * factor);
+            self.0 += &format!("{name:30} {a:>13.6} -> {b:>13.6}  {:>+12.6} {unit}\n", b - a);
+        }
+    }
+
+    fn vector(&mut self, name: &str, unit: &str, factor: f64, [a, b]: [&Vector3<f64>; 2]) {
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            self.number(&format!("{name} {axis}"), unit, factor, [a[k], b[k]]);
+        }
+    }
+
+    fn text(&mut self, name: &str, [a, b]: [&str; 2]) {
+        if a != b {
+            self.0 += &format!("{name:30} {a} -> {b}\n");
+        }
+    }
+}
+
+fn parameters<const N: usize>(a: &ArmParameters<f64, N>, b: &ArmParameters<f64, N>) -> String {
+    let mut out = Moved(String::new());
+    let degrees = 1_f64.to_degrees();
+    out.vector("base translation", "mm", 1e3, [&a.base_translation, &b.base_translation]);
+    out.vector("base rotation", "deg", degrees, [&a.base_rotation, &b.base_rotation]);
+    out.vector("tool", "mm", 1e3, [&a.tool, &b.tool]);
+    for i in 0..N {
+        let joint = i + 1;
+        let revolute = |p: &ArmParameters<f64, N>| p.nominal[i].kind == JointKind::Revolute;
+        let kind = |p| if revolute(p) { "revolute" } else { "prismatic" };
+        out.text(&format!("joint {joint} kind"), [kind(a), kind(b)]);
+        let of = |p: &ArmParameters<f64, N>| {
+            [p.nominal[i].parameters.to_array(), p.corrections[i].to_array()]
+        };
+        for (what, (x, y)) in
+            ["nominal", "correction"].into_iter().zip(of(a).into_iter().zip(of(b)))
+        {
+            for (k, parameter) in LinkParameter::ALL.into_iter().enumerate() {
+                let (unit, factor) =
+                    if parameter.is_length() { ("mm", 1e3) } else { ("deg", degrees) };
+                let name = format!("joint {joint} {what} {}", parameter.name());
+                out.number(&name, unit, factor, [x[k], y[k]]);
+            }
+        }
+        let factor = if revolute(a) { degrees } else { 1e3 };
+        let range = |r: Option<[f64; 2]>| match r {
+            Some([low, high]) => format!("{:.3}..{:.3}", low * factor, high * factor),
+            None => "none".to_owned(),
+        };
+        let ranges =
+            [("limits", a.limits[i], b.limits[i]), ("covered", a.covered[i], b.covered[i])];
+        for (what, x, y) in ranges {
+            out.text(&format!("joint {joint} {what}"), [&range(x), &range(y)]);
+        }
+    }
+    match (&a.masses, &b.masses) {
+        (Some(x), Some(y)) => {
+            out.vector("gravity", "m/s^2", 1.0, [&x.gravity, &y.gravity]);
+            out.vector("payload point", "mm", 1e3, [&x.payload_com, &y.payload_com]);
+            for i in 0..N {
+                out.number(&format!("link {} mass", i + 1), "kg", 1.0, [x.mass[i], y.mass[i]]);
+                let name = format!("link {} centre of mass", i + 1);
+                out.vector(&name, "mm", 1e3, [&x.com[i], &y.com[i]]);
+            }
+        }
+        (x, y) => {
+            let given = |given| if given { "given" } else { "none" };
+            out.text("masses", [given(x.is_some()), given(y.is_some())]);
+        }
+    }
+    let temperature = [a.reference_temperature, b.reference_temperature];
+    out.number("reference temperature", "degrees C", 1.0, temperature);
+    out.number("RMS error before", "mm", 1e3, [a.rms_before, b.rms_before]);
+    out.number("RMS error after", "mm", 1e3, [a.rms_after, b.rms_after]);
+    let orientation = |p: &ArmParameters<f64, N>| match p.orientation_identified {
+        true => "identified",
+        false => "nominal",
+    };
+    out.text("flange orientation", [orientation(a), orientation(b)]);
+    terms(&mut out.0, &a.terms, &b.terms);
+    match out.0.is_empty() {
+        // Same numbers after the covariance alone has changed.
+        true => "no parameter moved\n".to_owned(),
+        false => out.0,
+    }
+}
+
+fn terms(out: &mut String, a: &[Term<f64>], b: &[Term<f64>]) {
+    let same = |x: &Term<f64>, y: &Term<f64>| {
+        Term { coefficient: 0.0, ..*x } == Term { coefficient: 0.0, ..*y }
+    };
+    let name = |t: &Term<f64>| {
+        let (joint, component, order) = term_columns(t);
+        let words = [t.effect.name(), &joint, component, &order];
+        words.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" ")
+    };
+    let mut found = vec![false; b.len()];
+    for x in a {
+        // The same term may stand there twice.
+        match (0..b.len()).find(|k| !found[*k] && same(x, &b[*k])) {
+            Some(k) => {
+                found[k] = true;
+                let (from, to) = (x.coefficient, b[k].coefficient);
+                if from != to {
+                    let by = to - from;
+                    *out += &format!("term {}: {from:.6e} -> {to:.6e} ({by:+.3e}, SI)\n", name(x));
+                }
+            }
+            None => *out += &format!("term {}: gone, was {:.6e} (SI)\n", name(x), x.coefficient),
+        }
+    }
+    for (y, _) in b.iter().zip(found).filter(|(_, found)| !found) {
+        *out += &format!("term {}: new, {:.6e} (SI)\n", name(y), y.coefficient);
+    }
+}
+
+fn motion<const N: usize>(
+    a: &ArmParameters<f64, N>,
+    b: &ArmParameters<f64, N>,
+    poses: usize,
+    seed: u64,
+) -> String {
+    let arms = [Arm::new(a), Arm::new(b)];
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let ranges: [[f64; 2]; N] = core::array::from_fn(|i| {
+        let unknown = UNKNOWN[usize::from(a.nominal[i].kind == JointKind::Prismatic)];
+        a.limits[i].or(a.covered[i]).unwrap_or([-unknown, unknown])
+    });
+    let (mut worst, mut square, mut turn, mut outside) = (None, 0.0, 0.0_f64, 0);
+    for _ in 0..poses {
+        let q = ranges.map(|[low, high]| rng.random_range(low..=high));
+        let state = State {
+            direction: [(); N].map(|()| if rng.random() { 1.0 } else { -1.0 }),
+            payload: 0.0,
+            temperature: a.reference_temperature + rng.random_range(-WARMTH..=WARMTH),
+        };
+        let [x, y] = arms.each_ref().map(|arm| arm.real_pose_in(&q, &state));
+        let distance = (y.translation - x.translation).norm();
+        square += distance * distance;
+        let rotation = Rotation3::from_matrix_unchecked(x.rotation.transpose() * y.rotation);
+        turn = turn.max(rotation.angle());
+        outside += usize::from(!(arms[0].covers(&q) && arms[1].covers(&q)));
+        if worst.is_none_or(|(most, _, _)| distance > most) {
+            worst = Some((distance, q, y.translation - x.translation));
+        }
+    }
+    let Some((most, q, by)) = worst else { return String::new() };
+    let shown = q.iter().zip(&a.nominal).map(|(q, link)| match link.kind {
+        JointKind::Revolute => format!("{:.2} deg", q.to_degrees()),
+        JointKind::Prismatic => format!("{:.2} mm", q * 1e3),
+    });
+    let shown: Vec<String> = shown.collect();
+    format!(
+        "\nthe tool moves by {:.4} mm at worst and {:.4} mm RMS, its frame turns by {:.5} deg at worst,\n\
+         over {poses} poses drawn within the joint limits (seed {seed}), {outside} of them outside what either\n\
+         identification covered; approach directions drawn, temperature within {WARMTH} K of the reference,\n\
+         no payload, each blob with its own tool point\n\
+         worst pose: {}; there by {:.4} {:.4} {:.4} mm\n",
+        most * 1e3,
+        (square / poses as f64).sqrt() * 1e3,
+        turn.to_degrees(),
+        shown.join(", "),
+        by.x * 1e3,
+        by.y * 1e3,
+        by.z * 1e3
+    )
+}

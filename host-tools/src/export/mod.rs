@@ -1,0 +1,11 @@
+//! A blob in the file formats that flash tools and compilers take.
+
+mod containers;
+mod memory_x;
+mod source;
+mod uf2;
+
+pub use containers::{elf, intel_hex};
+pub use memory_x::{Region, Regions};
+pub use source::{c, rust};
+pub use uf2::uf2;
