@@ -60,14 +60,24 @@ fn has(blob: &Blob) -> &'static str {
     if blob.covariance().is_some() { "present" } else { "absent" }
 }
 
-/// Lines `name before -> after (by)`, only of what moved.
-struct Moved(String);
+/// Lines `name before -> after by`, only of what moved.
+#[derive(Default)]
+struct Moved {
+    text: String,
+    /// Moved, but less than the last decimal printed.
+    little: usize,
+}
+
+/// Half of the last decimal printed.
+const VISIBLE: f64 = 0.5e-6;
 
 impl Moved {
     fn number(&mut self, name: &str, unit: &str, factor: f64, [a, b]: [f64; 2]) {
-        if a != b {
-            let (a, b) = (a * factor, b * factor);
-            self.0 += &format!("{name:30} {a:>13.6} -> {b:>13.6}  {:>+12.6} {unit}\n", b - a);
+        let (a, b) = (a * factor, b * factor);
+        if a != b && (b - a).abs() < VISIBLE {
+            self.little += 1;
+        } else if a != b {
+            self.text += &format!("{name:30} {a:>13.6} -> {b:>13.6}  {:>+12.6} {unit}\n", b - a);
         }
     }
 
@@ -79,13 +89,13 @@ impl Moved {
 
     fn text(&mut self, name: &str, [a, b]: [&str; 2]) {
         if a != b {
-            self.0 += &format!("{name:30} {a} -> {b}\n");
+            self.text += &format!("{name:30} {a} -> {b}\n");
         }
     }
 }
 
 fn parameters<const N: usize>(a: &ArmParameters<f64, N>, b: &ArmParameters<f64, N>) -> String {
-    let mut out = Moved(String::new());
+    let mut out = Moved::default();
     let degrees = 1_f64.to_degrees();
     out.vector("base translation", "mm", 1e3, [&a.base_translation, &b.base_translation]);
     out.vector("base rotation", "deg", degrees, [&a.base_rotation, &b.base_rotation]);
@@ -143,12 +153,15 @@ fn parameters<const N: usize>(a: &ArmParameters<f64, N>, b: &ArmParameters<f64, 
         false => "nominal",
     };
     out.text("flange orientation", [orientation(a), orientation(b)]);
-    terms(&mut out.0, &a.terms, &b.terms);
-    match out.0.is_empty() {
-        // Same numbers after the covariance alone has changed.
-        true => "no parameter moved\n".to_owned(),
-        false => out.0,
+    terms(&mut out.text, &a.terms, &b.terms);
+    if out.little > 0 {
+        out.text += &format!("{} more moved by less than {VISIBLE:e} of these units\n", out.little);
     }
+    if out.text.is_empty() {
+        // The covariance alone has changed.
+        out.text += "no parameter moved\n";
+    }
+    out.text
 }
 
 fn terms(out: &mut String, a: &[Term<f64>], b: &[Term<f64>]) {
@@ -186,13 +199,41 @@ fn motion<const N: usize>(
     poses: usize,
     seed: u64,
 ) -> String {
-    let arms = [Arm::new(a), Arm::new(b)];
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let ranges: [[f64; 2]; N] = core::array::from_fn(|i| {
+    let limits = core::array::from_fn(|i| {
         let unknown = UNKNOWN[usize::from(a.nominal[i].kind == JointKind::Prismatic)];
         a.limits[i].or(a.covered[i]).unwrap_or([-unknown, unknown])
     });
-    let (mut worst, mut square, mut turn, mut outside) = (None, 0.0, 0.0_f64, 0);
+    let common = |i: usize| {
+        let ([low, high], [l, h]) = (a.covered[i]?, b.covered[i]?);
+        let both = [low.max(l), high.min(h)];
+        (both[0] <= both[1]).then_some(both)
+    };
+    let covered: Vec<_> = (0..N).filter_map(common).collect();
+    let mut text =
+        "\n".to_owned() + &farthest(a, b, poses, seed, "within the joint limits", limits);
+    text += &match covered.try_into() {
+        Ok(covered) => {
+            farthest(a, b, poses, seed, "within what both identifications covered", covered)
+        }
+        Err(_) => "no pose lies within what both identifications covered\n".to_owned(),
+    };
+    text + &format!(
+        "(poses drawn with seed {seed}, approach directions drawn, temperature within {WARMTH} K of the\n\
+         reference, no payload, each blob with its own tool point)\n"
+    )
+}
+
+fn farthest<const N: usize>(
+    a: &ArmParameters<f64, N>,
+    b: &ArmParameters<f64, N>,
+    poses: usize,
+    seed: u64,
+    region: &str,
+    ranges: [[f64; 2]; N],
+) -> String {
+    let arms = [Arm::new(a), Arm::new(b)];
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (mut worst, mut square, mut turn) = (None, 0.0, 0.0_f64);
     for _ in 0..poses {
         let q = ranges.map(|[low, high]| rng.random_range(low..=high));
         let state = State {
@@ -201,31 +242,26 @@ fn motion<const N: usize>(
             temperature: a.reference_temperature + rng.random_range(-WARMTH..=WARMTH),
         };
         let [x, y] = arms.each_ref().map(|arm| arm.real_pose_in(&q, &state));
-        let distance = (y.translation - x.translation).norm();
-        square += distance * distance;
+        let by = y.translation - x.translation;
+        square += by.norm_squared();
         let rotation = Rotation3::from_matrix_unchecked(x.rotation.transpose() * y.rotation);
         turn = turn.max(rotation.angle());
-        outside += usize::from(!(arms[0].covers(&q) && arms[1].covers(&q)));
-        if worst.is_none_or(|(most, _, _)| distance > most) {
-            worst = Some((distance, q, y.translation - x.translation));
+        if worst.is_none_or(|(most, _): (Vector3<f64>, _)| by.norm() > most.norm()) {
+            worst = Some((by, q));
         }
     }
-    let Some((most, q, by)) = worst else { return String::new() };
+    let Some((by, q)) = worst else { return String::new() };
     let shown = q.iter().zip(&a.nominal).map(|(q, link)| match link.kind {
         JointKind::Revolute => format!("{:.2} deg", q.to_degrees()),
         JointKind::Prismatic => format!("{:.2} mm", q * 1e3),
     });
-    let shown: Vec<String> = shown.collect();
     format!(
-        "\nthe tool moves by {:.4} mm at worst and {:.4} mm RMS, its frame turns by {:.5} deg at worst,\n\
-         over {poses} poses drawn within the joint limits (seed {seed}), {outside} of them outside what either\n\
-         identification covered; approach directions drawn, temperature within {WARMTH} K of the reference,\n\
-         no payload, each blob with its own tool point\n\
-         worst pose: {}; there by {:.4} {:.4} {:.4} mm\n",
-        most * 1e3,
+        "{region}, {poses} poses: the tool moves by {:.4} mm at worst, {:.4} mm RMS, its frame turns by\n\
+         {:.5} deg at worst; worst pose {}: by {:.4} {:.4} {:.4} mm\n",
+        by.norm() * 1e3,
         (square / poses as f64).sqrt() * 1e3,
         turn.to_degrees(),
-        shown.join(", "),
+        shown.collect::<Vec<_>>().join(", "),
         by.x * 1e3,
         by.y * 1e3,
         by.z * 1e3

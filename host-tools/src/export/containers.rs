@@ -27,7 +27,6 @@ pub fn intel_hex(bytes: &[u8], slot: &Region) -> String {
     records.push(ihex::Record::EndOfFile);
     ihex::create_object_file_representation(&records)
         .unwrap_or_else(|e| unreachable!("records of 16 bytes: {e}"))
-        + "\n"
 }
 
 /// An ELF executable of 32-bit Arm with one loadable segment and one section
