@@ -300,7 +300,10 @@ fn bad_input_is_named() {
     write("short.toml", &format!("{without}[covariance]{}", covariance.replacen("  [", "# [", 1)));
     let message = fail(&folder, "pack short.toml --out x --covariance");
     assert!(message.contains("741 numbers where joints and terms need 780"), "{message}");
-    write("torn.toml", &format!("{without}[covariance]{}", covariance.replacen("\n  [", "\n  [0.5, ", 1)));
+    write(
+        "torn.toml",
+        &format!("{without}[covariance]{}", covariance.replacen("\n  [", "\n  [0.5, ", 1)),
+    );
     let message = fail(&folder, "pack torn.toml --out x");
     assert!(message.contains("[covariance] column 1 has"), "{message}");
     write("id.toml", &model.replacen("name =", "robot_id = \"12\"\nname =", 1));

@@ -1,6 +1,7 @@
 //! `cargo xtask study NAME`: figures too long for a test run. One file a study.
 
 mod blind;
+mod flips;
 mod power;
 mod ties;
 
@@ -23,6 +24,8 @@ pub enum Study {
     Blind(blind::Options),
     /// How large must an effect be to be named?
     Power(power::Options),
+    /// Every single and every pair of flipped bits of a full blob: is it refused?
+    Flips,
     /// Two effects look alike: is it said, and do the proposed poses tell?
     Ties(ties::Options),
 }
@@ -36,6 +39,7 @@ pub fn run(study: &Study) -> Result {
     match study {
         Study::Blind(options) => blind::run(options),
         Study::Power(options) => power::run(options),
+        Study::Flips => flips::run(),
         Study::Ties(options) => ties::run(options),
     }
 }
