@@ -237,7 +237,7 @@ fn what_a_reader_would_refuse_is_not_written() {
     assert_eq!(error, EncodeError::NoRoom { needed: 528, got: 100 });
 }
 
-/// Terms 1 to 11 are those of `every_effect`.
+/// Terms 1 to 11 are those of `tests/golden.rs`.
 #[test]
 fn bad_terms_are_named() {
     let refused = |number: usize, offset: usize, value: &[u8]| {
