@@ -23,6 +23,7 @@ pub struct Acceptance {
 
 /// Why a controller does not take a blob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Refusal {
     /// Not a whole and plausible blob.

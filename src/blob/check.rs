@@ -18,7 +18,6 @@ pub struct Blob<'a> {
     pub(super) factor: &'a [u8],
     pub(super) tag: Option<&'a [u8; TAG]>,
     /// All that the tag speaks for.
-    #[cfg_attr(not(feature = "auth"), allow(dead_code, reason = "only a tag needs it"))]
     pub(super) signed: &'a [u8],
 }
 

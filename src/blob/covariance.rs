@@ -68,15 +68,25 @@ impl Covariance<'_> {
             let basis = Term::basis(term, &inputs);
             *column = term.column(basis, &links, &jacobian.links, &jacobian.base_rotation);
         }
-        let all = jacobian.base_translation.iter().chain(&jacobian.base_rotation).chain(&tool);
-        let all = all.chain(columns.as_flattened()).chain(of_terms.iter().take(terms.len()));
+        let [bx, by, bz] = jacobian.base_translation;
+        let [rx, ry, rz] = jacobian.base_rotation;
+        let [tx, ty, tz] = tool;
+        let frames = [bx, by, bz, rx, ry, rz, tx, ty, tz];
+        let of_terms = of_terms.get(..terms.len()).unwrap_or(&[]);
+        let parts = [&frames, columns.as_flattened(), of_terms];
 
-        let mut reader = Reader(self.blob.factor);
+        let mut numbers = self.factor();
         let mut variance = [T::ZERO; 3];
         for column in 0..self.parameters() {
             let mut sum = zero;
-            for derivative in all.clone().skip(column) {
-                sum += *derivative * T::from_f32(reader.f32());
+            // The column begins at its own row.
+            let mut skip = column;
+            for part in parts {
+                let rows = part.get(skip..).unwrap_or(&[]);
+                skip = skip.saturating_sub(part.len());
+                for (derivative, number) in rows.iter().zip(&mut numbers) {
+                    sum += *derivative * T::from_f32(number);
+                }
             }
             for (variance, sum) in variance.iter_mut().zip([sum.x, sum.y, sum.z]) {
                 *variance += sum * sum;

@@ -64,22 +64,6 @@ impl Blob<'_> {
         (!self.factor.is_empty()).then_some(Covariance { blob: self })
     }
 
-    /// Whether both say the same of the same robot: all but sequence number,
-    /// creation time, tag and checksum. A store writes nothing then.
-    #[must_use]
-    pub fn same_content(&self, other: &Self) -> bool {
-        let apart = |blob: &Self| {
-            let mut header = *blob.header;
-            header[SEQUENCE].fill(0);
-            header[CREATED].fill(0);
-            (header, blob.tag.is_some())
-        };
-        apart(self) == apart(other)
-            && self.records == other.records
-            && self.terms == other.terms
-            && self.factor == other.factor
-    }
-
     pub(super) fn field<const K: usize>(&self, at: usize) -> [u8; K] {
         self.header.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0; K])
     }

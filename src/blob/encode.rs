@@ -16,6 +16,7 @@ use crate::scalar::Scalar;
 
 /// Why parameters were not written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum EncodeError {
     /// The output is too small.

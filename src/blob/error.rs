@@ -5,6 +5,7 @@ use crate::effects::MAX_TERMS;
 
 /// The part of a blob a field stands in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Record {
     /// Before the records.
@@ -19,6 +20,7 @@ pub enum Record {
 
 /// The name of a field, as in the byte map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FieldName {
     /// Where it stands.
     pub record: Record,
@@ -46,6 +48,7 @@ impl fmt::Display for FieldName {
 
 /// What is wrong with a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Flaw {
     /// An infinity or a NaN.
@@ -62,6 +65,7 @@ pub enum Flaw {
 
 /// Why a blob was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum DecodeError {
     /// Fewer bytes than the blob needs.

@@ -9,6 +9,7 @@ mod acceptance;
 #[cfg(feature = "auth")]
 mod auth;
 mod check;
+mod content;
 mod covariance;
 mod decode;
 mod encode;

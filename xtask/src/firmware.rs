@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::qemu::{self, TARGET};
-use crate::refusals;
 use crate::run::{Result, call, cargo, root, step, target_dir};
 use crate::vectors::{self, Files};
+use crate::{refusals, sigma};
 
 /// The function that does not exist, see `tests/firmware/src/bin/no_panic.rs`.
 const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
@@ -28,6 +28,7 @@ pub fn run(blob: Option<&Path>) -> Result {
     };
     let mut output = step("run under QEMU", || run_image(&files))?;
     output += &step("run with terms of every effect", || run_image(&vectors::shipped_terms()))?;
+    output += &step("uncertainty of the tool point", sigma::check)?;
     step("instruction budgets", || check_budgets(&output))?;
     step("slot B and refusals", || refusals::check(&qemu_command(&files)?))
 }
@@ -45,12 +46,18 @@ pub fn run_image(files: &Files) -> Result<String> {
     if ended.success { Ok(ended.output) } else { Err("the image found a fault".into()) }
 }
 
-fn build(binary: &str) -> Command {
+/// Cargo building an image.
+pub fn build(binary: &str) -> Command {
     let mut command = cargo(&directory(), "build --release --locked --bin");
     command.arg(binary).arg("--target-dir").arg(build_dir());
     // Would replace the flags of .cargo/config.toml, the linker script among them.
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
     command
+}
+
+/// Where the image of this name is, once built.
+pub fn image(binary: &str) -> PathBuf {
+    build_dir().join(TARGET).join("release").join(binary)
 }
 
 fn build_dir() -> PathBuf {
@@ -75,7 +82,7 @@ fn prove_no_panic() -> Result {
 
 /// The runner of `.cargo/config.toml`, with the image, and with these files in
 /// place of the shipped ones.
-fn qemu_command(files: &Files) -> Result<Vec<String>> {
+pub fn qemu_command(files: &Files) -> Result<Vec<String>> {
     let config = read_toml(&directory().join(".cargo/config.toml"))?;
     let runner = config
         .get("target")
@@ -83,7 +90,7 @@ fn qemu_command(files: &Files) -> Result<Vec<String>> {
         .ok_or("no runner in tests/firmware/.cargo/config.toml")?;
     let mut command: Vec<String> =
         runner.iter().filter_map(|word| Some(word.as_str()?.to_owned())).collect();
-    command.push(build_dir().join(TARGET).join("release/firmware").display().to_string());
+    command.push(image("firmware").display().to_string());
     for word in &mut command {
         if word.contains("/ur10.blob,") {
             *word = loading(word, &files.blob);

@@ -7,6 +7,7 @@ mod line;
 mod qemu;
 mod refusals;
 mod run;
+mod sigma;
 mod study;
 mod test;
 mod vectors;

@@ -13,7 +13,9 @@ use truearm::effects::{Effect, MAX_TERMS, Term};
 use truearm::{Arm, ArmParameters};
 
 use crate::run::{Result, root};
-use format::{JOINTS, Joints, MAGIC, Vectors};
+pub use format::{JOINTS, Joints, Vectors, state};
+
+use format::MAGIC;
 
 const POSES: usize = 1024;
 

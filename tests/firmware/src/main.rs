@@ -105,7 +105,7 @@ fn measure(
     let count = counter.tenths_per_call(1000, &[bytes], |bytes| {
         let _ = black_box(&decode(bytes));
     });
-    print(format_args!("check+parameters"), count);
+    print(format_args!("check+parameters+{}", arm.terms().len()), count);
     let count = counter.tenths_per_call(1000, &[parameters], |parameters| {
         black_box(&load(parameters));
     });
