@@ -122,7 +122,10 @@ fn find<'a, T>(
     known: &'a [(String, T)],
     option: &str,
 ) -> Result<&'a T> {
-    let names = || known.iter().map(|(l, _)| format!("\"{l}\"")).collect::<Vec<_>>().join(", ");
+    let names = || match known {
+        [] => "none".to_owned(),
+        _ => known.iter().map(|(l, _)| format!("\"{l}\"")).collect::<Vec<_>>().join(", "),
+    };
     let found = known.iter().find(|(l, _)| l == label);
     found.map(|(_, v)| v).ok_or_else(|| unknown(data, what, label, &names(), option))
 }
