@@ -5,7 +5,7 @@ use heapless::Vec;
 use nalgebra::Vector3;
 
 use crate::effects::{Bending, FoldedTerms, Inputs, Load, MAX_TERMS, Masses, Term, Weights};
-use crate::kinematics::{Chain, Link, MdhParameters, Pose, Turns};
+use crate::kinematics::{Chain, Link, MdhParameters, Pose, Turns, Twist};
 use crate::scalar::Scalar;
 
 /// Everything a controller has to know of an identified arm, SI units; what a
@@ -152,11 +152,7 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
     #[must_use]
     #[inline]
     pub fn real_pose(&self, q: &[T; N]) -> Pose<T> {
-        if self.terms.is_empty() {
-            self.real.forward(q)
-        } else {
-            self.real_pose_in(q, &State::at(self.reference_temperature))
-        }
+        self.real_pose_in(q, &State::at(self.reference_temperature))
     }
 
     /// Where the tool really is at encoder readings `q` (rad or m) in a state
@@ -164,7 +160,11 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
     /// gives NaN from |n q| = 8192 rad on, see [`Scalar::sin_cos`].
     #[must_use]
     pub fn real_pose_in(&self, q: &[T; N], state: &State<T, N>) -> Pose<T> {
-        self.real.forward_bent(q, &self.bending(q, state))
+        if self.terms.is_empty() {
+            self.real.forward(q)
+        } else {
+            self.real.forward_bent(q, &self.bending(q, state))
+        }
     }
 
     /// What all terms together do to the arm. Gravity loads are those of the
@@ -182,6 +182,29 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
     #[inline]
     pub(crate) fn load(&self, turns: &Turns<T, N>, payload: T) -> Load<T, N> {
         self.weights.as_ref().map_or(Load::none(), |w| w.load(&self.nominal, turns, payload))
+    }
+
+    /// Whether a term depends on gravity loads.
+    #[inline]
+    pub(crate) fn needs_load(&self) -> bool {
+        self.weights.is_some()
+    }
+
+    /// Real tool pose with known gravity loads; the geometric Jacobian goes
+    /// into `columns`.
+    #[inline]
+    pub(crate) fn real_jacobian(
+        &self,
+        q: &[T; N],
+        load: &Load<T, N>,
+        state: &State<T, N>,
+        columns: &mut [Twist<T>; N],
+    ) -> Pose<T> {
+        if self.terms.is_empty() {
+            self.real.jacobian_into(q, columns)
+        } else {
+            self.real.jacobian_bent_into(q, &self.bending_at(q, load, state), columns)
+        }
     }
 
     /// [`Self::bending`] with known gravity loads.

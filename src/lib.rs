@@ -4,12 +4,14 @@
 
 pub mod arm;
 pub mod blob;
+pub mod compensate;
 pub mod effects;
 pub mod kinematics;
 pub mod scalar;
 pub mod solve;
 
 pub use arm::{Arm, ArmParameters, State};
+pub use compensate::{Compensator, Settings, Task, Tick};
 pub use kinematics::{Chain, JointKind, Link, LinkParameter, MdhParameters, Pose};
 pub use scalar::Scalar;
 

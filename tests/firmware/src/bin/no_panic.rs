@@ -11,7 +11,7 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug;
 use truearm::blob::{Blob, DecodeError};
-use truearm::{Arm, State};
+use truearm::{Arm, Compensator, Settings, State, Task};
 
 /// What a controller calls, on values the compiler knows nothing about.
 fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), DecodeError> {
@@ -24,6 +24,14 @@ fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), DecodeError> {
     black_box(arm.with_tool(*black_box(arm.nominal().tool())));
     black_box(arm.covers(black_box(q)));
     black_box(arm.real().jacobian(black_box(q)));
+    for task in [Task::Position, Task::Pose] {
+        let settings = black_box(Settings::new(task));
+        if let Ok(mut compensator) = Compensator::new(arm.clone(), settings, black_box(q)) {
+            compensator.set_active(black_box(true));
+            black_box(compensator.tick(black_box(q), black_box(&state)));
+            compensator.set_arm(arm.clone());
+        }
+    }
     #[cfg(feature = "negative_control")]
     black_box(bytes[black_box(7)]);
     Ok(())
