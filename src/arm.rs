@@ -5,7 +5,7 @@ use heapless::Vec;
 use nalgebra::Vector3;
 
 use crate::effects::{Bending, FoldedTerms, Inputs, Load, MAX_TERMS, Masses, Term, Weights};
-use crate::kinematics::{Chain, Link, MdhParameters, Pose, Turns, Twist};
+use crate::kinematics::{Chain, Link, MdhParameters, Pose, Twist};
 use crate::scalar::Scalar;
 
 /// Everything a controller has to know of an identified arm, SI units; what a
@@ -167,57 +167,32 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
         }
     }
 
-    /// What all terms together do to the arm. Gravity loads are those of the
-    /// nominal chain: a correction of a millimetre changes a torque by less
-    /// than a link's mass is known.
-    #[must_use]
-    pub fn bending(&self, q: &[T; N], state: &State<T, N>) -> Bending<T, N> {
-        match &self.weights {
-            Some(_) => self.bending_at(q, &self.load(&self.nominal.turns(q), state.payload), state),
-            None => self.bending_at(q, &Load::none(), state),
-        }
-    }
-
-    /// Gravity loads, where a term needs them, of the nominal chain.
-    #[inline]
-    pub(crate) fn load(&self, turns: &Turns<T, N>, payload: T) -> Load<T, N> {
-        self.weights.as_ref().map_or(Load::none(), |w| w.load(&self.nominal, turns, payload))
-    }
-
-    /// Whether a term depends on gravity loads.
-    #[inline]
-    pub(crate) fn needs_load(&self) -> bool {
-        self.weights.is_some()
-    }
-
-    /// Real tool pose with known gravity loads; the geometric Jacobian goes
-    /// into `columns`.
+    /// Real tool pose in a state; the geometric Jacobian goes into `columns`.
     #[inline]
     pub(crate) fn real_jacobian(
         &self,
         q: &[T; N],
-        load: &Load<T, N>,
         state: &State<T, N>,
         columns: &mut [Twist<T>; N],
     ) -> Pose<T> {
         if self.terms.is_empty() {
             self.real.jacobian_into(q, columns)
         } else {
-            self.real.jacobian_bent_into(q, &self.bending_at(q, load, state), columns)
+            self.real.jacobian_bent_into(q, &self.bending(q, state), columns)
         }
     }
 
-    /// [`Self::bending`] with known gravity loads.
-    #[inline]
-    pub(crate) fn bending_at(
-        &self,
-        q: &[T; N],
-        load: &Load<T, N>,
-        state: &State<T, N>,
-    ) -> Bending<T, N> {
+    /// What all terms together do to the arm. Gravity loads are those of the
+    /// nominal chain: a correction of a millimetre changes a torque by less
+    /// than a link's mass is known.
+    #[must_use]
+    pub fn bending(&self, q: &[T; N], state: &State<T, N>) -> Bending<T, N> {
+        let load = self.weights.as_ref().map_or(Load::none(), |weights| {
+            weights.load(&self.nominal, &self.nominal.turns(q), state.payload)
+        });
         self.folded.bending(&Inputs {
             q: *q,
-            load: *load,
+            load,
             direction: state.direction,
             warmth: state.temperature - self.reference_temperature,
         })

@@ -6,7 +6,6 @@ mod outcome;
 mod settings;
 
 use crate::arm::{Arm, State};
-use crate::effects::Load;
 use crate::kinematics::{Pose, Twist, axis, cross};
 use crate::scalar::Scalar;
 use damped::{Damped, Rule};
@@ -20,8 +19,6 @@ pub use settings::{SettingError, Settings, Task};
 /// nominal tool at q. It is the smallest that does (damped least squares, see
 /// [`Settings::singular`]), found by linearising at the correction of the tick
 /// before; it depends on the command and the state only, not on the way there.
-/// Gravity loads are taken at the command, which the links of a compensated arm
-/// are nearer to than its encoders are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compensator<T, const N: usize> {
     arm: Arm<T, N>,
@@ -120,18 +117,10 @@ impl<T: Scalar, const N: usize> Compensator<T, N> {
         if idle {
             return self.pass(command);
         }
-        let nominal = self.arm.nominal();
-        let mut load = Load::none();
-        let target = if self.arm.needs_load() {
-            let turns = nominal.turns(command);
-            load = self.arm.load(&turns, state.payload);
-            nominal.forward_at(&turns)
-        } else {
-            nominal.forward(command)
-        };
+        let target = self.arm.nominal().forward(command);
         let mut steps = 0;
         loop {
-            if !self.step(command, &target, &load, state) {
+            if !self.step(command, &target, state) {
                 return self.refuse(command, state);
             }
             steps += 1;
@@ -144,6 +133,7 @@ impl<T: Scalar, const N: usize> Compensator<T, N> {
         let ramped = self.active && self.ramp >= self.settings.ramp_ticks;
         let mut tick = self.report(if ramped { Status::On } else { Status::Ramping });
         tick.steps = steps;
+        tick.step_error = self.step.error.linear.into();
         tick.damping = self.step.solution.damping;
         tick.clamped = clamped;
         tick.covered = self.arm.covers(command);
@@ -162,18 +152,12 @@ impl<T: Scalar, const N: usize> Compensator<T, N> {
     // Not inlined: with the loop around it the optimiser would compute every
     // address ahead.
     #[inline(never)]
-    fn step(
-        &mut self,
-        command: &[T; N],
-        target: &Pose<T>,
-        load: &Load<T, N>,
-        state: &State<T, N>,
-    ) -> bool {
+    fn step(&mut self, command: &[T; N], target: &Pose<T>, state: &State<T, N>) -> bool {
         let mut q = *command;
         for (q, c) in q.iter_mut().zip(&self.correction) {
             *q += *c;
         }
-        let real = self.arm.real_jacobian(&q, load, state, &mut self.columns);
+        let real = self.arm.real_jacobian(&q, state, &mut self.columns);
         let step = &mut self.step;
         step.error = error_at(&real, target);
         step.solution = damped::solve(&self.columns, &step.error, &self.correction, &self.rule);
@@ -247,6 +231,7 @@ impl<T: Scalar, const N: usize> Compensator<T, N> {
             *joint = *q + *applied;
             if *joint < *low || *joint > *high {
                 *joint = clamped.limit.stop(i, *q, *joint, [*low, *high]);
+                *applied = *joint - *q;
             }
         }
         clamped
@@ -270,6 +255,7 @@ impl<T: Scalar, const N: usize> Compensator<T, N> {
             joints: self.joints,
             status,
             steps: 0,
+            step_error: [T::ZERO; 3],
             position_error: [T::ZERO; 3],
             rotation_error: [T::ZERO; 3],
             damping: T::ZERO,

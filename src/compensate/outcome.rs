@@ -138,6 +138,9 @@ pub struct Tick<T, const N: usize> {
     pub status: Status,
     /// Linearised steps made.
     pub steps: u8,
+    /// Error of the tool point that the last step found and took back, m. Where
+    /// it is not small the remainders below, of first order, say less.
+    pub step_error: [T; 3],
     /// What is left of the error of the tool point at `joints`, to first
     /// order: where the nominal model says it is, less where it is; m.
     pub position_error: [T; 3],

@@ -113,13 +113,6 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         self.carry(self.turned(q), |hinge, _| hinge.offset, root, tip)
     }
 
-    /// The same from sines and cosines that are known already.
-    #[inline]
-    pub(crate) fn forward_at(&self, turns: &Turns<T, N>) -> Pose<T> {
-        let (root, tip) = (&self.root.translation, &self.tip.translation);
-        self.carry(turns.of(&self.hinges), |hinge, _| hinge.offset, root, tip)
-    }
-
     /// Tool pose with everything bent that terms bend: joints, lengths, base.
     #[must_use]
     #[inline]
