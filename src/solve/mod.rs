@@ -9,7 +9,7 @@
 //!
 //! * [`NormalEquations`] squares the condition number: cheap, good to a
 //!   condition of about `EPSILON^-1/2` (or any, with enough lambda).
-//! * [`Triangle`] keeps the QR factor by Householder reflections: for the
+//! * [`Triangle`] keeps the QR factor by square-root-free rotations: for the
 //!   ill-conditioned case.
 
 mod normal;
@@ -69,7 +69,8 @@ fn check<T: Scalar, const P: usize>(lambda: T, scale: &[T; P]) -> Result<(), Sol
     if !(lambda >= T::ZERO && lambda.is_finite()) {
         return Err(SolveError::BadLambda);
     }
-    match scale.iter().position(|s| !(*s > T::ZERO && s.is_finite())) {
+    // An infinite scale is a parameter without penalty.
+    match scale.iter().position(|s| !(*s > T::ZERO)) {
         Some(parameter) => Err(SolveError::BadScale { parameter }),
         None => Ok(()),
     }

@@ -7,6 +7,7 @@
 
 mod measure;
 mod memory;
+mod streaming;
 mod vectors;
 
 use core::cell::RefCell;
@@ -123,6 +124,7 @@ fn measure(
         black_box(&load(parameters));
     });
     print(format_args!("load"), count);
+    print(format_args!("streaming_push30"), streaming::push(&mut counter));
 }
 
 /// A motion at a few rad/s, a millisecond a step, in front of the robot, where
