@@ -82,68 +82,41 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
         Ok(())
     }
 
+    /// Two pivots in one pass: each element of the rows is loaded once for both.
     fn fold<const M: usize>(
         &mut self,
         mut columns: [[T; M]; P],
         mut rhs: [T; M],
         mut weights: [T; M],
     ) {
-        let half = T::from_f32(0.5);
-        let tiny = T::from_f32(TINY);
-        let threshold = noise::<T, P>() * noise::<T, P>();
+        let (us, last_u) = self.u.as_chunks_mut::<2>();
+        let (ds, last_d) = self.d.as_chunks_mut::<2>();
+        let (cs, last_c) = self.c.as_chunks_mut::<2>();
+        let (ls, last_l) = self.length.as_chunks::<2>();
         let mut rest = columns.as_mut_slice();
-        let rows = self.u.iter_mut().zip(&mut self.d).zip(&mut self.c).zip(&self.length);
-        for (((u, d), c), length) in rows {
-            let Some((x, tail)) = core::mem::take(&mut rest).split_first_mut() else { break };
-            rest = tail;
-            let mut x = *x;
-            // A pivot that would be noise is passed over, so that what the rows
-            // know of later columns stays in them.
-            let least = if *d > T::ZERO { tiny } else { tiny + threshold * *length };
-            let (mut gain, mut keep) = ([T::ZERO; M], [T::ONE; M]);
-            let (mut any, mut gentle) = (false, true);
-            for m in 0..M {
-                let weighted = weights[m] * x[m];
-                let next = *d + weighted * x[m];
-                if weighted == T::ZERO || !(next > least) {
-                    x[m] = T::ZERO;
-                    continue;
+        for ((([u, v], [du, dv]), [cu, cv]), [lu, lv]) in us.iter_mut().zip(ds).zip(cs).zip(ls) {
+            let ([x, y, tail @ ..], [head, u @ ..]) = (rest, u.as_mut_slice()) else { return };
+            let first = Turn::new::<P>(du, &mut weights, x, *lu);
+            first.apply(head, y);
+            first.apply(cu, &mut rhs);
+            let second = Turn::new::<P>(dv, &mut weights, y, *lv);
+            second.apply(cv, &mut rhs);
+            let elements = u.iter_mut().zip(v.iter_mut()).zip(tail.iter_mut());
+            if first.gentle && second.gentle {
+                for ((u, v), a) in elements {
+                    first.apply_gently(u, a);
+                    second.apply_gently(v, a);
                 }
-                let inverse = T::ONE / next;
-                gain[m] = weighted * inverse;
-                keep[m] = *d * inverse;
-                weights[m] *= keep[m];
-                gentle &= keep[m] > half;
-                any = true;
-                *d = next;
-            }
-            if !any {
-                continue;
-            }
-            if gentle {
-                let turn = |u: &mut T, a: &mut [T; M]| {
-                    let mut v = *u;
-                    for m in 0..M {
-                        a[m] -= x[m] * v;
-                        v += gain[m] * a[m];
-                    }
-                    *u = v;
-                };
-                u.iter_mut().zip(rest.iter_mut()).for_each(|(u, a)| turn(u, a));
-                turn(c, &mut rhs);
             } else {
-                let turn = |u: &mut T, a: &mut [T; M]| {
-                    let mut v = *u;
-                    for m in 0..M {
-                        let before = v;
-                        v = keep[m] * before + gain[m] * a[m];
-                        a[m] -= x[m] * before;
-                    }
-                    *u = v;
-                };
-                u.iter_mut().zip(rest.iter_mut()).for_each(|(u, a)| turn(u, a));
-                turn(c, &mut rhs);
+                for ((u, v), a) in elements {
+                    first.apply(u, a);
+                    second.apply(v, a);
+                }
             }
+            rest = tail;
+        }
+        if let ([_], [d], [c], [l], [x]) = (last_u, last_d, last_c, last_l, rest) {
+            Turn::new::<P>(d, &mut weights, x, *l).apply(c, &mut rhs);
         }
         for (s, weight) in rhs.iter().zip(&weights) {
             self.outside += *weight * *s * *s;
@@ -156,6 +129,9 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     pub fn forget(&mut self, factor: T) {
         for value in self.d.iter_mut().chain(&mut self.length) {
             *value *= factor;
+            if *value < T::from_f32(TINY) {
+                *value = T::ZERO;
+            }
         }
         self.outside *= factor;
     }
@@ -290,6 +266,68 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
             }
         }
         dropped
+    }
+}
+
+/// The rotations of one pivot with M rows.
+struct Turn<T, const M: usize> {
+    x: [T; M],
+    gain: [T; M],
+    keep: [T; M],
+    /// No rotation turns by more than 45 degrees.
+    gentle: bool,
+}
+
+impl<T: Scalar, const M: usize> Turn<T, M> {
+    /// Of a pivot of square `d` with the rows' elements `x` in its column, which
+    /// has the squared length `length`.
+    #[inline(always)]
+    fn new<const P: usize>(d: &mut T, weights: &mut [T; M], x: &[T; M], length: T) -> Self {
+        // A pivot that would be noise is passed over, so that what the rows
+        // know of later columns stays in them.
+        let least = if *d > T::ZERO {
+            T::ZERO
+        } else {
+            T::from_f32(TINY) + noise::<T, P>() * noise::<T, P>() * length
+        };
+        let mut turn = Self { x: *x, gain: [T::ZERO; M], keep: [T::ONE; M], gentle: true };
+        for m in 0..M {
+            let weighted = weights[m] * x[m];
+            let step = weighted * x[m];
+            if step > least {
+                let before = *d;
+                *d += step;
+                let inverse = T::ONE / *d;
+                turn.gain[m] = weighted * inverse;
+                turn.keep[m] = before * inverse;
+                weights[m] *= turn.keep[m];
+                turn.gentle &= before > step;
+            } else {
+                turn.x[m] = T::ZERO;
+            }
+        }
+        turn
+    }
+
+    #[inline(always)]
+    fn apply(&self, u: &mut T, a: &mut [T; M]) {
+        let mut v = *u;
+        for m in 0..M {
+            let before = v;
+            v = self.keep[m] * before + self.gain[m] * a[m];
+            a[m] -= self.x[m] * before;
+        }
+        *u = v;
+    }
+
+    #[inline(always)]
+    fn apply_gently(&self, u: &mut T, a: &mut [T; M]) {
+        let mut v = *u;
+        for m in 0..M {
+            a[m] -= self.x[m] * v;
+            v += self.gain[m] * a[m];
+        }
+        *u = v;
     }
 }
 
