@@ -274,7 +274,7 @@ struct Turn<T, const M: usize> {
     x: [T; M],
     gain: [T; M],
     keep: [T; M],
-    /// No rotation turns by more than 45 degrees.
+    /// All rotations together turn by less than 45 degrees.
     gentle: bool,
 }
 
@@ -291,21 +291,24 @@ impl<T: Scalar, const M: usize> Turn<T, M> {
             T::from_f32(TINY) + noise::<T, P>() * noise::<T, P>() * length
         };
         let mut turn = Self { x: *x, gain: [T::ZERO; M], keep: [T::ONE; M], gentle: true };
+        let at_first = *d;
+        let mut now = *d;
         for m in 0..M {
             let weighted = weights[m] * x[m];
             let step = weighted * x[m];
             if step > least {
-                let before = *d;
-                *d += step;
-                let inverse = T::ONE / *d;
+                let before = now;
+                now += step;
+                let inverse = T::ONE / now;
                 turn.gain[m] = weighted * inverse;
                 turn.keep[m] = before * inverse;
                 weights[m] *= turn.keep[m];
-                turn.gentle &= before > step;
             } else {
                 turn.x[m] = T::ZERO;
             }
         }
+        turn.gentle = now < at_first + at_first;
+        *d = now;
         turn
     }
 
