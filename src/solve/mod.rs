@@ -11,13 +11,23 @@
 //!   condition of about `EPSILON^-1/2` (or any, with enough lambda).
 //! * [`Triangle`] keeps the QR factor by square-root-free rotations: for the
 //!   ill-conditioned case.
+//! * [`Spectrum`] is a triangle factorised for every lambda: norms, L-curve
+//!   and its corner.
+//! * [`StreamingTikhonov`] holds points back to judge lambda by, and
+//!   [`most_parameters`] says what fits a controller.
 
+mod memory;
 mod normal;
+mod spectrum;
+mod streaming;
 mod triangle;
 
 use crate::scalar::Scalar;
 
+pub use memory::{Memory, most_parameters};
 pub use normal::NormalEquations;
+pub use spectrum::Spectrum;
+pub use streaming::{LambdaChoice, StreamingTikhonov};
 pub use triangle::Triangle;
 
 /// What a solve returned and what it did to get there.
@@ -49,6 +59,8 @@ pub enum SolveError {
     },
     /// A row or the result holds an infinity or a NaN.
     NotFinite,
+    /// The forgetting factor is not in (0, 1].
+    BadForgetting,
 }
 
 impl core::fmt::Display for SolveError {
@@ -59,6 +71,7 @@ impl core::fmt::Display for SolveError {
                 write!(f, "the scale of parameter {parameter} must be positive")
             }
             Self::NotFinite => f.write_str("a measurement or the result is not finite"),
+            Self::BadForgetting => f.write_str("the forgetting factor must be above 0, at most 1"),
         }
     }
 }

@@ -68,16 +68,14 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
         rhs: &[T; M],
         weight: T,
     ) -> Result<(), SolveError> {
-        let mut length = self.length;
-        let mut sum = weight.abs() - weight;
-        for (column, length) in columns.iter().zip(&mut length) {
-            *length += weight * square(column);
-            sum += *length;
-        }
-        if !(sum + weight * square(rhs)).is_finite() || weight < T::ZERO {
+        let squares = columns.each_ref().map(square);
+        let sum = squares.iter().fold(square(rhs), |sum, s| sum + *s);
+        if !(weight * sum).is_finite() || weight < T::ZERO {
             return Err(SolveError::NotFinite);
         }
-        self.length = length;
+        for (length, square) in self.length.iter_mut().zip(&squares) {
+            *length += weight * *square;
+        }
         self.fold(*columns, *rhs, [weight; M]);
         Ok(())
     }
@@ -92,14 +90,13 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
         let (us, last_u) = self.u.as_chunks_mut::<2>();
         let (ds, last_d) = self.d.as_chunks_mut::<2>();
         let (cs, last_c) = self.c.as_chunks_mut::<2>();
-        let (ls, last_l) = self.length.as_chunks::<2>();
         let mut rest = columns.as_mut_slice();
-        for ((([u, v], [du, dv]), [cu, cv]), [lu, lv]) in us.iter_mut().zip(ds).zip(cs).zip(ls) {
+        for (([u, v], [du, dv]), [cu, cv]) in us.iter_mut().zip(ds).zip(cs) {
             let ([x, y, tail @ ..], [head, u @ ..]) = (rest, u.as_mut_slice()) else { return };
-            let first = Turn::new::<P>(du, &mut weights, x, *lu);
+            let first = Turn::new(du, &mut weights, x);
             first.apply(head, y);
             first.apply(cu, &mut rhs);
-            let second = Turn::new::<P>(dv, &mut weights, y, *lv);
+            let second = Turn::new(dv, &mut weights, y);
             second.apply(cv, &mut rhs);
             let elements = u.iter_mut().zip(v.iter_mut()).zip(tail.iter_mut());
             if first.gentle && second.gentle {
@@ -115,12 +112,29 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
             }
             rest = tail;
         }
-        if let ([_], [d], [c], [l], [x]) = (last_u, last_d, last_c, last_l, rest) {
-            Turn::new::<P>(d, &mut weights, x, *l).apply(c, &mut rhs);
+        if let ([_], [d], [c], [x]) = (last_u, last_d, last_c, rest) {
+            Turn::new(d, &mut weights, x).apply(c, &mut rhs);
         }
         for (s, weight) in rhs.iter().zip(&weights) {
             self.outside += *weight * *s * *s;
         }
+    }
+
+    /// Folds in all rows that another triangle has seen.
+    ///
+    /// # Errors
+    /// [`SolveError::NotFinite`] where the sum overflows.
+    pub fn absorb(&mut self, other: &Self) -> Result<(), SolveError> {
+        for (k, ((u, d), c)) in other.u.iter().zip(&other.d).zip(&other.c).enumerate() {
+            let mut columns = [[T::ZERO]; P];
+            let right = core::iter::once(T::ONE).chain(u.iter().copied());
+            for (column, u) in columns.iter_mut().skip(k).zip(right) {
+                *column = [u];
+            }
+            self.push_weighted(&columns, &[*c], *d)?;
+        }
+        self.outside += other.outside;
+        if self.outside.is_finite() { Ok(()) } else { Err(SolveError::NotFinite) }
     }
 
     /// Weighs everything seen so far by `factor`, between 0 and 1: with one
@@ -185,7 +199,8 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     /// the penalty. About `2/3 P^3` operations and `P^2` numbers of stack.
     ///
     /// A parameter without information at working precision is zero and
-    /// counted in `dropped`.
+    /// counted in `dropped`; with lambda = 0 as much as one row may be lost
+    /// with each.
     ///
     /// # Errors
     /// A negative lambda, a scale that is not positive, or an overflow.
@@ -279,17 +294,10 @@ struct Turn<T, const M: usize> {
 }
 
 impl<T: Scalar, const M: usize> Turn<T, M> {
-    /// Of a pivot of square `d` with the rows' elements `x` in its column, which
-    /// has the squared length `length`.
+    /// Of a pivot of square `d` with the rows' elements `x` in its column.
     #[inline(always)]
-    fn new<const P: usize>(d: &mut T, weights: &mut [T; M], x: &[T; M], length: T) -> Self {
-        // A pivot that would be noise is passed over, so that what the rows
-        // know of later columns stays in them.
-        let least = if *d > T::ZERO {
-            T::ZERO
-        } else {
-            T::from_f32(TINY) + noise::<T, P>() * noise::<T, P>() * length
-        };
+    fn new(d: &mut T, weights: &mut [T; M], x: &[T; M]) -> Self {
+        let least = if *d > T::ZERO { T::ZERO } else { T::from_f32(TINY) };
         let mut turn = Self { x: *x, gain: [T::ZERO; M], keep: [T::ONE; M], gentle: true };
         let at_first = *d;
         let mut now = *d;
