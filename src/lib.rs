@@ -4,9 +4,11 @@
 
 pub mod arm;
 pub mod blob;
+pub mod check_point;
 pub mod compensate;
 pub mod effects;
 pub mod kinematics;
+pub mod reidentify;
 pub mod scalar;
 pub mod solve;
 
