@@ -224,7 +224,9 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         out.rms_before = rms(&out, points);
         let triangle = self.settle(&mut out, points, Freedom::All)?;
         out.rms_after = rms(&out, points);
-        out.rank = triangle.rank();
+        // Columns of one size; where there is no prior, of rad and m.
+        let units = self.scale.map(|s| if s.is_finite() { s } else { T::ONE });
+        out.rank = triangle.spectrum(&units)?.rank();
         let variances = triangle.variances(T::ONE, &self.scale)?;
         let half = T::from_f32(0.5);
         let all = out.sigma.iter_mut().zip(&mut out.determined).zip(&variances).zip(&self.scale);

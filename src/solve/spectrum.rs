@@ -82,6 +82,13 @@ impl<T: Scalar, const P: usize> Spectrum<'_, T, P> {
         self.square.iter().copied().skip(self.free)
     }
 
+    /// Directions above rounding noise: 1e-10 of the largest singular value in
+    /// `f64`, 32 `EPSILON` in `f32`; those without penalty not counted.
+    #[must_use]
+    pub fn rank(&self) -> usize {
+        self.squares().filter(|square| *square > self.noise).count()
+    }
+
     /// The solution that minimises `|U x - S|^2 + lambda |x / scale|^2`, in the
     /// units of the columns; `P^2` operations.
     ///

@@ -141,7 +141,7 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
         let l_curve = spectrum.corner();
         let least = spectrum.least_lambda();
         let none = LambdaChoice { l_curve, two_step: None, held_out_square: T::ZERO };
-        if self.held_out.rank() == 0 || least <= T::ZERO {
+        if self.every == 0 || self.points < self.every || least <= T::ZERO {
             return Ok(none);
         }
         let start = l_curve.unwrap_or(spectrum.largest() * T::from_f64(1e-6));

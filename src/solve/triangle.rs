@@ -187,12 +187,6 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
         of(&self.d) == T::ZERO || of(&self.d) < threshold * of(&self.length)
     }
 
-    /// How many parameters the rows determine, in the order of the columns.
-    #[must_use]
-    pub fn rank(&self) -> usize {
-        (0..P).filter(|k| !self.is_dropped(*k)).count()
-    }
-
     /// Minimises `|U x - S|^2 + lambda |x / scale|^2`: folds the rows
     /// `sqrt(lambda) / scale` into a copy of the triangle, so that the condition
     /// number is never squared. An infinite scale leaves a parameter free of
