@@ -11,6 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use truearm::{Arm, Chain, Pose};
+use truearm_host::files::Robot;
 use truearm_host::identify::{Identification, Options, identify};
 use truearm_host::pack::pack;
 
@@ -20,6 +21,8 @@ use crate::{firmware, qemu};
 use format::{HEADER, JOINTS, Known, MAGIC, Moved, POINTS, Run, Runs, SIGMA};
 
 const RUNS: u64 = 60;
+/// First seed.
+const SEEDS: u64 = 1000;
 /// Poses of a full calibration.
 const POSES: usize = 52;
 /// Most that the median error after re-identification may be, in errors of a
@@ -42,12 +45,14 @@ struct Accident {
     /// From the commanded frame to the tracker of the first calibration.
     commanded: Pose<f64>,
     /// Joint values to judge at.
-    poses: String,
+    judged_at: String,
 }
 
 /// Simulates, runs the image, judges the median.
 pub fn check() -> Result {
-    let accidents: Vec<_> = (0..RUNS).into_par_iter().map(simulate).collect();
+    let poses = check_poses(&robot(UR10_LIKE));
+    let accidents: Vec<_> =
+        (SEEDS..SEEDS + RUNS).into_par_iter().map(|seed| simulate(seed, &poses)).collect();
     let accidents =
         accidents.into_iter().collect::<std::result::Result<Vec<_>, truearm_host::Error>>()?;
     let mut file = MAGIC.to_vec();
@@ -99,7 +104,10 @@ fn report(judged: &[Judged]) -> Result {
     }
 }
 
-fn simulate(seed: u64) -> std::result::Result<Accident, truearm_host::Error> {
+fn simulate(
+    seed: u64,
+    poses: &[[f64; JOINTS]],
+) -> std::result::Result<Accident, truearm_host::Error> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let robot = robot(UR10_LIKE);
     let before = Truth::draw(&robot, 1, 1, &mut rng);
@@ -130,45 +138,52 @@ fn simulate(seed: u64) -> std::result::Result<Accident, truearm_host::Error> {
         Vector3::from_fn(|_, _| normal(&mut rng)),
         Vector3::from_fn(|_, _| normal(&mut rng)),
     );
-    for q in check_poses(&robot.nominal().try_into().unwrap_or_else(|_| unreachable!()), robot.tool)
-    {
+    for q in poses {
         let noise = Vector3::from_fn(|_, _| normal(&mut rng) * sigma);
-        let seen = after.point(&q, 0, 0) + noise;
+        let seen = after.point(q, 0, 0) + noise;
         let known = commanded.inverse().transform_point(&seen);
         let moved = elsewhere.transform_point(&seen);
         let numbers = q.iter().chain(known.iter()).chain(moved.iter());
         bytes.extend(numbers.flat_map(|v| (*v as f32).to_le_bytes()));
     }
     let full = calibrate(&after, &mut rng)?;
-    let poses = after.measure(300, 0.0, &mut rng);
-    Ok(Accident { bytes, after, full, commanded, poses })
+    let judged_at = after.measure(300, 0.0, &mut rng);
+    Ok(Accident { bytes, after, full, commanded, judged_at })
 }
 
-/// Ten poses for every accident, chosen before any: of 300 random ones those
-/// that determine six joint offsets and the tool best, one by one (D-optimal).
-/// They know the nominal arm only, and not which joints will slip.
-fn check_poses(nominal: &[truearm::Link<f64>; JOINTS], tool: Vector3<f64>) -> Vec<[f64; JOINTS]> {
-    let tool = Pose { translation: tool, ..Pose::identity() };
-    let chain = Chain::new(nominal, Pose::identity(), tool);
+/// Ten poses for every accident, chosen before any: of 1,000 random ones, one
+/// by one those that leave the least variance of the tool point over other
+/// poses (I-optimal) when six joint offsets and the tool are unknown. They know
+/// the nominal arm only, and not which joints will slip.
+fn check_poses(robot: &Robot) -> Vec<[f64; JOINTS]> {
+    let Ok(nominal) = <[_; JOINTS]>::try_from(robot.nominal()) else { return Vec::new() };
+    let tool = Pose { translation: robot.tool, ..Pose::identity() };
+    let chain = Chain::new(&nominal, Pose::identity(), tool);
     let mut rng = ChaCha8Rng::seed_from_u64(4242);
-    let mut candidates: Vec<_> = (0..300)
-        .map(|_| {
+    let mut random = |count: usize| -> Vec<([f64; JOINTS], DMatrix<f64>)> {
+        let pose = |_| {
             // As an f32 holds it: what the controller reads is where it was.
             let q = [0; JOINTS].map(|_| f64::from(rng.random_range(-2.6..2.6_f32)));
             let j = chain.identification_jacobian(&q);
             let columns: Vec<_> = j.links.iter().map(|l| l.theta).chain(j.tool).collect();
             let rows = DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i]);
-            (q, rows)
-        })
-        .collect();
-    let mut information = DMatrix::identity(JOINTS + 3, JOINTS + 3) * 1e-6;
+            (q, rows.transpose() * rows)
+        };
+        (0..count).map(pose).collect()
+    };
+    let mean = random(300).iter().fold(DMatrix::zeros(9, 9), |sum, (_, square)| sum + square);
+    let mut candidates = random(1000);
+    // The usual prior of the controller, in units of the noise.
+    let mut information = DMatrix::identity(9, 9) * (f64::from(SIGMA) / 0.02).powi(2);
     let mut chosen = Vec::new();
     while chosen.len() < POINTS {
-        let gain = |rows: &DMatrix<f64>| (&information + rows.transpose() * rows).determinant();
-        let best = (0..candidates.len())
-            .max_by(|a, b| gain(&candidates[*a].1).total_cmp(&gain(&candidates[*b].1)));
-        let (q, rows) = candidates.swap_remove(best.unwrap_or(0));
-        information += rows.transpose() * rows;
+        let left = |square: &DMatrix<f64>| {
+            (&information + square).try_inverse().map_or(f64::MAX, |c| (c * &mean).trace())
+        };
+        let scores: Vec<f64> = candidates.iter().map(|c| left(&c.1)).collect();
+        let best = (0..scores.len()).min_by(|a, b| scores[*a].total_cmp(&scores[*b]));
+        let (q, square) = candidates.swap_remove(best.unwrap_or(0));
+        information += square;
         chosen.push(q);
     }
     chosen
@@ -176,7 +191,7 @@ fn check_poses(nominal: &[truearm::Link<f64>; JOINTS], tool: Vector3<f64>) -> Ve
 
 impl Accident {
     fn judge(&self, run: &Run, known: &Known, moved: &Moved) -> Judged {
-        let check = parse(&self.after.robot, &self.poses);
+        let check = parse(&self.after.robot, &self.judged_at);
         let of = |parameters: &truearm::ArmParameters<f32, JOINTS>| {
             let arm = Arm::new(parameters);
             let square = |row: &truearm_host::files::Row| {
