@@ -53,7 +53,7 @@ impl Problem {
         for (columns, rhs) in self.points() {
             stream.push(&columns, &rhs).unwrap();
         }
-        stream.fitted().unwrap()
+        *stream.fitted().unwrap()
     }
 
     /// By definition: SVD of the stacked matrix.
@@ -163,7 +163,7 @@ fn every_third_point_judges_and_is_not_fitted() {
     assert_eq!(stream.held_out(), &judging);
     let x = fitted.solve(0.3, &[1.0; P]).unwrap().x;
     let x = DVector::from_row_slice(&x);
-    let fitted = stream.fitted().unwrap();
+    let fitted = *stream.fitted().unwrap();
     assert!(difference(&fitted.solve(0.3, &[1.0; P]).unwrap().x, &x) < 1e-10);
     let scale = [1.0; P];
     let all = stream.all().unwrap().solve(0.3, &scale).unwrap();
@@ -238,6 +238,11 @@ fn memory_is_what_the_structs_take() {
     check::<f32, 40>();
     check::<f64, 9>();
     check::<f64, 40>();
+    // As the documentation says.
+    let documented = [(10, 4), (40, 8)].map(|(p, b)| Memory::of(p, b));
+    assert_eq!(documented.map(|m| (m.state, m.workspace)), [(1588, 2724), (41324, 46936)]);
+    let most = [(64, 4), (64, 8), (32, 4), (32, 8)].map(|(k, b)| most_parameters(k * 1024, b));
+    assert_eq!(most, [40, 34, 33, 23]);
     for ram in (0..40_000).step_by(100) {
         for scalar in [4, 8] {
             let most = most_parameters(ram, scalar);
@@ -275,7 +280,7 @@ proptest! {
                 prop_assert_eq!(pushed, Err(SolveError::NotFinite));
             }
         }
-        let Ok(fitted) = stream.fitted() else { return Ok(()) };
+        let Ok(fitted) = stream.fitted().copied() else { return Ok(()) };
         if let Ok(s) = fitted.solve(lambda, &scale) {
             let all = s.x.iter().chain([&s.residual_square, &s.norm_square]);
             prop_assert!(all.clone().all(|v| v.is_finite()), "{:?}", s);

@@ -35,10 +35,11 @@ fn equations(seed: u64, poses: usize, scaling: Scaling) -> (DMatrix<f64>, f64) {
 fn stream<T: Scalar>(rows: &DMatrix<f64>) -> Triangle<T, P> {
     let mut stream = StreamingTikhonov::<T, P>::new(0, T::ONE).unwrap();
     for i in 0..rows.nrows() / 3 {
-        let cell = |k: usize| core::array::from_fn(|m| T::from_f64(rows[(3 * i + m, k)]));
+        let cell =
+            |k: usize| -> [T; 3] { core::array::from_fn(|m| T::from_f64(rows[(3 * i + m, k)])) };
         stream.push(&core::array::from_fn(cell), &cell(P)).unwrap();
     }
-    stream.fitted().unwrap()
+    *stream.fitted().unwrap()
 }
 
 /// Free unknowns are not penalised, the others by one unit.
@@ -60,8 +61,8 @@ fn apart<T: Scalar>(rows: &DMatrix<f64>, metres: f64, x: &[T; P], y: &DVector<f6
 
 #[test]
 fn streaming_equals_batch() {
-    for poses in [20, 100, 10_000] {
-        let (rows, _) = equations(1, poses, Scaling::Prior);
+    for poses in [10, 100, 10_000] {
+        let (rows, metres) = equations(1, poses, Scaling::Prior);
         let host = tikhonov::Factorised::new(&tikhonov::Triangle::new(&rows), FREE);
         let largest = host.singular_values()[0].powi(2);
         let (in_f64, in_f32) = (stream::<f64>(&rows), stream::<f32>(&rows));
@@ -78,9 +79,30 @@ fn streaming_equals_batch() {
             assert!(close(spectrum.residual_square(lambda), host.residual_square(lambda)));
             assert!(close(spectrum.norm_square(lambda), host.norm_square(lambda)));
             let x = in_f32.solve(lambda as f32, &scale()).unwrap();
+            let distance = apart(&rows, metres, &x.x, &expected);
+            println!("    f32 {:.1e}, {:.3} um", relative(&x.x, &expected), distance * 1e6);
+            assert!(distance < 1e-7, "f32 {distance:e}");
+        }
+    }
+}
+
+/// All unknowns penalised, the tracker's and the marker's, too: the redundant
+/// set is then as well conditioned as lambda makes it.
+#[test]
+fn streaming_equals_batch_in_f32() {
+    for (seed, poses) in [(1, 10), (2, 100), (3, 10_000), (4, 10), (5, 100), (6, 10_000)] {
+        let (rows, _) = equations(seed, poses, Scaling::Prior);
+        // The host wants one free unknown: one that does nothing.
+        let with_none = rows.clone().insert_column(0, 0.0);
+        let host = tikhonov::Factorised::new(&tikhonov::Triangle::new(&with_none), 1);
+        let largest = host.singular_values()[0].powi(2);
+        let triangle = stream::<f32>(&rows);
+        for share in [1e-6, 1e-4, 1e-2] {
+            let expected = host.solve(share * largest).remove_row(0);
+            let x = triangle.solve((share * largest) as f32, &[1.0; P]).unwrap();
             let error = relative(&x.x, &expected);
-            println!("    f32 {error:.1e}");
-            assert!(error < 1e-4, "f32 {error:e}");
+            println!("{poses} poses, {share:e} sigma_1^2: {error:.1e}");
+            assert!(error < 1e-4, "{error:e}");
         }
     }
 }
@@ -107,16 +129,10 @@ fn both_find_the_same_corner() {
             assert!(distance < 1e-6, "{distance:e}");
             let (triangle, scale) = (stream::<f32>(&rows), self::scale());
             let spectrum = triangle.spectrum(&scale).unwrap();
-            if let Some(own) = spectrum.corner() {
-                let distance = apart(&rows, metres, &spectrum.solve(own).unwrap(), &expected);
-                println!(
-                    "    f32 {:.2e} of sigma_1^2, {:.4} um apart",
-                    f64::from(own) / largest,
-                    distance * 1e6
-                );
-            } else {
-                println!("    f32: none");
-            }
+            let own = spectrum.corner().unwrap();
+            let distance = apart(&rows, metres, &spectrum.solve(own).unwrap(), &expected);
+            println!("    f32 {:.2e}, {:.4} um apart", f64::from(own) / largest, distance * 1e6);
+            assert!(distance < 1e-6, "f32 {distance:e}");
         }
     }
 }

@@ -39,6 +39,7 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     /// # Errors
     /// A scale that is not positive, or infinite behind a finite one; rows that
     /// overflow.
+    #[inline]
     pub fn spectrum<'a>(&'a self, scale: &'a [T; P]) -> Result<Spectrum<'a, T, P>, SolveError> {
         check(T::ZERO, scale)?;
         let free = scale.iter().take_while(|s| !s.is_finite()).count();

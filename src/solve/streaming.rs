@@ -77,9 +77,7 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
         let count = self.points.wrapping_add(1);
         let judges = count.checked_rem(self.every) == Some(0);
         if !judges && self.recent_points >= BLOCK {
-            self.settled = self.fitted()?;
-            self.recent = Triangle::new();
-            self.recent_points = 0;
+            self.settle()?;
         }
         let to = if judges { &mut self.held_out } else { &mut self.recent };
         // The new row heavier and then all lighter: a refused row changes
@@ -95,20 +93,30 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
         Ok(judges)
     }
 
+    /// Folds the recent points into the settled ones. Not inlined: its stack
+    /// is not every point's.
+    #[inline(never)]
+    fn settle(&mut self) -> Result<(), SolveError> {
+        self.settled.absorb(&self.recent)?;
+        self.recent.clear();
+        self.recent_points = 0;
+        Ok(())
+    }
+
     /// Points seen.
     #[must_use]
     pub fn points(&self) -> u32 {
         self.points
     }
 
-    /// Triangle of the points that are fitted.
+    /// Triangle of the points that are fitted. Settles the recent ones, which
+    /// is why it is for now and then, not for every point.
     ///
     /// # Errors
     /// [`SolveError::NotFinite`] where the sum overflows.
-    pub fn fitted(&self) -> Result<Triangle<T, P>, SolveError> {
-        let mut fitted = self.settled;
-        fitted.absorb(&self.recent)?;
-        Ok(fitted)
+    pub fn fitted(&mut self) -> Result<&Triangle<T, P>, SolveError> {
+        self.settle()?;
+        Ok(&self.settled)
     }
 
     /// Triangle of the points that only judge.
@@ -121,8 +129,9 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
     ///
     /// # Errors
     /// [`SolveError::NotFinite`] where the sum overflows.
-    pub fn all(&self) -> Result<Triangle<T, P>, SolveError> {
-        let mut all = self.fitted()?;
+    pub fn all(&mut self) -> Result<Triangle<T, P>, SolveError> {
+        self.settle()?;
+        let mut all = self.settled;
         all.absorb(&self.held_out)?;
         Ok(all)
     }
@@ -135,9 +144,9 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
     ///
     /// # Errors
     /// As for [`Triangle::spectrum`].
-    pub fn choose(&self, scale: &[T; P]) -> Result<LambdaChoice<T>, SolveError> {
-        let fitted = self.fitted()?;
-        let spectrum = fitted.spectrum(scale)?;
+    pub fn choose(&mut self, scale: &[T; P]) -> Result<LambdaChoice<T>, SolveError> {
+        self.settle()?;
+        let spectrum = self.settled.spectrum(scale)?;
         let l_curve = spectrum.corner();
         let least = spectrum.least_lambda();
         let none = LambdaChoice { l_curve, two_step: None, held_out_square: T::ZERO };

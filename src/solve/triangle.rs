@@ -40,6 +40,13 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
         Self::default()
     }
 
+    /// Forgets all rows, in place.
+    pub fn clear(&mut self) {
+        let rows = self.u.iter_mut().flatten().chain(&mut self.d).chain(&mut self.c);
+        rows.chain(&mut self.length).for_each(|value| *value = T::ZERO);
+        self.outside = T::ZERO;
+    }
+
     /// Folds M equations `sum_k columns[k][m] x[k] = rhs[m]` in, given as the
     /// Jacobian gives them, a column a parameter; about `2 M P^2` operations.
     /// A tracker point is M = 3, a distance or a ballbar length M = 1. Divide
