@@ -9,7 +9,9 @@
 //!
 //! Memory: the points stay with the caller; beside them one [`Triangle`] of P
 //! parameters with a copy for the solve and an [`Arm`] with two sets of
-//! parameters. Cost: see tests/firmware/src/bin/reidentify.rs.
+//! parameters. On a Cortex-M4F in
+//! `f32` ten points take 0.24 million instructions for five unknowns, 0.7 million
+//! for eleven (counted by tests/firmware/src/bin/reidentify.rs).
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -391,11 +393,11 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
 fn frame<T: Scalar>(along: &Vector3<T>, aside: &Vector3<T>) -> Option<Matrix3<T>> {
     let normal = cross(along, aside);
     let (length, height) = (dot(along, along).sqrt(), dot(&normal, &normal).sqrt());
-    if !(height > T::from_f32(1e-3) * length * length) {
-        return None;
-    }
-    let (x, z) = (along / length, normal / height);
-    Some(Matrix3::from_columns(&[x, cross(&z, &x), z]))
+    // Written so that a NaN is none, either.
+    (height > T::from_f32(1e-3) * length * length).then(|| {
+        let (x, z) = (along / length, normal / height);
+        Matrix3::from_columns(&[x, cross(&z, &x), z])
+    })
 }
 
 fn station_column<T: Scalar>(component: u8, arm: &Vector3<T>) -> Vector3<T> {

@@ -22,6 +22,8 @@ mod spectrum;
 mod streaming;
 mod triangle;
 
+use core::cmp::Ordering;
+
 use crate::scalar::Scalar;
 
 pub use memory::{Memory, most_parameters};
@@ -32,6 +34,7 @@ pub use triangle::Triangle;
 
 /// What a solve returned and what it did to get there.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Solution<T, const P: usize> {
     /// The solution, in the units of the columns.
     pub x: [T; P],
@@ -48,6 +51,7 @@ pub struct Solution<T, const P: usize> {
 
 /// Why a solve gave no solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SolveError {
     /// Lambda is negative or not a number.
@@ -83,7 +87,7 @@ fn check<T: Scalar, const P: usize>(lambda: T, scale: &[T; P]) -> Result<(), Sol
         return Err(SolveError::BadLambda);
     }
     // An infinite scale is a parameter without penalty.
-    match scale.iter().position(|s| !(*s > T::ZERO)) {
+    match scale.iter().position(|s| s.partial_cmp(&T::ZERO) != Some(Ordering::Greater)) {
         Some(parameter) => Err(SolveError::BadScale { parameter }),
         None => Ok(()),
     }

@@ -260,13 +260,14 @@ fn orthogonalise<T: Scalar, const P: usize>(
     let (one, two) = (T::ONE, T::from_f32(2.0));
     let (aa, bb, ab) = (dot(first, first), dot(second, second), dot(first, second));
     let sorted = aa >= bb;
-    let straight = !(ab.abs() / aa * (ab.abs() / bb) > small);
-    if straight && (sorted || bb <= T::ZERO) {
+    // Where a row is zero this is no number, and there is nothing to turn.
+    let skew = ab.abs() / aa * (ab.abs() / bb) > small;
+    if !skew && (sorted || bb <= T::ZERO) {
         return false;
     }
     // Tangent of the smaller angle that makes them orthogonal.
     let mut tangent = T::ZERO;
-    if !straight {
+    if skew {
         let zeta = (bb - aa) / (two * ab);
         tangent = one / (zeta.abs() + (one + zeta * zeta).sqrt());
         if zeta < T::ZERO {
