@@ -13,12 +13,16 @@
 //! `f32` ten points take 0.24 million instructions for five unknowns, 0.7 million
 //! for eleven (counted by tests/firmware/src/bin/reidentify.rs).
 
-use nalgebra::{Matrix3, Vector3};
+mod error;
+mod station;
+
+pub use error::ReidentifyError;
+
+use nalgebra::Vector3;
 
 use crate::arm::{Arm, ArmParameters};
 use crate::check_point::CheckPoint;
-use crate::kinematics::{IdentificationJacobian, LinkParameter, MdhParameters, Pose};
-use crate::kinematics::{axis, cross, dot};
+use crate::kinematics::{IdentificationJacobian, LinkParameter, MdhParameters, Pose, dot};
 use crate::scalar::Scalar;
 use crate::solve::{SolveError, Triangle};
 
@@ -114,76 +118,6 @@ pub struct Reidentified<T, const N: usize, const P: usize> {
     pub steps: u8,
 }
 
-/// Why a re-identification gave no parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ReidentifyError {
-    /// Fewer equations than unknowns.
-    TooFewPoints {
-        /// Points given.
-        points: usize,
-        /// Points needed.
-        needed: usize,
-    },
-    /// This point has a number that is none.
-    PointNotFinite {
-        /// Its 0-based index.
-        point: usize,
-    },
-    /// This unknown names no parameter of the arm, repeats an earlier one, or is
-    /// one of fewer than six of the tracker.
-    BadUnknown {
-        /// Its 0-based index.
-        unknown: usize,
-    },
-    /// The standard deviation is not a positive number.
-    BadSigma,
-    /// The points lie on a line, which leaves the tracker's place open.
-    PointsOnALine,
-    /// The points do not determine this unknown, which has no prior.
-    Undetermined {
-        /// Its 0-based index.
-        unknown: usize,
-    },
-    /// The steps do not become small: joints or points are not what they seem.
-    NotConverged,
-    /// A solve failed.
-    Solve(SolveError),
-}
-
-impl core::fmt::Display for ReidentifyError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::TooFewPoints { points, needed } => {
-                write!(f, "{points} points where {needed} or more are needed")
-            }
-            Self::PointNotFinite { point } => write!(f, "point {point} is not finite"),
-            Self::BadUnknown { unknown } => {
-                write!(
-                    f,
-                    "unknown {unknown} does not exist, or twice, or its five companions do not"
-                )
-            }
-            Self::BadSigma => f.write_str("sigma must be a positive number"),
-            Self::PointsOnALine => f.write_str("the points lie on a line"),
-            Self::Undetermined { unknown } => {
-                write!(f, "the points do not determine unknown {unknown}, which has no prior")
-            }
-            Self::NotConverged => f.write_str("the steps do not become small"),
-            Self::Solve(error) => write!(f, "{error}"),
-        }
-    }
-}
-
-impl core::error::Error for ReidentifyError {}
-
-impl From<SolveError> for ReidentifyError {
-    fn from(error: SolveError) -> Self {
-        Self::Solve(error)
-    }
-}
-
 /// What is being fitted.
 #[derive(Clone, Copy, PartialEq)]
 enum Freedom {
@@ -220,7 +154,7 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
             steps: 0,
         };
         if moved {
-            out.station = self.place(&Arm::new(stored), points)?;
+            out.station = station::place(&Arm::new(stored), points)?;
             self.settle(&mut out, points, Freedom::Station)?;
         }
         out.rms_before = rms(&out, points);
@@ -340,7 +274,7 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         let mut columns = [[T::ZERO; 3]; P];
         for ((column, unknown), change) in columns.iter_mut().zip(&self.unknowns).zip(&at.change) {
             let derivative = match *unknown {
-                Unknown::Station(k) => station_column(k, &(seen - at.station.translation)),
+                Unknown::Station(k) => station::column(k, &(seen - at.station.translation)),
                 // A column of zeros holds its unknown.
                 _ if freedom == Freedom::Station => continue,
                 _ => turned.transform_point(&of_arm(&jacobian, *unknown)),
@@ -350,59 +284,6 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         }
         (columns, [rhs.x, rhs.y, rhs.z])
     }
-
-    /// Where the tracker stands, from three of the points: the first, the one
-    /// farthest from it, the one farthest from the line of these two.
-    fn place<const N: usize>(
-        &self,
-        arm: &Arm<T, N>,
-        points: &[CheckPoint<T, N>],
-    ) -> Result<Pose<T>, ReidentifyError> {
-        let Some((first, rest)) = points.split_first() else {
-            return Err(ReidentifyError::TooFewPoints { points: 0, needed: 3 });
-        };
-        let origin = (first.predicted(arm), first.point);
-        let farthest = |measure: &dyn Fn(&Vector3<T>) -> T| {
-            let mut most = (T::ZERO, origin);
-            for point in rest {
-                let predicted = point.predicted(arm);
-                let size = measure(&(predicted - origin.0));
-                if size > most.0 {
-                    most = (size, (predicted, point.point));
-                }
-            }
-            (most.1.0 - origin.0, most.1.1 - origin.1)
-        };
-        let along = farthest(&|v| dot(v, v));
-        let aside = farthest(&|v| {
-            let c = cross(&along.0, v);
-            dot(&c, &c)
-        });
-        let (there, here) = (frame(&along.0, &aside.0), frame(&along.1, &aside.1));
-        let (Some(there), Some(here)) = (there, here) else {
-            return Err(ReidentifyError::PointsOnALine);
-        };
-        let turn = Pose { rotation: here, ..Pose::identity() }
-            .compose(&Pose { rotation: there.transpose(), ..Pose::identity() });
-        Ok(Pose { translation: origin.1 - turn.transform_point(&origin.0), ..turn })
-    }
-}
-
-/// Right-handed axes: x along the first vector, y towards the second; `None`
-/// where the two are within a milliradian of one line.
-fn frame<T: Scalar>(along: &Vector3<T>, aside: &Vector3<T>) -> Option<Matrix3<T>> {
-    let normal = cross(along, aside);
-    let (length, height) = (dot(along, along).sqrt(), dot(&normal, &normal).sqrt());
-    // Written so that a NaN is none, either.
-    (height > T::from_f32(1e-3) * length * length).then(|| {
-        let (x, z) = (along / length, normal / height);
-        Matrix3::from_columns(&[x, cross(&z, &x), z])
-    })
-}
-
-fn station_column<T: Scalar>(component: u8, arm: &Vector3<T>) -> Vector3<T> {
-    let unit = axis(&Pose::identity().rotation, usize::from(component % 3));
-    if component < 3 { cross(&unit, arm) } else { unit }
 }
 
 /// Derivative of the tool point to a parameter of the arm.
