@@ -28,9 +28,9 @@ pub fn run(blob: Option<&Path>) -> Result {
     };
     let mut output = step("run under QEMU", || run_image(&files))?;
     output += &step("run with terms of every effect", || run_image(&vectors::shipped_terms()))?;
+    output += &step("re-identification", reidentify::check)?;
     step("instruction budgets", || check_budgets(&output))?;
-    step("slot B and refusals", || refusals::check(&qemu_command(&files)?))?;
-    step("re-identification", reidentify::check)
+    step("slot B and refusals", || refusals::check(&qemu_command(&files)?))
 }
 
 /// A user's blob, with the vector file that the host computes for it.

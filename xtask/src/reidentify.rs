@@ -48,8 +48,8 @@ struct Accident {
     judged_at: String,
 }
 
-/// Simulates, runs the image, judges the median.
-pub fn check() -> Result {
+/// Simulates, runs the image, judges the median; what the image printed.
+pub fn check() -> Result<String> {
     let poses = check_poses(&robot(UR10_LIKE));
     let accidents: Vec<_> =
         (SEEDS..SEEDS + RUNS).into_par_iter().map(|seed| simulate(seed, &poses)).collect();
@@ -76,7 +76,8 @@ pub fn check() -> Result {
     if !ended.success || !ended.output.contains(&format!("hash: {hash:016x}")) {
         return Err("the image did not find what the host finds".into());
     }
-    report(&judged)
+    report(&judged)?;
+    Ok(ended.output)
 }
 
 fn report(judged: &[Judged]) -> Result {

@@ -7,8 +7,6 @@
 
 mod measure;
 mod memory;
-mod stack;
-mod streaming;
 mod vectors;
 
 use core::cell::RefCell;
@@ -125,13 +123,6 @@ fn measure(
         black_box(&load(parameters));
     });
     print(format_args!("load"), count);
-    if let Some(figures) = streaming::measure(&mut counter) {
-        print(format_args!("streaming_push30"), figures.push);
-        print(format_args!("streaming_choose30"), figures.choose);
-        hprintln!("stack streaming_push30 {}", figures.push_stack);
-        hprintln!("stack streaming_choose30 {}", figures.choose_stack);
-        hprintln!("stack streaming_solve30 {}", figures.solve_stack);
-    }
 }
 
 /// A motion at a few rad/s, a millisecond a step, in front of the robot, where

@@ -1,5 +1,6 @@
-//! Re-identification on the controller: does the runs of a file that xtask
-//! loads and compares the bits of what it finds with those of the host.
+//! Identification on the controller: does the re-identification runs of a file
+//! that xtask loads, compares the bits of what it finds with those of the host,
+//! and counts what this and streaming identification cost.
 
 #![no_std]
 #![no_main]
@@ -11,6 +12,10 @@ mod measure;
 mod memory;
 #[path = "../runs.rs"]
 mod runs;
+#[path = "../stack.rs"]
+mod stack;
+#[path = "../streaming.rs"]
+mod streaming;
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
@@ -62,6 +67,15 @@ fn run() -> bool {
         });
         hprintln!("instructions reidentify5 {}", known / 10);
         hprintln!("instructions reidentify11 {}", moved / 10);
+        let Some(figures) = streaming::measure(&mut counter) else {
+            hprintln!("FAILED: streaming identification takes more stack than stated");
+            return false;
+        };
+        hprintln!("instructions streaming_push30 {}.{}", figures.push / 10, figures.push % 10);
+        hprintln!("instructions streaming_choose30 {}", figures.choose / 10);
+        hprintln!("stack streaming_push30 {}", figures.push_stack);
+        hprintln!("stack streaming_choose30 {}", figures.choose_stack);
+        hprintln!("stack streaming_solve30 {}", figures.solve_stack);
     }
     hprintln!("runs: {}", count);
     hprintln!("hash: {:016x}", hash);
