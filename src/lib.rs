@@ -4,9 +4,12 @@
 
 pub mod arm;
 pub mod blob;
+pub mod check_point;
 pub mod compensate;
+pub mod drift;
 pub mod effects;
 pub mod kinematics;
+pub mod reidentify;
 pub mod scalar;
 pub mod solve;
 

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::qemu::{self, TARGET};
-use crate::refusals;
 use crate::run::{Result, call, cargo, root, step, target_dir};
 use crate::vectors::{self, Files};
+use crate::{refusals, reidentify};
 
 /// The function that does not exist, see `tests/firmware/src/bin/no_panic.rs`.
 const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
@@ -28,6 +28,7 @@ pub fn run(blob: Option<&Path>) -> Result {
     };
     let mut output = step("run under QEMU", || run_image(&files))?;
     output += &step("run with terms of every effect", || run_image(&vectors::shipped_terms()))?;
+    output += &step("re-identification", reidentify::check)?;
     step("instruction budgets", || check_budgets(&output))?;
     step("slot B and refusals", || refusals::check(&qemu_command(&files)?))
 }
@@ -73,6 +74,21 @@ fn prove_no_panic() -> Result {
     Ok(())
 }
 
+/// The command that runs another binary on this vector file; builds it first.
+pub fn command_of(binary: &str, vectors: &Path) -> Result<Vec<String>> {
+    call(&mut build(binary))?;
+    let files = Files { vectors: vectors.to_path_buf(), ..vectors::shipped() };
+    let mut command = qemu_command(&files)?;
+    if let Some(image) = command.last_mut() {
+        *image = image_of(binary);
+    }
+    Ok(command)
+}
+
+fn image_of(binary: &str) -> String {
+    build_dir().join(TARGET).join("release").join(binary).display().to_string()
+}
+
 /// The runner of `.cargo/config.toml`, with the image, and with these files in
 /// place of the shipped ones.
 fn qemu_command(files: &Files) -> Result<Vec<String>> {
@@ -83,7 +99,7 @@ fn qemu_command(files: &Files) -> Result<Vec<String>> {
         .ok_or("no runner in tests/firmware/.cargo/config.toml")?;
     let mut command: Vec<String> =
         runner.iter().filter_map(|word| Some(word.as_str()?.to_owned())).collect();
-    command.push(build_dir().join(TARGET).join("release/firmware").display().to_string());
+    command.push(image_of("firmware"));
     for word in &mut command {
         if word.contains("/ur10.blob,") {
             *word = loading(word, &files.blob);
