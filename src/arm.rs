@@ -5,7 +5,7 @@ use heapless::Vec;
 use nalgebra::Vector3;
 
 use crate::effects::{Bending, FoldedTerms, Inputs, Load, MAX_TERMS, Masses, Term, Weights};
-use crate::kinematics::{Chain, Link, MdhParameters, Pose, Turns};
+use crate::kinematics::{Chain, Link, MdhParameters, Pose, Twist};
 use crate::scalar::Scalar;
 
 /// Everything a controller has to know of an identified arm, SI units; what a
@@ -154,11 +154,7 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
     #[must_use]
     #[inline]
     pub fn real_pose(&self, q: &[T; N]) -> Pose<T> {
-        if self.terms.is_empty() {
-            self.real.forward(q)
-        } else {
-            self.real_pose_in(q, &State::at(self.reference_temperature))
-        }
+        self.real_pose_in(q, &State::at(self.reference_temperature))
     }
 
     /// Where the tool really is at encoder readings `q` (rad or m) in a state
@@ -166,7 +162,26 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
     /// gives NaN from |n q| = 8192 rad on, see [`Scalar::sin_cos`].
     #[must_use]
     pub fn real_pose_in(&self, q: &[T; N], state: &State<T, N>) -> Pose<T> {
-        self.real.forward_bent(q, &self.bending(q, state))
+        if self.terms.is_empty() {
+            self.real.forward(q)
+        } else {
+            self.real.forward_bent(q, &self.bending(q, state))
+        }
+    }
+
+    /// Real tool pose in a state; the geometric Jacobian goes into `columns`.
+    #[inline]
+    pub(crate) fn real_jacobian(
+        &self,
+        q: &[T; N],
+        state: &State<T, N>,
+        columns: &mut [Twist<T>; N],
+    ) -> Pose<T> {
+        if self.terms.is_empty() {
+            self.real.jacobian_into(q, columns)
+        } else {
+            self.real.jacobian_bent_into(q, &self.bending(q, state), columns)
+        }
     }
 
     /// What all terms together do to the arm. Gravity loads are those of the
@@ -174,40 +189,18 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
     /// than a link's mass is known.
     #[must_use]
     pub fn bending(&self, q: &[T; N], state: &State<T, N>) -> Bending<T, N> {
-        match &self.weights {
-            Some(_) => self.bending_at(q, &self.load(&self.nominal.turns(q), state.payload), state),
-            None => self.bending_at(q, &Load::none(), state),
-        }
+        self.folded.bending(&self.inputs(q, state))
     }
 
-    /// Gravity loads, where a term needs them, of the nominal chain.
+    /// What the terms depend on at joint values `q` in a state of the arm.
     #[inline]
-    pub(crate) fn load(&self, turns: &Turns<T, N>, payload: T) -> Load<T, N> {
-        self.weights.as_ref().map_or(Load::none(), |w| w.load(&self.nominal, turns, payload))
-    }
-
-    /// [`Self::bending`] with known gravity loads.
-    #[inline]
-    pub(crate) fn bending_at(
-        &self,
-        q: &[T; N],
-        load: &Load<T, N>,
-        state: &State<T, N>,
-    ) -> Bending<T, N> {
-        self.folded.bending(&self.inputs(q, load, state))
-    }
-
-    /// What the terms depend on, with known gravity loads.
-    #[inline]
-    pub(crate) fn inputs(
-        &self,
-        q: &[T; N],
-        load: &Load<T, N>,
-        state: &State<T, N>,
-    ) -> Inputs<T, N> {
+    pub(crate) fn inputs(&self, q: &[T; N], state: &State<T, N>) -> Inputs<T, N> {
+        let load = self.weights.as_ref().map_or(Load::none(), |weights| {
+            weights.load(&self.nominal, &self.nominal.turns(q), state.payload)
+        });
         Inputs {
             q: *q,
-            load: *load,
+            load,
             direction: state.direction,
             warmth: state.temperature - self.reference_temperature,
         }

@@ -4,12 +4,17 @@
 
 pub mod arm;
 pub mod blob;
+pub mod check_point;
+pub mod compensate;
+pub mod drift;
 pub mod effects;
 pub mod kinematics;
+pub mod reidentify;
 pub mod scalar;
 pub mod solve;
 
 pub use arm::{Arm, ArmParameters, State};
+pub use compensate::{Compensator, Settings, Task, Tick};
 pub use kinematics::{Chain, JointKind, Link, LinkParameter, MdhParameters, Pose};
 pub use scalar::Scalar;
 

@@ -41,6 +41,8 @@ pub trait Scalar:
     const ZERO: Self;
     /// 1
     const ONE: Self;
+    /// Largest finite number.
+    const MAX: Self;
     /// Distance from 1 to the next number.
     const EPSILON: Self;
 
@@ -71,6 +73,7 @@ pub trait Scalar:
 impl Scalar for f32 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
+    const MAX: Self = f32::MAX;
     const EPSILON: Self = f32::EPSILON;
 
     #[inline]
@@ -109,6 +112,7 @@ impl Scalar for f32 {
 impl Scalar for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
+    const MAX: Self = f64::MAX;
     const EPSILON: Self = f64::EPSILON;
 
     #[inline]

@@ -48,7 +48,7 @@ fn solve(p: &Problem, lambda: f64) -> [Solution<f64, P>; 2] {
     for i in 0..p.u.nrows() {
         let row = core::array::from_fn(|k| p.u[(i, k)]);
         normal.push(&row, p.s[i]);
-        triangle.push([row], [p.s[i]]);
+        triangle.push(&row.map(|a| [a]), &[p.s[i]]).unwrap();
     }
     [normal.solve(lambda, &p.scale).unwrap(), triangle.solve(lambda, &p.scale).unwrap()]
 }
@@ -90,7 +90,7 @@ fn a_rank_deficient_set_is_reported_not_divided_by_noise() {
 
 /// Columns that differ by 1e-7: the normal equations lose them, QR does not.
 #[test]
-fn householder_solves_what_the_normal_equations_cannot() {
+fn the_triangle_solves_what_the_normal_equations_cannot() {
     let mut normal = NormalEquations::<f64, 2>::new();
     let mut triangle = Triangle::<f64, 2>::new();
     for i in 0..10 {
@@ -98,7 +98,7 @@ fn householder_solves_what_the_normal_equations_cannot() {
         let row = [1.0, 1.0 + 1e-7 * t];
         let rhs = row[0] * 2.0 + row[1] * 3.0;
         normal.push(&row, rhs);
-        triangle.push([row], [rhs]);
+        triangle.push(&row.map(|a| [a]), &[rhs]).unwrap();
     }
     let by_qr = triangle.solve(0.0, &[1.0; 2]).unwrap();
     assert!((by_qr.x[1] - 3.0).abs() < 1e-6, "{by_qr:?}");
@@ -109,10 +109,10 @@ fn householder_solves_what_the_normal_equations_cannot() {
 #[test]
 fn three_rows_at_once_equal_one_by_one() {
     let p = problem(9, 30, P);
-    let row = |i: usize| core::array::from_fn(|k| p.u[(i, k)]);
     let mut blocks = Triangle::<f64, P>::new();
     for i in (0..30).step_by(3) {
-        blocks.push([row(i), row(i + 1), row(i + 2)], [p.s[i], p.s[i + 1], p.s[i + 2]]);
+        let columns = core::array::from_fn(|k| [p.u[(i, k)], p.u[(i + 1, k)], p.u[(i + 2, k)]]);
+        blocks.push(&columns, &[p.s[i], p.s[i + 1], p.s[i + 2]]).unwrap();
     }
     let [_, single] = solve(&p, 0.5);
     let block = blocks.solve(0.5, &p.scale).unwrap();
@@ -126,14 +126,17 @@ fn bad_input_is_an_error_value() {
     let mut n = NormalEquations::<f64, 2>::new();
     let mut t = Triangle::<f64, 2>::new();
     n.push(&[1.0, 2.0], 1.0);
-    t.push([[1.0, 2.0]], [1.0]);
+    t.push(&[[1.0], [2.0]], &[1.0]).unwrap();
     assert_eq!(n.solve(-1.0, &[1.0; 2]), Err(SolveError::BadLambda));
     assert_eq!(t.solve(f64::NAN, &[1.0; 2]), Err(SolveError::BadLambda));
     assert_eq!(n.solve(1.0, &[1.0, 0.0]), Err(SolveError::BadScale { parameter: 1 }));
     n.push(&[f64::NAN, 2.0], 1.0);
-    t.push([[f64::NAN, 2.0]], [1.0]);
+    let before = t;
+    assert_eq!(t.push(&[[f64::NAN], [2.0]], &[1.0]), Err(SolveError::NotFinite));
+    assert_eq!(t.push(&[[1.0], [2.0]], &[f64::INFINITY]), Err(SolveError::NotFinite));
+    assert_eq!(t.push_weighted(&[[1.0], [2.0]], &[1.0], -1.0), Err(SolveError::NotFinite));
+    assert_eq!(t, before);
     assert_eq!(n.solve(1.0, &[1.0; 2]), Err(SolveError::NotFinite));
-    assert_eq!(t.solve(1.0, &[1.0; 2]), Err(SolveError::NotFinite));
 }
 
 proptest! {

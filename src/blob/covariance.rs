@@ -50,10 +50,9 @@ impl Covariance<'_> {
         if self.blob.joints() != N || self.blob.terms() != terms.len() {
             return [T::from_f32(f32::NAN); 3];
         }
-        let load = arm.load(&arm.nominal().turns(q), state.payload);
-        let inputs = arm.inputs(q, &load, state);
+        let inputs = arm.inputs(q, state);
         let mut bent = *q;
-        for (q, bend) in bent.iter_mut().zip(&arm.bending_at(q, &load, state).joints) {
+        for (q, bend) in bent.iter_mut().zip(&arm.bending(q, state).joints) {
             *q += *bend;
         }
         let jacobian = arm.real().identification_jacobian(&bent);

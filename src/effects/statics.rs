@@ -1,6 +1,6 @@
 use nalgebra::Vector3;
 
-use crate::kinematics::{Chain, Turns, axis, cross, dot, rotate};
+use crate::kinematics::{Chain, Joint, Turns, axis, cross, dot, rotate};
 use crate::scalar::Scalar;
 
 /// Masses that load an arm; SI units.
@@ -79,17 +79,17 @@ impl<T: Scalar, const N: usize> Weights<T, N> {
         let mut pull = [[T::ZERO; 3]; N];
         let root = &chain.root().rotation;
         let mut g = [0, 1, 2].map(|j| dot(&axis(root, j), &self.gravity));
-        for ((hinge, turn), pull) in chain.hinges().iter().zip(&turns.joints).zip(&mut pull) {
+        for (Joint { hinge, turn, .. }, pull) in turns.of(chain.hinges()).zip(&mut pull) {
             g = turn.undo(g);
             *pull = g;
             g = hinge.untwist(g);
         }
         let mut mass = payload;
         let mut moment = self.payload.map(|x| x * payload);
-        let links = chain.hinges().iter().zip(&turns.joints);
         let weights = self.mass.iter().zip(&self.moment);
-        let joints = links.zip(weights).zip(&pull).zip(&mut load.torque);
-        for (i, ((((hinge, turn), (m, own)), g), torque)) in joints.enumerate().rev() {
+        let joints = turns.of(chain.hinges()).zip(weights).zip(pull.iter().zip(&mut load.torque));
+        for (i, ((joint, (m, own)), (g, torque))) in joints.enumerate().rev() {
+            let Joint { hinge, q, turn } = joint;
             if i + 1 < N {
                 moment = hinge.twist(moment);
                 for (moment, offset) in moment.iter_mut().zip(&hinge.offset) {
@@ -100,10 +100,13 @@ impl<T: Scalar, const N: usize> Weights<T, N> {
                 *moment += *own;
             }
             mass += *m;
-            *torque =
-                if hinge.prismatic() { g[2] * mass } else { moment[0] * g[1] - moment[1] * g[0] };
+            *torque = if hinge.prismatic() {
+                moment[2] += q * mass;
+                g[2] * mass
+            } else {
+                moment[0] * g[1] - moment[1] * g[0]
+            };
             moment = turn.apply(moment);
-            moment[2] += turn.slide * mass;
         }
         let [x, y, z] = moment;
         let base = chain.base();

@@ -214,6 +214,17 @@ pub struct Bending<T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> Bending<T, N> {
+    /// Joint values with what the terms add.
+    #[must_use]
+    #[inline]
+    pub fn bent(&self, q: &[T; N]) -> [T; N] {
+        let mut joints = *q;
+        for (q, bend) in joints.iter_mut().zip(&self.joints) {
+            *q += *bend;
+        }
+        joints
+    }
+
     /// Whether any link changes its lengths.
     #[must_use]
     #[inline]

@@ -1,6 +1,6 @@
 use nalgebra::{Matrix3, Vector3};
 
-use super::hinge::{Hinge, Turn, Turns};
+use super::hinge::{Hinge, Joint, Turn, Turns};
 use super::link::{JointKind, Link};
 use super::pose::{Pose, axis, cross, rotate};
 use crate::effects::Bending;
@@ -93,9 +93,9 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[must_use]
     #[inline]
     pub fn turns(&self, q: &[T; N]) -> Turns<T, N> {
-        let mut joints = self.hinges.iter().zip(q);
-        let none = Turn { sin: T::ZERO, cos: T::ONE, slide: T::ZERO };
-        Turns { joints: [(); N].map(|()| joints.next().map_or(none, |(hinge, q)| hinge.turn(*q))) }
+        let mut joints = self.turned(q);
+        let none = Turn { sin: T::ZERO, cos: T::ONE };
+        Turns { turns: [(); N].map(|()| joints.next().map_or(none, |joint| joint.turn)), q: *q }
     }
 
     /// Pose of the tool at joint values `q`.
@@ -109,32 +109,53 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[must_use]
     #[inline]
     pub fn forward(&self, q: &[T; N]) -> Pose<T> {
-        self.carry(q, |hinge, _| hinge.offset, &self.root.translation, &self.tip.translation)
+        let (root, tip) = (&self.root.translation, &self.tip.translation);
+        self.carry(self.turned(q), |hinge, _| hinge.offset, root, tip)
     }
 
     /// Tool pose with everything bent that terms bend: joints, lengths, base.
     #[must_use]
     #[inline]
     pub fn forward_bent(&self, q: &[T; N], bending: &Bending<T, N>) -> Pose<T> {
-        let mut joints = *q;
-        for (q, bend) in joints.iter_mut().zip(&bending.joints) {
-            *q += *bend;
-        }
+        let joints = bending.bent(q);
         let mut pose = if bending.grows() {
-            self.forward_grown(&joints, &bending.growth)
+            let (root, tip) = self.grown_ends(&bending.growth);
+            self.carry(self.turned(&joints), Self::grown(&bending.growth), &root, &tip)
         } else {
             self.forward(&joints)
         };
+        self.tilt(&mut pose, bending);
+        pose
+    }
+
+    /// Tilts a pose with the base.
+    #[inline]
+    pub(super) fn tilt(&self, pose: &mut Pose<T>, bending: &Bending<T, N>) {
         let [x, y] = bending.base;
         if x != T::ZERO || y != T::ZERO {
             let r = &self.base.rotation;
             pose.tilt(&self.base.translation, &(axis(r, 0) * x + axis(r, 1) * y));
         }
-        pose
     }
 
-    /// Tool pose with the lengths of every link stretched by its growth.
-    fn forward_grown(&self, joints: &[T; N], growth: &[T; N]) -> Pose<T> {
+    /// Every hinge with its angle.
+    #[inline]
+    pub(super) fn turned<'a>(
+        &'a self,
+        q: &'a [T; N],
+    ) -> impl DoubleEndedIterator<Item = Joint<'a, T>> + ExactSizeIterator {
+        self.hinges.iter().zip(q).map(|(hinge, q)| Joint { hinge, q: *q, turn: hinge.turn(*q) })
+    }
+
+    /// From each joint's axis to the next, with every link's growth.
+    #[inline]
+    pub(super) fn grown(growth: &[T; N]) -> impl Fn(&Hinge<T>, usize) -> [T; 3] {
+        let of = |index: usize| growth.get(index).copied().unwrap_or(T::ZERO);
+        move |hinge, index| hinge.grown(of(index), of(index + 1))
+    }
+
+    /// Translations of root and tip, with the growth of the first and the last link.
+    pub(super) fn grown_ends(&self, growth: &[T; N]) -> (Vector3<T>, Vector3<T>) {
         let (mut root, mut tip) = (self.root.translation, self.tip.translation);
         if let (Some(link), Some(growth)) = (self.links.first(), growth.first()) {
             root += axis(&self.base.rotation, 0) * (link.parameters.a * *growth);
@@ -142,18 +163,16 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         if let (Some(link), Some(growth)) = (self.links.last(), growth.last()) {
             tip.z += link.parameters.d * *growth;
         }
-        let growth_of = |index: usize| growth.get(index).copied().unwrap_or(T::ZERO);
-        let offset = |hinge: &Hinge<T>, index| hinge.grown(growth_of(index), growth_of(index + 1));
-        self.carry(joints, offset, &root, &tip)
+        (root, tip)
     }
 
     /// From tool to base, with `offset` from each joint's axis to the next
     /// (joints counted from 0), `root` and `tip` in place of the translations
     /// before the first and behind the last joint.
     #[inline]
-    fn carry(
-        &self,
-        q: &[T; N],
+    fn carry<'a>(
+        &'a self,
+        joints: impl DoubleEndedIterator<Item = Joint<'a, T>> + ExactSizeIterator,
         offset: impl Fn(&Hinge<T>, usize) -> [T; 3],
         root: &Vector3<T>,
         tip: &Vector3<T>,
@@ -163,21 +182,17 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
             [m[(0, j)], m[(1, j)], m[(2, j)]]
         };
         let mut state = [column(0), column(1), [tip.x, tip.y, tip.z]];
-        let mut joints = self.hinges.iter().zip(q).enumerate().rev();
+        let mut joints = joints.enumerate().rev();
         let mut next = joints.next();
-        while let Some((_, (hinge, q))) = next {
-            let turn = match hinge.kind {
-                JointKind::Revolute => hinge.turned(*q),
-                JointKind::Prismatic => {
-                    state[2][2] += *q;
-                    hinge.fixed()
-                }
-            };
+        while let Some((_, Joint { hinge, q, turn })) = next {
+            if hinge.kind == JointKind::Prismatic {
+                state[2][2] += q;
+            }
             for v in &mut state {
                 *v = turn.apply(*v);
             }
             next = joints.next();
-            let Some((index, (before, _))) = next else { break };
+            let Some((index, Joint { hinge: before, .. })) = next else { break };
             for v in &mut state {
                 *v = before.twist(*v);
             }

@@ -27,19 +27,38 @@ pub struct Hinge<T> {
     along: T,
 }
 
-/// A joint's angle as sine and cosine, and what it slides, m.
+/// Sine and cosine of a joint's angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turn<T> {
-    pub(crate) sin: T,
-    pub(crate) cos: T,
-    pub(crate) slide: T,
+    pub sin: T,
+    pub cos: T,
 }
 
 /// All joints of a [`super::Chain`] at one moment, so that pose, Jacobian and
 /// gravity loads share the sines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turns<T, const N: usize> {
-    pub(crate) joints: [Turn<T>; N],
+    pub(super) turns: [Turn<T>; N],
+    pub(super) q: [T; N],
+}
+
+/// A hinge at joint value `q`.
+pub struct Joint<'a, T> {
+    pub hinge: &'a Hinge<T>,
+    pub q: T,
+    pub turn: Turn<T>,
+}
+
+impl<T: Scalar, const N: usize> Turns<T, N> {
+    /// Every hinge with its angle.
+    #[inline]
+    pub fn of<'a>(
+        &'a self,
+        hinges: &'a [Hinge<T>; N],
+    ) -> impl DoubleEndedIterator<Item = Joint<'a, T>> + ExactSizeIterator {
+        let turns = self.turns.iter().zip(&self.q);
+        hinges.iter().zip(turns).map(|(hinge, (turn, q))| Joint { hinge, q: *q, turn: *turn })
+    }
 }
 
 impl<T: Scalar> Turn<T> {
@@ -141,26 +160,14 @@ impl<T: Scalar> Hinge<T> {
         [c * x + s * y, c * y - s * x, z]
     }
 
-    /// A revolute joint at `q`, rad.
-    #[inline]
-    pub fn turned(&self, q: T) -> Turn<T> {
-        let (sin, cos) = (q + self.theta).sin_cos();
-        Turn { sin, cos, slide: T::ZERO }
-    }
-
-    /// A prismatic joint at its zero.
-    #[inline]
-    pub fn fixed(&self) -> Turn<T> {
-        Turn { sin: self.sin_theta, cos: self.cos_theta, slide: T::ZERO }
-    }
-
-    /// The joint at value `q`, rad or m.
+    /// The angle at joint value `q`, rad or m.
     #[inline]
     pub fn turn(&self, q: T) -> Turn<T> {
-        match self.kind {
-            JointKind::Revolute => self.turned(q),
-            JointKind::Prismatic => Turn { slide: q, ..self.fixed() },
-        }
+        let (sin, cos) = match self.kind {
+            JointKind::Revolute => (q + self.theta).sin_cos(),
+            JointKind::Prismatic => (self.sin_theta, self.cos_theta),
+        };
+        Turn { sin, cos }
     }
 
     /// Whether it slides.

@@ -1,9 +1,10 @@
 use nalgebra::Vector3;
 
 use super::chain::Chain;
-use super::hinge::{Hinge, Turn, Turns};
+use super::hinge::{Hinge, Joint};
 use super::link::{JointKind, LinkParameter, MdhParameters};
 use super::pose::{Pose, axis, cross};
+use crate::effects::Bending;
 use crate::scalar::Scalar;
 
 /// Velocity of the tool for one joint moving at 1 rad/s or 1 m/s.
@@ -13,6 +14,13 @@ pub struct Twist<T> {
     pub linear: Vector3<T>,
     /// Of the tool frame, rad per rad or rad per m.
     pub angular: Vector3<T>,
+}
+
+impl<T: Scalar> Twist<T> {
+    pub(crate) fn zero() -> Self {
+        let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
+        Self { linear: none, angular: none }
+    }
 }
 
 /// Tool pose and geometric Jacobian, both in the frame of the chain's base pose.
@@ -91,54 +99,77 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[must_use]
     #[inline]
     pub fn jacobian(&self, q: &[T; N]) -> Jacobian<T, N> {
-        self.walk(self.hinges.iter().zip(q).map(|(hinge, q)| (hinge, hinge.turn(*q))))
+        let mut columns = [Twist::zero(); N];
+        let pose = self.jacobian_into(q, &mut columns);
+        Jacobian { pose, columns }
     }
 
-    /// The same from sines and cosines that are known already.
-    #[must_use]
+    /// Tool pose; the geometric Jacobian goes into `columns`.
     #[inline]
-    pub fn jacobian_at(&self, turns: &Turns<T, N>) -> Jacobian<T, N> {
-        self.walk(self.hinges.iter().zip(turns.joints))
+    pub(crate) fn jacobian_into(&self, q: &[T; N], columns: &mut [Twist<T>; N]) -> Pose<T> {
+        let (root, tip) = (&self.root.translation, &self.tip.translation);
+        self.walk(self.turned(q), |hinge, _| hinge.offset, root, tip, columns)
     }
 
-    /// From base to tool.
+    /// The same of the chain bent by its terms. The columns are to the joint
+    /// values; they leave out how the terms change with these and the tilt of
+    /// the base, both of which are a thousandth of a column.
     #[inline]
-    fn walk<'a>(&'a self, joints: impl Iterator<Item = (&'a Hinge<T>, Turn<T>)>) -> Jacobian<T, N> {
+    pub(crate) fn jacobian_bent_into(
+        &self,
+        q: &[T; N],
+        bending: &Bending<T, N>,
+        columns: &mut [Twist<T>; N],
+    ) -> Pose<T> {
+        let joints = bending.bent(q);
+        let mut pose = if bending.grows() {
+            let (root, tip) = self.grown_ends(&bending.growth);
+            let offset = Self::grown(&bending.growth);
+            self.walk(self.turned(&joints), offset, &root, &tip, columns)
+        } else {
+            self.jacobian_into(&joints, columns)
+        };
+        self.tilt(&mut pose, bending);
+        pose
+    }
+
+    /// From base to tool; arguments as those of `carry`.
+    #[inline]
+    fn walk<'a>(
+        &'a self,
+        joints: impl Iterator<Item = Joint<'a, T>>,
+        offset: impl Fn(&Hinge<T>, usize) -> [T; 3],
+        root: &Vector3<T>,
+        tip: &Vector3<T>,
+        columns: &mut [Twist<T>; N],
+    ) -> Pose<T> {
         let r = &self.root.rotation;
         let (mut x, mut y, mut z) = (axis(r, 0), axis(r, 1), axis(r, 2));
-        let mut o = self.root.translation;
-        let mut joints = joints.enumerate();
-        // Each joint's axis and, until the tool point is known, a point on it.
-        let mut columns = [(); N].map(|()| {
-            let at = Twist { linear: o, angular: z };
-            let Some((index, (hinge, turn))) = joints.next() else { return at };
+        let mut o = *root;
+        for (index, (Joint { hinge, q, turn }, out)) in joints.zip(columns.iter_mut()).enumerate() {
+            // The joint's axis and, until the tool point is known, a point on it.
+            *out = Twist { linear: o, angular: z };
             (x, y) = (x * turn.cos + y * turn.sin, y * turn.cos - x * turn.sin);
-            if hinge.kind == JointKind::Prismatic {
-                o += z * turn.slide;
+            if hinge.prismatic() {
+                o += z * q;
             }
             if index + 1 < N {
-                let [a, b, c] = hinge.offset;
+                let [a, b, c] = offset(hinge, index);
                 o += x * a + y * b + z * c;
                 let (sin, cos) = (hinge.sin_twist, hinge.cos_twist);
                 (y, z) = (y * cos + z * sin, z * cos - y * sin);
             }
-            at
-        });
-        let flange = Pose { rotation: nalgebra::Matrix3::from_columns(&[x, y, z]), translation: o };
-        let pose = flange.compose(&self.tip);
-        for (hinge, twist) in self.hinges.iter().zip(&mut columns) {
-            let axis = twist.angular;
-            *twist = match hinge.kind {
-                JointKind::Revolute => {
-                    let arm = pose.translation - twist.linear;
-                    Twist { linear: cross(&axis, &arm), angular: axis }
-                }
-                JointKind::Prismatic => {
-                    Twist { linear: axis, angular: Vector3::new(T::ZERO, T::ZERO, T::ZERO) }
-                }
-            };
         }
-        Jacobian { pose, columns }
+        let flange = Pose { rotation: nalgebra::Matrix3::from_columns(&[x, y, z]), translation: o };
+        let pose = flange.compose(&Pose { translation: *tip, ..self.tip });
+        for (hinge, twist) in self.hinges.iter().zip(columns) {
+            if hinge.prismatic() {
+                *twist = Twist { linear: twist.angular, ..Twist::zero() };
+            } else {
+                twist.linear = cross(&twist.angular, &(pose.translation - twist.linear));
+            }
+        }
+        pose
     }
 
     /// Tool point and its derivative to every parameter at joint values `q`

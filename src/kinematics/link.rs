@@ -12,6 +12,7 @@ pub enum JointKind {
 
 /// One of the five MD-H parameters of a link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LinkParameter {
     /// Link twist alpha_{i-1}, rad.
     Alpha,

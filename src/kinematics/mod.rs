@@ -7,6 +7,7 @@ mod link;
 mod pose;
 
 pub use chain::Chain;
+pub(crate) use hinge::Joint;
 pub use hinge::Turns;
 pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, Twist};
 pub use link::{JointKind, Link, LinkParameter, MdhParameters};

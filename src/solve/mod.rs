@@ -9,19 +9,32 @@
 //!
 //! * [`NormalEquations`] squares the condition number: cheap, good to a
 //!   condition of about `EPSILON^-1/2` (or any, with enough lambda).
-//! * [`Triangle`] keeps the QR factor by Householder reflections: for the
+//! * [`Triangle`] keeps the QR factor by square-root-free rotations: for the
 //!   ill-conditioned case.
+//! * [`Spectrum`] is a triangle factorised for every lambda: norms, L-curve
+//!   and its corner.
+//! * [`StreamingTikhonov`] holds points back to judge lambda by, and
+//!   [`most_parameters`] says what fits a controller.
 
+mod memory;
 mod normal;
+mod spectrum;
+mod streaming;
 mod triangle;
+
+use core::cmp::Ordering;
 
 use crate::scalar::Scalar;
 
+pub use memory::{Memory, most_parameters};
 pub use normal::NormalEquations;
+pub use spectrum::Spectrum;
+pub use streaming::{LambdaChoice, StreamingTikhonov};
 pub use triangle::Triangle;
 
 /// What a solve returned and what it did to get there.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Solution<T, const P: usize> {
     /// The solution, in the units of the columns.
     pub x: [T; P],
@@ -38,6 +51,7 @@ pub struct Solution<T, const P: usize> {
 
 /// Why a solve gave no solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SolveError {
     /// Lambda is negative or not a number.
@@ -49,6 +63,8 @@ pub enum SolveError {
     },
     /// A row or the result holds an infinity or a NaN.
     NotFinite,
+    /// The forgetting factor is not in (0, 1].
+    BadForgetting,
 }
 
 impl core::fmt::Display for SolveError {
@@ -59,6 +75,7 @@ impl core::fmt::Display for SolveError {
                 write!(f, "the scale of parameter {parameter} must be positive")
             }
             Self::NotFinite => f.write_str("a measurement or the result is not finite"),
+            Self::BadForgetting => f.write_str("the forgetting factor must be above 0, at most 1"),
         }
     }
 }
@@ -69,7 +86,8 @@ fn check<T: Scalar, const P: usize>(lambda: T, scale: &[T; P]) -> Result<(), Sol
     if !(lambda >= T::ZERO && lambda.is_finite()) {
         return Err(SolveError::BadLambda);
     }
-    match scale.iter().position(|s| !(*s > T::ZERO && s.is_finite())) {
+    // An infinite scale is a parameter without penalty.
+    match scale.iter().position(|s| s.partial_cmp(&T::ZERO) != Some(Ordering::Greater)) {
         Some(parameter) => Err(SolveError::BadScale { parameter }),
         None => Ok(()),
     }

@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::qemu::{self, TARGET};
 use crate::run::{Result, call, cargo, root, step, target_dir};
 use crate::vectors::{self, Files};
-use crate::{refusals, sigma};
+use crate::{refusals, reidentify, sigma};
 
 /// The function that does not exist, see `tests/firmware/src/bin/no_panic.rs`.
 const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
@@ -29,6 +29,7 @@ pub fn run(blob: Option<&Path>) -> Result {
     let mut output = step("run under QEMU", || run_image(&files))?;
     output += &step("run with terms of every effect", || run_image(&vectors::shipped_terms()))?;
     output += &step("uncertainty of the tool point", sigma::check)?;
+    output += &step("re-identification", reidentify::check)?;
     step("instruction budgets", || check_budgets(&output))?;
     step("slot B and refusals", || refusals::check(&qemu_command(&files)?))
 }
@@ -80,9 +81,19 @@ fn prove_no_panic() -> Result {
     Ok(())
 }
 
+/// The command that runs another binary on these files; builds it first.
+pub fn command_of(binary: &str, files: &Files) -> Result<Vec<String>> {
+    call(&mut build(binary))?;
+    let mut command = qemu_command(files)?;
+    if let Some(word) = command.last_mut() {
+        *word = image(binary).display().to_string();
+    }
+    Ok(command)
+}
+
 /// The runner of `.cargo/config.toml`, with the image, and with these files in
 /// place of the shipped ones.
-pub fn qemu_command(files: &Files) -> Result<Vec<String>> {
+fn qemu_command(files: &Files) -> Result<Vec<String>> {
     let config = read_toml(&directory().join(".cargo/config.toml"))?;
     let runner = config
         .get("target")

@@ -6,6 +6,7 @@ mod firmware;
 mod line;
 mod qemu;
 mod refusals;
+mod reidentify;
 mod run;
 mod sigma;
 mod study;

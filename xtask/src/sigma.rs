@@ -11,9 +11,9 @@ use rand_chacha::ChaCha8Rng;
 use truearm::blob::{Blob, encode_with, encoded_len, factor_len};
 use truearm::{Arm6, ArmParameters6};
 
-use crate::firmware::{build, directory, image, qemu_command};
+use crate::firmware::{command_of, directory};
 use crate::qemu;
-use crate::run::{Result, call, target_dir};
+use crate::run::{Result, target_dir};
 use crate::vectors::{Files, Vectors, shipped_terms};
 
 /// Runs the image on the shipped arm with terms and an invented covariance;
@@ -27,13 +27,9 @@ pub fn check() -> Result<String> {
     let poses = Vectors::parse(&file).map_err(|error| error.to_string())?.poses();
     let expected = format!("sigma: {:016x}", format::hash(&blob, &arm, poses));
 
-    call(&mut build("sigma"))?;
     let path = target_dir().join("firmware/covariance.blob");
     fs::write(&path, &bytes)?;
-    let mut command = qemu_command(&Files { blob: path, vectors })?;
-    if let Some(word) = command.last_mut() {
-        *word = image("sigma").display().to_string();
-    }
+    let command = command_of("sigma", &Files { blob: path, vectors })?;
     let ended = qemu::run(&command, &directory())?;
     if !ended.success || !ended.output.lines().any(|line| line == expected) {
         return Err(format!("the host computed {expected}").into());

@@ -9,6 +9,7 @@ mod measure;
 mod memory;
 mod vectors;
 
+use core::cell::RefCell;
 use core::fmt;
 use core::hint::black_box;
 use core::panic::PanicInfo;
@@ -17,7 +18,7 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use truearm::blob::{Blob, DecodeError};
 use truearm::kinematics::Jacobian;
-use truearm::{Arm, ArmParameters, Pose, State};
+use truearm::{Arm, ArmParameters, Compensator, Pose, Settings, State, Task, Tick};
 
 use measure::Counter;
 use vectors::{JOINTS, Joints, Vectors};
@@ -102,6 +103,18 @@ fn measure(
         black_box(&jacobian(black_box(arm), q));
     });
     print(format_args!("jacobian"), count);
+    for (name, task) in [("tick", Task::Pose), ("tick_position", Task::Position)] {
+        let settings = Settings { ramp_ticks: 1, ..Settings::new(task) };
+        let Ok(compensator) = Compensator::new(arm.clone(), settings, &[0.0; JOINTS]) else {
+            return;
+        };
+        let compensator = RefCell::new(compensator);
+        compensator.borrow_mut().set_active(true);
+        let count = counter.tenths_per_call(4, &motion(&states), |(q, state)| {
+            black_box(&tick(&mut black_box(&compensator).borrow_mut(), q, state));
+        });
+        print(format_args!("{}+{}", name, arm.terms().len()), count);
+    }
     let count = counter.tenths_per_call(1000, &[bytes], |bytes| {
         let _ = black_box(&decode(bytes));
     });
@@ -110,6 +123,22 @@ fn measure(
         black_box(&load(parameters));
     });
     print(format_args!("load"), count);
+}
+
+/// A motion at a few rad/s, a millisecond a step, in front of the robot, where
+/// no pose is singular.
+fn motion(poses: &[(Joints, State<f32, JOINTS>); 1024]) -> [(Joints, State<f32, JOINTS>); 1024] {
+    const MIDDLE: Joints = [0.0, -1.2, 1.6, -1.2, -1.57, 0.0];
+    let mut path = *poses;
+    for (tick, (q, state)) in path.iter_mut().enumerate() {
+        let share = (tick % 256) as f32 / 256.0;
+        let (from, to) = (poses[tick / 256].0, poses[tick / 256 + 1].0);
+        for ((q, middle), (from, to)) in q.iter_mut().zip(MIDDLE).zip(from.iter().zip(to)) {
+            *q = middle + (from + (to - from) * share) / 16.0;
+        }
+        *state = poses[0].1;
+    }
+    path
 }
 
 // What is measured, as calls of their own.
@@ -126,12 +155,21 @@ fn load(parameters: &ArmParameters<f32, JOINTS>) -> Arm<f32, JOINTS> {
 
 #[inline(never)]
 fn forward(arm: &Arm<f32, JOINTS>, q: &Joints) -> Pose<f32> {
-    arm.real_pose(q)
+    arm.real().forward(q)
 }
 
 #[inline(never)]
 fn forward_in(arm: &Arm<f32, JOINTS>, q: &Joints, state: &State<f32, JOINTS>) -> Pose<f32> {
     arm.real_pose_in(q, state)
+}
+
+#[inline(never)]
+fn tick(
+    compensator: &mut Compensator<f32, JOINTS>,
+    q: &Joints,
+    state: &State<f32, JOINTS>,
+) -> Tick<f32, JOINTS> {
+    compensator.tick(q, state)
 }
 
 #[inline(never)]

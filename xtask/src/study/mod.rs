@@ -7,7 +7,7 @@ mod ties;
 
 /// The simulator of the host's tests.
 #[path = "../../../host-tools/tests/simulate/mod.rs"]
-mod simulate;
+pub mod simulate;
 
 use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};

@@ -10,8 +10,12 @@ use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug;
-use truearm::blob::{Acceptance, Refusal};
-use truearm::{Arm, State};
+use truearm::blob::{Acceptance, Blob, DecodeError, Refusal};
+use truearm::check_point::CheckPoint;
+use truearm::drift::{DriftWatch, FalseAlarms};
+use truearm::reidentify::{Reidentify, Unknown};
+use truearm::solve::StreamingTikhonov;
+use truearm::{Arm, Compensator, Pose, Settings, State, Task};
 
 /// What a controller calls, on values the compiler knows nothing about.
 fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), Refusal> {
@@ -29,13 +33,49 @@ fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), Refusal> {
     black_box(arm.with_tool(*black_box(arm.nominal().tool())));
     black_box(arm.covers(black_box(q)));
     black_box(arm.real().jacobian(black_box(q)));
+    for task in [Task::Position, Task::Pose] {
+        let settings = black_box(Settings::new(task));
+        if let Ok(mut compensator) = Compensator::new(arm.clone(), settings, black_box(q)) {
+            compensator.set_active(black_box(true));
+            black_box(compensator.tick(black_box(q), black_box(&state)));
+            compensator.set_arm(arm.clone());
+        }
+    }
     #[cfg(feature = "negative_control")]
     black_box(bytes[black_box(7)]);
     Ok(())
 }
 
+/// Identification and drift watch on the controller, likewise.
+fn identification(bytes: &[u8], q: &[f32; 6]) -> Result<(), DecodeError> {
+    let parameters = Blob::check(black_box(bytes))?.parameters::<f32, 6>()?;
+    let point = CheckPoint::plain(*q, Pose::translation(q[0], q[1], q[2]).translation, q[3]);
+    let points = [*black_box(&point); 10];
+    let [x, y, z] = Unknown::TOOL;
+    let unknowns = [Unknown::offset(1), Unknown::offset(2), x, y, z];
+    let _ = black_box(Reidentify::new(black_box(unknowns), q[0]).run(&parameters, &points));
+    let _ = black_box(Reidentify::new(black_box(Unknown::STATION), q[0]).run(&parameters, &points));
+    let arm = Arm::new(&parameters);
+    if let Ok(mut watch) = DriftWatch::<f32, 6>::new(q[1], FalseAlarms::default()) {
+        let _ = black_box(watch.push(&arm, black_box(&point), &point.point));
+        black_box(watch.suspect());
+    }
+    if let Ok(mut stream) = StreamingTikhonov::<f32, 30>::new(black_box(5), q[2]) {
+        let _ = black_box(stream.push(black_box(&[[q[0]; 3]; 30]), black_box(&[q[1]; 3])));
+        let _ = black_box(stream.push(black_box(&[[q[0]]; 30]), black_box(&[q[1]])));
+        let scale = black_box([q[3]; 30]);
+        let _ = black_box(stream.choose(&scale));
+        if let Ok(all) = stream.all() {
+            let _ = black_box(all.solve(q[4], &scale));
+            let _ = black_box(all.variances(q[4], &scale));
+        }
+    }
+    Ok(())
+}
+
 #[entry]
 fn main() -> ! {
+    let _ = identification(black_box(&[0; 4096]), black_box(&[0.0; 6]));
     let status = match tick_path(black_box(&[0; 4096]), black_box(&[0.0; 6])) {
         Ok(()) => debug::EXIT_SUCCESS,
         Err(_) => debug::EXIT_FAILURE,

@@ -1,0 +1,292 @@
+//! Drift watch: check points measured now and then, a running chi-square that
+//! says when to re-calibrate, and which group of parameters moved.
+//!
+//! Each point gives an innovation, measured less predicted, of three
+//! coordinates with standard deviation sigma: its normalised square is
+//! chi-square of 3 degrees while nothing has moved. A one-sided CUSUM (Page,
+//! *Continuous inspection schemes*, Biometrika 41, 1954) adds these squares less a
+//! reference of 4.2, starts again at zero, and alarms beyond a threshold:
+//!
+//! `S = max(0, S + |innovation|^2 / sigma^2 - 4.2)`
+//!
+//! The reference is the one that best detects a doubling of the variance, a
+//! shift of one sigma in every coordinate. The thresholds are such that while
+//! nothing moves an alarm comes once in 100, 1,000 or 10,000 points on average
+//! (run lengths by the integral equation of Brook and Evans, Biometrika 59,
+//! 1972, 400 states); tests/drift.rs measures it. CUSUM rather than EWMA, because its last zero
+//! dates the change: from there on each point's equations are folded into the
+//! triangle of every group, and the group that explains most of the chi-square
+//! for its number of parameters is the suspect.
+
+use nalgebra::Vector3;
+
+use crate::arm::Arm;
+use crate::check_point::CheckPoint;
+use crate::kinematics::dot;
+use crate::scalar::Scalar;
+use crate::solve::{SolveError, Triangle};
+
+/// Subtracted from each point's chi-square.
+pub const REFERENCE: f64 = 4.2;
+
+/// How rarely the watch may alarm while nothing has moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FalseAlarms {
+    /// Once in 100 points on average.
+    OneIn100,
+    /// Once in 1,000 points.
+    #[default]
+    OneIn1000,
+    /// Once in 10,000 points.
+    OneIn10000,
+}
+
+impl FalseAlarms {
+    /// The CUSUM's threshold.
+    #[must_use]
+    pub const fn threshold(self) -> f64 {
+        match self {
+            Self::OneIn100 => 9.534,
+            Self::OneIn1000 => 18.117,
+            Self::OneIn10000 => 27.060,
+        }
+    }
+
+    /// Points from one false alarm to the next, on average.
+    #[must_use]
+    pub const fn points(self) -> u32 {
+        match self {
+            Self::OneIn100 => 100,
+            Self::OneIn1000 => 1_000,
+            Self::OneIn10000 => 10_000,
+        }
+    }
+}
+
+/// Parameters that move together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Group {
+    /// The offset of a joint, counted from 0.
+    Offset(u8),
+    /// The tool point.
+    Tool,
+    /// The base or the tracker.
+    Base,
+}
+
+/// How well a group explains what was seen since the change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Suspect<T> {
+    /// The group.
+    pub group: Group,
+    /// Chi-square that it explains, and degrees of freedom it takes for it.
+    pub explained: T,
+    /// 1, 3 or 6.
+    pub degrees: u8,
+    /// Chi-square of all points since the change.
+    pub total: T,
+    /// Fitted shift: of an offset, rad; length of the tool's, m; of the base's
+    /// translation, m.
+    pub shift: T,
+}
+
+/// What one point says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Verdict<T> {
+    /// Squared normalised innovation of this point, chi-square of 3 degrees.
+    pub chi_square: T,
+    /// The running sum, 0 while all is well.
+    pub level: T,
+    /// Where it alarms.
+    pub threshold: T,
+    /// Points since the sum was last zero: since the change, if there was one.
+    pub since: u32,
+    /// Re-calibrate. Stays until [`DriftWatch::restart`].
+    pub recalibrate: bool,
+}
+
+/// Why a point was not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum DriftError {
+    /// Sigma is not a positive number.
+    BadSigma,
+    /// The point, its baseline or what the model makes of it is not finite.
+    NotFinite,
+}
+
+impl core::fmt::Display for DriftError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::BadSigma => "sigma must be a positive number",
+            Self::NotFinite => "a check point is not finite",
+        })
+    }
+}
+
+impl core::error::Error for DriftError {}
+
+impl From<SolveError> for DriftError {
+    fn from(_: SolveError) -> Self {
+        Self::NotFinite
+    }
+}
+
+/// The watch over an arm of N joints; `7 N + 91` numbers of memory. A point
+/// costs an identification Jacobian and about `30 N + 700` operations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriftWatch<T, const N: usize> {
+    sigma: T,
+    threshold: T,
+    level: T,
+    since: u32,
+    alarmed: bool,
+    offsets: [Triangle<T, 1>; N],
+    tool: Triangle<T, 3>,
+    base: Triangle<T, 6>,
+}
+
+impl<T: Scalar, const N: usize> DriftWatch<T, N> {
+    /// With the standard deviation of an innovation's coordinate, m: of the
+    /// measurement alone where points come with a baseline, else of measurement
+    /// and model together (cross-validated RMS / sqrt 3).
+    ///
+    /// # Errors
+    /// [`DriftError::BadSigma`].
+    pub fn new(sigma: T, alarms: FalseAlarms) -> Result<Self, DriftError> {
+        let weight = T::ONE / (sigma * sigma);
+        if !(sigma > T::ZERO && weight > T::ZERO && weight.is_finite()) {
+            return Err(DriftError::BadSigma);
+        }
+        Ok(Self {
+            sigma,
+            threshold: T::from_f64(alarms.threshold()),
+            level: T::ZERO,
+            since: 0,
+            alarmed: false,
+            offsets: [Triangle::new(); N],
+            tool: Triangle::new(),
+            base: Triangle::new(),
+        })
+    }
+
+    /// Forgets all points, after a re-calibration.
+    pub fn restart(&mut self) {
+        self.level = T::ZERO;
+        self.alarmed = false;
+        self.begin();
+    }
+
+    fn begin(&mut self) {
+        self.since = 0;
+        self.offsets = [Triangle::new(); N];
+        self.tool = Triangle::new();
+        self.base = Triangle::new();
+    }
+
+    /// Takes a point in the commanded frame. `baseline` is what measured less
+    /// predicted was right after calibration at the same joints, m, and takes
+    /// out what the model never explained; zero if not known.
+    ///
+    /// # Errors
+    /// [`DriftError::NotFinite`]; the watch is then as before.
+    pub fn push(
+        &mut self,
+        arm: &Arm<T, N>,
+        point: &CheckPoint<T, N>,
+        baseline: &Vector3<T>,
+    ) -> Result<Verdict<T>, DriftError> {
+        let (predicted, jacobian) = point.linearised(arm);
+        let innovation = (point.point - predicted - baseline) / self.sigma;
+        let chi_square = dot(&innovation, &innovation);
+        let level = self.level + chi_square - T::from_f64(REFERENCE);
+        if !(point.is_finite() && level.is_finite()) {
+            return Err(DriftError::NotFinite);
+        }
+        let mut next = *self;
+        if level > T::ZERO {
+            let rhs = [innovation.x, innovation.y, innovation.z];
+            let column = |v: &Vector3<T>| [v.x / self.sigma, v.y / self.sigma, v.z / self.sigma];
+            for (offset, link) in next.offsets.iter_mut().zip(&jacobian.links) {
+                offset.push(&[column(&link.theta)], &rhs)?;
+            }
+            next.tool.push(&jacobian.tool.each_ref().map(column), &rhs)?;
+            let [a, b, c] = jacobian.base_rotation.each_ref().map(column);
+            let [x, y, z] = jacobian.base_translation.each_ref().map(column);
+            next.base.push(&[a, b, c, x, y, z], &rhs)?;
+            next.level = level;
+            next.since = self.since.saturating_add(1);
+            next.alarmed = self.alarmed || level > self.threshold;
+        } else {
+            next.level = T::ZERO;
+            // What led to an alarm stays to be looked at.
+            if !self.alarmed {
+                next.begin();
+            }
+        }
+        *self = next;
+        Ok(Verdict {
+            chi_square,
+            level: self.level,
+            threshold: self.threshold,
+            since: self.since,
+            recalibrate: self.alarmed,
+        })
+    }
+
+    /// All groups, joints first, by what they explain of the points since the
+    /// sum was last zero.
+    pub fn groups(&self) -> impl Iterator<Item = Suspect<T>> {
+        let offsets = self.offsets.iter().zip(0_u8..).map(|(triangle, joint)| {
+            suspect(Group::Offset(joint), triangle, |[shift]| shift.abs())
+        });
+        let tool = suspect(Group::Tool, &self.tool, |[x, y, z]| length(x, y, z));
+        let base = suspect(Group::Base, &self.base, |[_, _, _, x, y, z]| length(x, y, z));
+        offsets.chain([tool, base])
+    }
+
+    /// The group that explains most for its size: chi-square less
+    /// `degrees * ln(3 points)`, the Bayesian information criterion. `None`
+    /// while the sum is zero, or when no group pays for its parameters. An
+    /// offset of the first joint turns the base and one of the last may move
+    /// the tool: of equals the smaller group is named.
+    #[must_use]
+    pub fn suspect(&self) -> Option<Suspect<T>> {
+        let price = ln(3 * u64::from(self.since));
+        let net = |s: &Suspect<T>| s.explained - T::from_f32(f32::from(s.degrees)) * price;
+        let mut best: Option<Suspect<T>> = None;
+        for group in self.groups().filter(|s| net(s) > T::ZERO) {
+            if best.is_none_or(|best| net(&group) > net(&best)) {
+                best = Some(group);
+            }
+        }
+        best
+    }
+}
+
+fn suspect<T: Scalar, const P: usize>(
+    group: Group,
+    triangle: &Triangle<T, P>,
+    size: impl Fn([T; P]) -> T,
+) -> Suspect<T> {
+    let shift = triangle.solve(T::ZERO, &[T::ONE; P]).map_or(T::ZERO, |s| size(s.x));
+    let (explained, total) = (triangle.explained_square(), triangle.total_square());
+    Suspect { group, explained, degrees: P as u8, total, shift }
+}
+
+fn length<T: Scalar>(x: T, y: T, z: T) -> T {
+    (x * x + y * y + z * z).sqrt()
+}
+
+/// Natural logarithm, good to 6 %: between powers of two the chord.
+fn ln<T: Scalar>(count: u64) -> T {
+    let Some(exponent) = count.checked_ilog2() else { return T::ZERO };
+    let power = (1_u64 << exponent) as f32;
+    let fraction = (count as f32 - power) / power;
+    T::from_f32((exponent as f32 + fraction) * core::f32::consts::LN_2)
+}

@@ -1,0 +1,63 @@
+//! Where an unknown tracker stands.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::ReidentifyError;
+use crate::arm::Arm;
+use crate::check_point::CheckPoint;
+use crate::kinematics::{Pose, axis, cross, dot};
+use crate::scalar::Scalar;
+
+/// Where the tracker stands, from three of the points: the first, the one
+/// farthest from it, the one farthest from the line of these two.
+pub(super) fn place<T: Scalar, const N: usize>(
+    arm: &Arm<T, N>,
+    points: &[CheckPoint<T, N>],
+) -> Result<Pose<T>, ReidentifyError> {
+    let Some((first, rest)) = points.split_first() else {
+        return Err(ReidentifyError::TooFewPoints { points: 0, needed: 3 });
+    };
+    let origin = (first.predicted(arm), first.point);
+    let farthest = |measure: &dyn Fn(&Vector3<T>) -> T| {
+        let mut most = (T::ZERO, origin);
+        for point in rest {
+            let predicted = point.predicted(arm);
+            let size = measure(&(predicted - origin.0));
+            if size > most.0 {
+                most = (size, (predicted, point.point));
+            }
+        }
+        (most.1.0 - origin.0, most.1.1 - origin.1)
+    };
+    let along = farthest(&|v| dot(v, v));
+    let aside = farthest(&|v| {
+        let c = cross(&along.0, v);
+        dot(&c, &c)
+    });
+    let (there, here) = (frame(&along.0, &aside.0), frame(&along.1, &aside.1));
+    let (Some(there), Some(here)) = (there, here) else {
+        return Err(ReidentifyError::PointsOnALine);
+    };
+    let turn = Pose { rotation: here, ..Pose::identity() }
+        .compose(&Pose { rotation: there.transpose(), ..Pose::identity() });
+    Ok(Pose { translation: origin.1 - turn.transform_point(&origin.0), ..turn })
+}
+
+/// Right-handed axes: x along the first vector, y towards the second; `None`
+/// where the two are within a milliradian of one line.
+fn frame<T: Scalar>(along: &Vector3<T>, aside: &Vector3<T>) -> Option<Matrix3<T>> {
+    let normal = cross(along, aside);
+    let (length, height) = (dot(along, along).sqrt(), dot(&normal, &normal).sqrt());
+    // Written so that a NaN is none, either.
+    (height > T::from_f32(1e-3) * length * length).then(|| {
+        let (x, z) = (along / length, normal / height);
+        Matrix3::from_columns(&[x, cross(&z, &x), z])
+    })
+}
+
+/// Derivative of a point seen from the tracker to one of its six; `arm` goes
+/// from the commanded frame's origin to the point.
+pub(super) fn column<T: Scalar>(component: u8, arm: &Vector3<T>) -> Vector3<T> {
+    let unit = axis(&Pose::identity().rotation, usize::from(component % 3));
+    if component < 3 { cross(&unit, arm) } else { unit }
+}

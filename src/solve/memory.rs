@@ -1,0 +1,50 @@
+/// Bytes that identifying so many parameters takes.
+///
+/// | parameters | `f32`: state, workspace | `f64`: state, workspace |
+/// |---|---|---|
+/// | 10 | 1,588, 2,724 | 3,164, 4,936 |
+/// | 20 | 5,548, 7,324 | 11,084, 14,136 |
+/// | 30 | 11,908, 14,324 | 23,804, 28,136 |
+/// | 40 | 20,668, 23,724 | 41,324, 46,936 |
+///
+/// What fits: 64 KB of RAM hold 40 parameters in `f32` or 34 in `f64`, 32 KB
+/// hold 33 or 23, see [`most_parameters`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Memory {
+    /// A [`StreamingTikhonov`](super::StreamingTikhonov), kept from point to point.
+    pub state: usize,
+    /// On the stack while lambda is chosen or a solution of all points computed;
+    /// measured for 30 parameters in `f32` by the image in tests/firmware:
+    /// 8,668 and 13,036 bytes. A point takes 596.
+    pub workspace: usize,
+}
+
+impl Memory {
+    /// For `parameters` unknowns of `scalar_bytes` (4 or 8) bytes.
+    #[must_use]
+    pub const fn of(parameters: usize, scalar_bytes: usize) -> Self {
+        let p = parameters;
+        Self {
+            state: (3 * (p * p + 3 * p + 1) + 1) * scalar_bytes + 12,
+            workspace: (3 * (p * p + 3 * p + 1) + 16 * p) * scalar_bytes + 512,
+        }
+    }
+
+    /// Both together.
+    #[must_use]
+    pub const fn total(&self) -> usize {
+        self.state + self.workspace
+    }
+}
+
+/// The most parameters, 40 at most, whose state and workspace together fit in
+/// `ram_bytes`.
+#[must_use]
+pub const fn most_parameters(ram_bytes: usize, scalar_bytes: usize) -> usize {
+    let mut parameters = 0;
+    while parameters < 40 && Memory::of(parameters + 1, scalar_bytes).total() <= ram_bytes {
+        parameters += 1;
+    }
+    parameters
+}

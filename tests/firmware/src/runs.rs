@@ -1,0 +1,149 @@
+//! The file of re-identification runs: blobs of arms before an accident and
+//! points measured after it. Shared by the image and xtask, so it needs no std.
+//!
+//! | offset | type | field |
+//! |---|---|---|
+//! | 0 | 4 bytes | `TARI` |
+//! | 4 | u32 | runs |
+//! | 8 | u32 | bytes of a blob |
+//! | 12 | u32 | 0 |
+//! | 16 | u64 | expected hash, see [`Runs::hash`] |
+//! | 24 | runs | each: the blob, two joints (u32), [`POINTS`] points |
+//!
+//! A point is six joint values, the tool point in the commanded frame and the
+//! same as a tracker elsewhere sees it: 12 `f32`, rad and m. Little-endian.
+
+#![allow(dead_code, reason = "each of its users needs a part")]
+
+use crc::{CRC_64_XZ, Crc};
+use truearm::blob::Blob;
+use truearm::check_point::CheckPoint;
+use truearm::reidentify::{Reidentified, Reidentify, ReidentifyError, Unknown};
+use truearm::{ArmParameters, Pose};
+
+/// First four bytes.
+pub const MAGIC: [u8; 4] = *b"TARI";
+/// Bytes before the first run.
+pub const HEADER: usize = 24;
+/// Points of a run.
+pub const POINTS: usize = 10;
+/// Joints of the arm.
+pub const JOINTS: usize = 6;
+/// Standard deviation of a measured coordinate, m.
+pub const SIGMA: f32 = 2e-5;
+
+const POINT_BYTES: usize = 4 * (JOINTS + 6);
+
+/// With the tracker where it was.
+pub type Known = Reidentified<f32, JOINTS, 5>;
+/// With the tracker moved.
+pub type Moved = Reidentified<f32, JOINTS, 11>;
+
+/// A file in place.
+#[derive(Debug, Clone, Copy)]
+pub struct Runs<'a> {
+    /// Hash that the results must give.
+    pub expected: u64,
+    blob: usize,
+    runs: &'a [u8],
+}
+
+/// One accident.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// The arm before it.
+    pub stored: ArmParameters<f32, JOINTS>,
+    /// The joints that slipped.
+    pub joints: [u8; 2],
+    /// Points in the commanded frame.
+    pub known: [CheckPoint<f32, JOINTS>; POINTS],
+    /// The same points, from the tracker elsewhere.
+    pub moved: [CheckPoint<f32, JOINTS>; POINTS],
+}
+
+impl<'a> Runs<'a> {
+    /// Finds the runs in the front of `bytes`; `None` if they are not whole.
+    pub fn parse(bytes: &'a [u8]) -> Option<Self> {
+        let (header, rest) = bytes.split_first_chunk::<HEADER>()?;
+        let word = |index: usize| {
+            let bytes = header.as_chunks::<4>().0.get(index).copied().unwrap_or_default();
+            u32::from_le_bytes(bytes)
+        };
+        if word(0).to_le_bytes() != MAGIC {
+            return None;
+        }
+        let (runs, blob) = (word(1) as usize, word(2) as usize);
+        let expected = u64::from(word(5)) << 32 | u64::from(word(4));
+        let size = blob.checked_add(8 + POINTS * POINT_BYTES)?;
+        Some(Self { expected, blob, runs: rest.get(..runs.checked_mul(size)?)? })
+    }
+
+    /// The runs; `None` for a blob that is refused.
+    pub fn iter(&self) -> impl Iterator<Item = Option<Run>> + use<'a> {
+        let blob = self.blob;
+        self.runs.chunks_exact(blob + 8 + POINTS * POINT_BYTES).map(move |bytes| {
+            let (blob, rest) = bytes.split_at_checked(blob)?;
+            let (joints, points) = rest.split_at_checked(8)?;
+            let stored: ArmParameters<f32, JOINTS> = Blob::check(blob).ok()?.parameters().ok()?;
+            let warmth = stored.reference_temperature;
+            let point = |index: usize, moved: bool| {
+                let mut numbers = [0.0; JOINTS + 6];
+                let bytes = points.chunks_exact(POINT_BYTES).nth(index).unwrap_or_default();
+                for (number, bytes) in numbers.iter_mut().zip(bytes.as_chunks::<4>().0) {
+                    *number = f32::from_le_bytes(*bytes);
+                }
+                let [q @ .., x, y, z, u, v, w] = numbers;
+                let [x, y, z] = if moved { [u, v, w] } else { [x, y, z] };
+                CheckPoint::plain(q, Pose::translation(x, y, z).translation, warmth)
+            };
+            let mut joint = joints.as_chunks::<4>().0.iter().map(|bytes| bytes[0]);
+            Some(Run {
+                stored,
+                joints: [joint.next()?, joint.next()?],
+                known: core::array::from_fn(|index| point(index, false)),
+                moved: core::array::from_fn(|index| point(index, true)),
+            })
+        })
+    }
+
+    /// Does all runs, shows each to `see`, and returns the CRC-64/XZ of the bits
+    /// of what was found.
+    pub fn hash(&self, mut see: impl FnMut(&Run, &Known, &Moved)) -> Option<u64> {
+        let crc = Crc::<u64>::new(&CRC_64_XZ);
+        let mut digest = crc.digest();
+        for run in self.iter() {
+            let run = run?;
+            let (known, moved) = (run.known().ok()?, run.moved().ok()?);
+            let of_known = known.change.iter().chain(&known.sigma).chain([&known.rms_after]);
+            let of_moved = moved.change.iter().chain(&moved.sigma).chain([&moved.rms_after]);
+            for number in of_known.chain(of_moved).chain(moved.station.translation.iter()) {
+                digest.update(&number.to_le_bytes());
+            }
+            see(&run, &known, &moved);
+        }
+        Some(digest.finalize())
+    }
+}
+
+impl Run {
+    /// Two joint offsets and the tool: 5 unknowns.
+    pub fn known(&self) -> Result<Known, ReidentifyError> {
+        Reidentify::new(self.unknowns(), SIGMA).run(&self.stored, &self.known)
+    }
+
+    /// The same with the tracker's place: 11 unknowns.
+    pub fn moved(&self) -> Result<Moved, ReidentifyError> {
+        let own = self.unknowns();
+        let all: [Unknown; 11] = core::array::from_fn(|k| match Unknown::STATION.get(k) {
+            Some(station) => *station,
+            None => own.get(k - 6).copied().unwrap_or(Unknown::Tool(0)),
+        });
+        Reidentify::new(all, SIGMA).run(&self.stored, &self.moved)
+    }
+
+    fn unknowns(&self) -> [Unknown; 5] {
+        let [first, second] = self.joints;
+        let [x, y, z] = Unknown::TOOL;
+        [Unknown::offset(first), Unknown::offset(second), x, y, z]
+    }
+}
