@@ -7,7 +7,9 @@ pub mod blob;
 pub mod effects;
 pub mod kinematics;
 pub mod scalar;
+pub mod sensor;
 pub mod solve;
+pub mod store;
 
 pub use arm::{Arm, ArmParameters, State};
 pub use kinematics::{Chain, JointKind, Link, LinkParameter, MdhParameters, Pose};
