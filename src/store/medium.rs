@@ -5,6 +5,7 @@ pub const MAX_WORD: usize = 256;
 
 /// One of the two places for a blob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Slot {
     /// The one at the lower address of the shipped `memory.x`.
     A,

@@ -16,6 +16,7 @@ pub struct Opened<'b> {
 
 /// Where the parameters come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
     /// From this slot; the other one is blank or valid and not newer.
     Newest(Slot),
@@ -32,6 +33,7 @@ pub enum Source {
 
 /// What a slot holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SlotState {
     /// Nothing: every byte is 0xff.
     Blank,
@@ -48,6 +50,7 @@ pub enum SlotState {
 
 /// Why the contents of a slot were rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Rejection {
     /// It could not be read.
@@ -125,13 +128,14 @@ pub enum Stored {
     /// These parameters are stored already; nothing was written.
     Unchanged,
     /// Written, read back, committed.
-    Written(#[cfg_attr(feature = "defmt", defmt(Debug2Format))] Slot),
+    Written(Slot),
 }
 
 /// Why a blob was not stored. After a [`StoreError::Write`] the next power-up
 /// finds the old blob or the new one, as after a power cut; it may be tried
 /// again at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum StoreError {
     /// It is no valid blob, not this robot's or not authentic.
