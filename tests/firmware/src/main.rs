@@ -7,14 +7,14 @@
 
 mod measure;
 mod memory;
+mod outcome;
 mod vectors;
 
 use core::fmt;
 use core::hint::black_box;
-use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use truearm::blob::{Blob, DecodeError};
 use truearm::kinematics::Jacobian;
 use truearm::{Arm, ArmParameters, Pose, State};
@@ -27,13 +27,7 @@ struct Refused;
 
 #[entry]
 fn main() -> ! {
-    debug::exit(match run() {
-        Ok(()) => debug::EXIT_SUCCESS,
-        Err(Refused) => debug::EXIT_FAILURE,
-    });
-    loop {
-        cortex_m::asm::wfi();
-    }
+    outcome::end(run().is_ok())
 }
 
 fn run() -> Result<(), Refused> {
@@ -137,13 +131,4 @@ fn forward_in(arm: &Arm<f32, JOINTS>, q: &Joints, state: &State<f32, JOINTS>) ->
 #[inline(never)]
 fn jacobian(arm: &Arm<f32, JOINTS>, q: &Joints) -> Jacobian<f32, JOINTS> {
     arm.real().jacobian(q)
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
 }

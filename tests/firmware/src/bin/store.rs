@@ -11,14 +11,15 @@
 
 #[path = "../command.rs"]
 mod command;
+#[path = "../outcome.rs"]
+mod outcome;
 #[path = "../sbcon.rs"]
 mod sbcon;
 
 use core::cell::RefCell;
-use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use eeprom24x::{Eeprom24x, SlaveAddr, Storage};
 use embedded_hal_bus::i2c::RefCellDevice;
 use truearm::blob::{Acceptance, encode};
@@ -38,13 +39,7 @@ struct Failed;
 
 #[entry]
 fn main() -> ! {
-    debug::exit(match run() {
-        Ok(()) => debug::EXIT_SUCCESS,
-        Err(Failed) => debug::EXIT_FAILURE,
-    });
-    loop {
-        cortex_m::asm::wfi();
-    }
+    outcome::end(run().is_ok())
 }
 
 fn run() -> Result<(), Failed> {
@@ -136,14 +131,5 @@ fn churn<M: Medium>(
         hprintln!("storing: {}", parameters.sequence);
         store.store(&bytes[..size]).map_err(|error| failed("store", error))?;
         hprintln!("stored: {}", parameters.sequence);
-    }
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
     }
 }
