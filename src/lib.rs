@@ -11,7 +11,9 @@ pub mod effects;
 pub mod kinematics;
 pub mod reidentify;
 pub mod scalar;
+pub mod sensor;
 pub mod solve;
+pub mod store;
 
 pub use arm::{Arm, ArmParameters, State};
 pub use compensate::{Compensator, Settings, Task, Tick};

@@ -2,6 +2,7 @@
 
 use crate::firmware::directory;
 use crate::run::{Result, call, cargo, root, step};
+use crate::study::fuzz;
 use crate::{qemu, test};
 
 pub fn run() -> Result {
@@ -15,5 +16,7 @@ pub fn run() -> Result {
             call(&mut cargo(dir, "clippy --workspace --all-targets -- -D warnings"))
         })?;
     }
-    test::run()
+    test::run()?;
+    // Of each target: half a minute for both.
+    fuzz::run(&["-max_total_time=15".to_owned()])
 }

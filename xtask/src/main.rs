@@ -1,6 +1,7 @@
 //! `cargo xtask VERB`: what continuous integration runs, and what a developer
 //! runs before it. One file a verb.
 
+mod board;
 mod ci;
 mod firmware;
 mod line;
@@ -9,6 +10,7 @@ mod refusals;
 mod reidentify;
 mod run;
 mod sigma;
+mod store;
 mod study;
 mod test;
 mod vectors;
@@ -35,6 +37,8 @@ enum Verb {
         #[arg(long)]
         blob: Option<PathBuf>,
     },
+    /// Parameters in an EEPROM: the store's size, and the board under QEMU
+    Store,
     /// Rewrite the shipped blobs and vector files
     Vectors {
         /// Parameter blob of a six-joint arm; the shipped one if not given
@@ -53,6 +57,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().verb {
         Verb::Test => test::run(),
         Verb::Firmware { blob } => firmware::run(blob.as_deref()),
+        Verb::Store => qemu::ensure_tools().and_then(|()| store::run()),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),
         Verb::Ci => ci::run(),

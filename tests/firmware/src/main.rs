@@ -7,15 +7,15 @@
 
 mod measure;
 mod memory;
+mod outcome;
 mod vectors;
 
 use core::cell::RefCell;
 use core::fmt;
 use core::hint::black_box;
-use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use truearm::blob::{Blob, DecodeError};
 use truearm::kinematics::Jacobian;
 use truearm::{Arm, ArmParameters, Compensator, Pose, Settings, State, Task, Tick};
@@ -28,13 +28,7 @@ struct Refused;
 
 #[entry]
 fn main() -> ! {
-    debug::exit(match run() {
-        Ok(()) => debug::EXIT_SUCCESS,
-        Err(Refused) => debug::EXIT_FAILURE,
-    });
-    loop {
-        cortex_m::asm::wfi();
-    }
+    outcome::end(run().is_ok())
 }
 
 fn run() -> Result<(), Refused> {
@@ -175,13 +169,4 @@ fn tick(
 #[inline(never)]
 fn jacobian(arm: &Arm<f32, JOINTS>, q: &Joints) -> Jacobian<f32, JOINTS> {
     arm.real().jacobian(q)
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
 }

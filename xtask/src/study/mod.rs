@@ -1,13 +1,20 @@
 //! `cargo xtask study NAME`: figures too long for a test run. One file a study.
 
 mod blind;
+mod cuts;
 mod flips;
+pub mod fuzz;
 mod power;
+pub mod restarts;
 mod ties;
 
 /// The simulator of the host's tests.
 #[path = "../../../host-tools/tests/simulate/mod.rs"]
 pub mod simulate;
+
+/// The memory of the store's tests, and what cuts its power.
+#[path = "../../../tests/store/bench/mod.rs"]
+mod bench;
 
 use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -28,6 +35,12 @@ pub enum Study {
     Flips,
     /// Two effects look alike: is it said, and do the proposed poses tell?
     Ties(ties::Options),
+    /// The power fails at every operation of a store, and again in what follows
+    Cuts(cuts::Options),
+    /// The emulated board's power fails at random moments while it stores
+    Restarts(restarts::Options),
+    /// Bytes that are no blob, and histories of power cuts, guided by coverage
+    Fuzz(fuzz::Options),
 }
 
 pub fn run(study: &Study) -> Result {
@@ -41,6 +54,9 @@ pub fn run(study: &Study) -> Result {
         Study::Power(options) => power::run(options),
         Study::Flips => flips::run(),
         Study::Ties(options) => ties::run(options),
+        Study::Cuts(options) => cuts::run(options),
+        Study::Restarts(options) => restarts::study(options),
+        Study::Fuzz(options) => fuzz::study(options),
     }
 }
 

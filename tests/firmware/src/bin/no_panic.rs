@@ -1,4 +1,4 @@
-//! A proof by the linker that the tick path cannot panic: the panic handler
+//! A proof by the linker that tick path and store cannot panic: the panic handler
 //! calls a function that does not exist, so the image links only if no panic
 //! can be reached. With the feature `negative_control` it must not link.
 
@@ -10,11 +10,13 @@ use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug;
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use truearm::blob::{Acceptance, Blob, DecodeError, Refusal};
 use truearm::check_point::CheckPoint;
 use truearm::drift::{DriftWatch, FalseAlarms};
 use truearm::reidentify::{Reidentify, Unknown};
 use truearm::solve::StreamingTikhonov;
+use truearm::store::{GeometryError, NorSlots, Opened, Store, StoreError, Stored};
 use truearm::{Arm, Compensator, Pose, Settings, State, Task};
 
 /// What a controller calls, on values the compiler knows nothing about.
@@ -73,9 +75,77 @@ fn identification(bytes: &[u8], q: &[f32; 6]) -> Result<(), DecodeError> {
     Ok(())
 }
 
+/// A flash of which the compiler knows nothing.
+struct Flash;
+
+impl ErrorType for Flash {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for Flash {
+    const READ_SIZE: usize = 1;
+
+    #[inline(never)]
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+        black_box((offset, bytes));
+        black_box(Ok(()))
+    }
+
+    fn capacity(&self) -> usize {
+        black_box(8192)
+    }
+}
+
+impl NorFlash for Flash {
+    const WRITE_SIZE: usize = 8;
+    const ERASE_SIZE: usize = 4096;
+
+    #[inline(never)]
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
+        black_box((from, to));
+        black_box(Ok(()))
+    }
+
+    #[inline(never)]
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+        black_box((offset, bytes));
+        black_box(Ok(()))
+    }
+}
+
+type Slots = NorSlots<Flash>;
+
+// The names of these three are what xtask sums up as the store's text.
+
+#[inline(never)]
+fn store_slots(starts: [u32; 2], size: u32) -> Result<Slots, GeometryError> {
+    NorSlots::new(Flash, starts, size)
+}
+
+#[inline(never)]
+fn store_open<'b>(slots: Slots, buffer: &'b mut [u8]) -> (Store<Slots>, Opened<'b>) {
+    Store::open(slots, buffer, Acceptance::of(black_box(1)))
+}
+
+#[inline(never)]
+fn store_store(store: &mut Store<Slots>, bytes: &[u8]) -> Result<Stored, StoreError> {
+    store.store(bytes)
+}
+
+/// What a controller calls at power-up and when it is given new parameters.
+fn store_path(bytes: &[u8], buffer: &mut [u8]) -> Result<(), GeometryError> {
+    let slots = store_slots(black_box([0, 4096]), black_box(4096))?;
+    let (mut store, opened) = store_open(slots, black_box(buffer));
+    black_box(opened);
+    let _ = black_box(store_store(&mut store, black_box(bytes)));
+    black_box(store.live());
+    Ok(())
+}
+
 #[entry]
 fn main() -> ! {
     let _ = identification(black_box(&[0; 4096]), black_box(&[0.0; 6]));
+    let _ = black_box(store_path(black_box(&[0; 4096]), black_box(&mut [0; 4096])));
     let status = match tick_path(black_box(&[0; 4096]), black_box(&[0.0; 6])) {
         Ok(()) => debug::EXIT_SUCCESS,
         Err(_) => debug::EXIT_FAILURE,

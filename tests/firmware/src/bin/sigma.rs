@@ -8,16 +8,17 @@
 mod measure;
 #[path = "../memory.rs"]
 mod memory;
+#[path = "../outcome.rs"]
+mod outcome;
 #[path = "../sigma.rs"]
 mod sigma;
 #[path = "../vectors.rs"]
 mod vectors;
 
 use core::hint::black_box;
-use core::panic::PanicInfo;
 
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use truearm::Arm;
 use truearm::blob::Blob;
 
@@ -26,11 +27,7 @@ use vectors::{JOINTS, Vectors};
 
 #[entry]
 fn main() -> ! {
-    let done = run().is_some();
-    debug::exit(if done { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
-    loop {
-        cortex_m::asm::wfi();
-    }
+    outcome::end(run().is_some())
 }
 
 fn run() -> Option<()> {
@@ -59,13 +56,4 @@ fn run() -> Option<()> {
 #[inline(never)]
 fn check(bytes: &[u8]) -> bool {
     Blob::check(bytes).is_ok()
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
 }

@@ -1,0 +1,81 @@
+//! What the fuzz targets do with their bytes.
+
+#[path = "../../tests/store/bench/mod.rs"]
+mod bench;
+
+use truearm::blob::{Blob, encode};
+use truearm::{Arm, ArmParameters};
+
+use bench::cells::{Cut, EepromPart, NorPart, Part, Tear};
+use bench::cuts::{Bench, Blobs, Start};
+use bench::samples;
+
+/// Bytes that claim to be a blob: as they are, and with the checksum they need
+/// for the checks behind it to be reached.
+pub fn decode(data: &[u8]) {
+    check(data);
+    let mut sealed = data.to_vec();
+    let length = data.get(8..12).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+    if let Some(blob) = sealed.get_mut(..length.unwrap_or(0)).filter(|blob| blob.len() >= 4) {
+        samples::seal(blob);
+        check(&sealed);
+    }
+}
+
+fn check(bytes: &[u8]) {
+    let Ok(blob) = Blob::check(bytes) else { return };
+    assert_eq!(Blob::check(&bytes[..blob.size()]), Ok(blob), "bytes behind the blob count");
+    assert!(Blob::check(&bytes[..blob.size() - 1]).is_err(), "its last byte does not count");
+    match blob.joints() {
+        1 => use_as::<1>(&blob),
+        2 => use_as::<2>(&blob),
+        6 => use_as::<6>(&blob),
+        7 => use_as::<7>(&blob),
+        _ => assert!(blob.parameters::<f32, 6>().is_err(), "for another number of joints"),
+    }
+}
+
+fn use_as<const N: usize>(blob: &Blob) {
+    let parameters: ArmParameters<f32, N> = blob.parameters().expect("an arm of these joints");
+    let pose = Arm::new(&parameters).real_pose(&[0.5; N]);
+    assert!(pose.translation.iter().all(|value| value.is_finite()), "{pose:?}");
+    let mut bytes = [0; 2048];
+    let size = encode(&parameters, &mut bytes).expect("what was read can be written");
+    let again = Blob::check(&bytes[..size]).and_then(|blob| blob.parameters::<f32, N>());
+    assert_eq!(again.as_ref(), Ok(&parameters));
+}
+
+/// A history of power-ups and stores with power cuts: the first bytes say on
+/// which part and from which start, every four more are one power-up. Or a
+/// memory with damage.
+pub fn store(data: &[u8]) {
+    let Some(([part, start, seed], rest)) = data.split_first_chunk() else { return };
+    let start = Start::ALL[usize::from(*start) % Start::ALL.len()];
+    match part % 6 {
+        0 => history::<NorPart<1, 64>>(start, *seed, rest),
+        1 => history::<NorPart<4, 128>>(start, *seed, rest),
+        2 => history::<NorPart<8, 512>>(start, *seed, rest),
+        3 => history::<NorPart<32, 256>>(start, *seed, rest),
+        4 => history::<EepromPart<8>>(start, *seed, rest),
+        _ => history::<EepromPart<32>>(start, *seed, rest),
+    }
+}
+
+/// Most power-ups of a history.
+const LONGEST: u32 = 12;
+
+fn history<P: Part>(start: Start, seed: u8, data: &[u8]) {
+    let bench = Bench::<P>::new(start, Blobs::small(LONGEST + 4));
+    if seed & 1 == 1 {
+        let Some(([low, high], damage)) = data.split_first_chunk() else { return };
+        return bench.damaged(usize::from(u16::from_le_bytes([*low, *high])), damage);
+    }
+    let mut history = bench.history(u64::from(seed));
+    for [low, high, tear, what] in data.as_chunks().0.iter().take(LONGEST as usize) {
+        let at = usize::from(u16::from_le_bytes([*low, *high])) % 512;
+        let tear = Tear::ALL[usize::from(*tear) % Tear::ALL.len()];
+        history.power_up((what & 1 == 0).then_some(Cut { at, tear }), what & 2 == 0);
+    }
+    history.power_up(None, true);
+    history.power_up(None, false);
+}

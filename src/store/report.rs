@@ -1,0 +1,170 @@
+use core::fmt;
+
+use super::medium::{Fault, Slot};
+use crate::blob::{Blob, Refusal};
+
+/// What [`super::Store::open`] found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Opened<'b> {
+    /// The parameters to use; `None`: the nominal ones.
+    pub blob: Option<Blob<'b>>,
+    /// Where they come from, and why not from elsewhere.
+    pub source: Source,
+    /// What was done to make it last.
+    pub settled: Settled,
+}
+
+/// Where the parameters come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Source {
+    /// From this slot; the other one is blank or valid and not newer.
+    Newest(Slot),
+    /// From this slot, because what the other one holds was rejected.
+    LastGood {
+        /// Where the parameters come from.
+        slot: Slot,
+        /// Why the other slot was rejected.
+        rejected: Rejection,
+    },
+    /// Neither slot holds parameters for this robot: A, then B.
+    Nominal([SlotState; 2]),
+}
+
+/// What a slot holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SlotState {
+    /// Nothing: every byte is 0xff.
+    Blank,
+    /// A valid blob for this robot.
+    Valid {
+        /// Its sequence number.
+        sequence: u32,
+        /// Whether its store ended, or a programmer wrote it.
+        finished: bool,
+    },
+    /// Something that cannot be used.
+    Rejected(Rejection),
+}
+
+/// Why the contents of a slot were rejected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Rejection {
+    /// It could not be read.
+    Fault(Fault),
+    /// It reads differently every time.
+    Unstable,
+    /// It is no valid blob, not this robot's or not authentic.
+    Blob(Refusal),
+}
+
+impl fmt::Display for Rejection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fault(fault) => fault.fmt(f),
+            Self::Unstable => f.write_str("reads differently every time"),
+            Self::Blob(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for Rejection {}
+
+/// What [`super::Store::open`] did so that the blob it returns lasts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Settled {
+    /// Nothing was needed.
+    Already,
+    /// The blob's store had not ended: it was written anew.
+    Rewritten,
+    /// A store that had not ended was undone: its slot was erased.
+    Erased,
+    /// One of these was needed and failed. The blob can be used, but may be
+    /// gone at the next power-up, and [`super::Store::store`] refuses.
+    Failed(WriteError),
+}
+
+/// A slot that could not be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The memory failed.
+    Fault(Fault),
+    /// The slot does not read back as written.
+    ReadBack(Slot),
+    /// The blob does not fit.
+    TooLong {
+        /// Bytes of the blob.
+        needed: usize,
+        /// Bytes a slot has for it.
+        room: usize,
+    },
+}
+
+impl fmt::Display for WriteError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fault(fault) => fault.fmt(f),
+            Self::ReadBack(slot) => write!(f, "slot {slot} does not read back as written"),
+            Self::TooLong { needed, room } => {
+                write!(f, "the blob has {needed} bytes, a slot has room for {room}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for WriteError {}
+
+/// What [`super::Store::store`] did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Stored {
+    /// These parameters are stored already; nothing was written.
+    Unchanged,
+    /// Written, read back, committed.
+    Written(Slot),
+}
+
+/// Why a blob was not stored. After a [`StoreError::Write`] the next power-up
+/// finds the old blob or the new one, as after a power cut; it may be tried
+/// again at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum StoreError {
+    /// It is no valid blob, not this robot's or not authentic.
+    Blob(Refusal),
+    /// Its sequence number is not above that of the blob in use.
+    NotNewer {
+        /// Of the blob in use.
+        stored: u32,
+        /// Of the blob to be stored.
+        offered: u32,
+    },
+    /// The blob in use could not be made to last ([`Settled::Failed`]); until
+    /// an open succeeds in that, storing could lose it.
+    Unsettled,
+    /// Neither slot could be written.
+    Write(WriteError),
+}
+
+impl fmt::Display for StoreError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Blob(error) => error.fmt(f),
+            Self::NotNewer { stored, offered } => {
+                write!(f, "sequence number {offered} is not above the stored {stored}")
+            }
+            Self::Unsettled => f.write_str("the blob in use could not be made to last"),
+            Self::Write(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for StoreError {}

@@ -1,0 +1,172 @@
+use super::medium::{MAX_WORD, Medium, Slot};
+use super::open::Store;
+use super::report::{StoreError, Stored, WriteError};
+use crate::blob::Blob;
+
+/// Bytes of a mark at the end of a slot.
+const MARK: usize = 8;
+
+/// So many programmed bits of `DONE` prove that writing it has begun. Not all of
+/// them: what a cut left may read differently tomorrow, and a blob that was
+/// returned as finished must not be unfinished then. Not a single one: a word
+/// that was hardly touched may read as blank tomorrow.
+const BEGUN_BITS: u32 = 4;
+
+/// What the store writes at the end of a slot, in the order of writing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Mark {
+    Begun,
+    Done,
+}
+
+impl Mark {
+    const fn tag(self) -> [u8; 4] {
+        match self {
+            Self::Begun => *b"BEGN",
+            Self::Done => *b"DONE",
+        }
+    }
+
+    /// It ends with the blob's last bytes, so that none of an earlier blob can
+    /// stand for it.
+    fn of(self, bytes: &[u8]) -> [u8; MARK] {
+        let [a, b, c, d] = self.tag();
+        let [e, f, g, h] = bytes.last_chunk().copied().unwrap_or_default();
+        [a, b, c, d, e, f, g, h]
+    }
+}
+
+impl<M: Medium> Store<M> {
+    /// Stores a blob in the slot that is not in use: erases it, writes the
+    /// payload, reads it back, commits.
+    ///
+    /// # Errors
+    /// When the blob is invalid, not accepted, not newer or too long, nothing
+    /// has been written. See [`StoreError`].
+    pub fn store(&mut self, bytes: &[u8]) -> Result<Stored, StoreError> {
+        let blob = self.accept.check(bytes).map_err(StoreError::Blob)?;
+        if !self.settled {
+            return Err(StoreError::Unsettled);
+        }
+        if let Some((slot, stored)) = self.live {
+            if self.holds(slot, bytes, &blob).map_err(StoreError::Write)? {
+                return Ok(Stored::Unchanged);
+            }
+            let offered = blob.sequence();
+            if offered <= stored {
+                return Err(StoreError::NotNewer { stored, offered });
+            }
+        }
+        let target = self.live.map_or(Slot::A, |(slot, _)| slot.other());
+        let bytes = bytes.get(..blob.size()).unwrap_or(bytes);
+        self.write(target, bytes).map_err(StoreError::Write)?;
+        self.live = Some((target, blob.sequence()));
+        Ok(Stored::Written(target))
+    }
+
+    /// Whether a slot has the contents of this blob.
+    fn holds(&mut self, slot: Slot, bytes: &[u8], blob: &Blob) -> Result<bool, WriteError> {
+        let content = blob.content();
+        let size = blob.size();
+        let counts = |offset| content.iter().any(|range| range.contains(&offset));
+        self.compare(slot, bytes.get(..size).unwrap_or(bytes), counts)
+    }
+
+    /// Writes a blob, of which nothing counts until the first word is written.
+    pub(super) fn write(&mut self, slot: Slot, bytes: &[u8]) -> Result<(), WriteError> {
+        let room = self.room();
+        if bytes.len() > room {
+            return Err(WriteError::TooLong { needed: bytes.len(), room });
+        }
+        self.medium.erase(slot).map_err(WriteError::Fault)?;
+        self.write_mark(slot, Mark::Begun, bytes)?;
+        self.program(slot, bytes, M::WORD)?;
+        self.verify(slot, bytes, M::WORD)?;
+        let (first, _) = bytes.split_at_checked(M::WORD).unwrap_or((bytes, &[]));
+        self.program(slot, first, 0)?;
+        self.verify(slot, first, 0)?;
+        self.write_mark(slot, Mark::Done, bytes)
+    }
+
+    /// Whether a store to this slot has begun and not got as far as `DONE`: the
+    /// last four bytes of its blob, if so.
+    pub(super) fn unfinished(&mut self, slot: Slot) -> Option<[u8; 4]> {
+        let [a, b, c, d, blob @ ..] = self.read_mark(slot, Mark::Begun)?;
+        let done = self.read_mark(slot, Mark::Done)?;
+        let programmed: u32 = done.iter().map(|byte| byte.count_zeros()).sum();
+        ([a, b, c, d] == Mark::Begun.tag() && programmed < BEGUN_BITS).then_some(blob)
+    }
+
+    fn write_mark(&mut self, slot: Slot, mark: Mark, bytes: &[u8]) -> Result<(), WriteError> {
+        let offset = self.mark_offset(mark);
+        let mut padded = [0xff; MAX_WORD];
+        padded.iter_mut().zip(mark.of(bytes)).for_each(|(to, byte)| *to = byte);
+        let word = padded.get(..Self::MARK_WORD).unwrap_or(&[]);
+        self.medium.program(slot, offset, word).map_err(WriteError::Fault)?;
+        if self.read_mark(slot, mark) == Some(mark.of(bytes)) {
+            Ok(())
+        } else {
+            Err(WriteError::ReadBack(slot))
+        }
+    }
+
+    fn read_mark(&mut self, slot: Slot, mark: Mark) -> Option<[u8; MARK]> {
+        let offset = self.mark_offset(mark);
+        let mut padded = [0; MAX_WORD];
+        let word = padded.get_mut(..Self::MARK_WORD)?;
+        self.medium.read(slot, offset, word).ok()?;
+        word.first_chunk().copied()
+    }
+
+    fn mark_offset(&self, mark: Mark) -> usize {
+        let room = self.room();
+        if mark == Mark::Begun { room } else { room + Self::MARK_WORD }
+    }
+
+    const MARK_WORD: usize = if M::WORD > MARK { M::WORD } else { MARK };
+
+    /// Bytes of a slot before its marks.
+    pub(super) fn room(&self) -> usize {
+        self.medium.slot_size().saturating_sub(2 * Self::MARK_WORD)
+    }
+
+    /// Programs the bytes from `from` on, less than [`MAX_WORD`]; the last word
+    /// is filled up with 0xff.
+    fn program(&mut self, slot: Slot, bytes: &[u8], from: usize) -> Result<(), WriteError> {
+        let mut skip = from;
+        for (piece, start) in bytes.chunks(MAX_WORD).zip((0..).step_by(MAX_WORD)) {
+            let mut padded = [0xff; MAX_WORD];
+            padded.iter_mut().zip(piece).for_each(|(to, byte)| *to = *byte);
+            let words = padded.get(skip..piece.len().next_multiple_of(M::WORD)).unwrap_or(&[]);
+            if !words.is_empty() {
+                self.medium.program(slot, start + skip, words).map_err(WriteError::Fault)?;
+            }
+            skip = 0;
+        }
+        Ok(())
+    }
+
+    fn verify(&mut self, slot: Slot, bytes: &[u8], from: usize) -> Result<(), WriteError> {
+        let equal = self.compare(slot, bytes, |offset| offset >= from)?;
+        if equal { Ok(()) } else { Err(WriteError::ReadBack(slot)) }
+    }
+
+    /// Whether a slot begins with these bytes, those that count.
+    pub(super) fn compare(
+        &mut self,
+        slot: Slot,
+        bytes: &[u8],
+        counts: impl Fn(usize) -> bool,
+    ) -> Result<bool, WriteError> {
+        for (piece, start) in bytes.chunks(MAX_WORD).zip((0..).step_by(MAX_WORD)) {
+            let mut read = [0; MAX_WORD];
+            let words = read.get_mut(..piece.len().next_multiple_of(M::WORD)).unwrap_or(&mut []);
+            self.medium.read(slot, start, words).map_err(WriteError::Fault)?;
+            let mut pairs = words.iter().zip(piece).zip(start..);
+            if !pairs.all(|((read, byte), offset)| read == byte || !counts(offset)) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+}

@@ -1,0 +1,63 @@
+//! The store: whatever the power does, one good blob is found.
+
+mod bench;
+mod rules;
+
+use bench::cells::{Cut, EepromPart, NorPart, Part, Tear};
+use bench::cuts::{Bench, Blobs, Start, Tally};
+
+/// Every first cut, and some second ones after each.
+fn cut<P: Part>(blobs: fn(u32) -> Blobs, seconds: usize) {
+    let mut tally = Tally::default();
+    for start in Start::ALL {
+        let bench = Bench::<P>::new(start, blobs(4));
+        for at in 0..bench.operations() {
+            tally = tally + bench.cut_at(at, Some(seconds), 1);
+        }
+    }
+    println!("{}: {} cuts in {} and {} runs", P::NAME, tally.cuts, tally.single, tally.double);
+    assert!(tally.single > 100 && tally.double as usize >= seconds);
+}
+
+#[test]
+fn nor_words_of_1_byte() {
+    cut::<NorPart<1, 64>>(Blobs::small, 1);
+}
+
+#[test]
+fn nor_words_of_4_bytes() {
+    cut::<NorPart<4, 128>>(Blobs::small, 10);
+    cut::<NorPart<4, 1024>>(Blobs::full, 1);
+}
+
+#[test]
+fn nor_words_of_8_bytes() {
+    cut::<NorPart<8, 512>>(Blobs::small, 20);
+}
+
+#[test]
+fn nor_words_of_32_bytes() {
+    cut::<NorPart<32, 256>>(Blobs::small, 50);
+}
+
+#[test]
+fn eeprom_with_torn_pages() {
+    cut::<EepromPart<8>>(Blobs::small, 5);
+    cut::<EepromPart<32>>(Blobs::small, 50);
+}
+
+/// Found by fuzzing: `DONE`, cut and read right once, must stay finished.
+#[test]
+fn a_finished_store_stays_finished() {
+    let bench = Bench::<EepromPart<8>>::new(Start::Programmed, Blobs::small(8));
+    let done = 59;
+    for seed in 0..200 {
+        let mut history = bench.history(seed);
+        history.power_up(Some(Cut { at: done, tear: Tear::Weak }), true);
+        history.power_up(Some(Cut { at: 0, tear: Tear::Not }), true);
+        for _ in 0..3 {
+            history.power_up(Some(Cut { at: 0, tear: Tear::Random }), true);
+        }
+        history.power_up(None, false);
+    }
+}

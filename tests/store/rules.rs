@@ -1,0 +1,201 @@
+//! What the store accepts, refuses, falls back to and leaves alone.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use truearm::blob::{Blob, DecodeError, Refusal};
+use truearm::store::{
+    ByteSlots, FaultKind, GeometryError, NorSlots, Opened, Rejection, Settled, Slot, SlotState,
+    Source, Store, StoreError, Stored, WriteError,
+};
+
+use super::bench::cells::{Cells, Eeprom, Nor, NorPart, Part, Shared};
+use super::bench::samples::{self, full};
+
+type Flash = NorPart<8, 512>;
+const SLOT: usize = 1024;
+
+fn flash() -> Shared {
+    Rc::new(RefCell::new(Cells::blank(2 * SLOT)))
+}
+
+fn open<'b>(cells: &Shared, buffer: &'b mut [u8]) -> (Store<<Flash as Part>::Slots>, Opened<'b>) {
+    cells.borrow_mut().power_up(None);
+    Store::open(Flash::mount(cells, SLOT), buffer, samples::mine())
+}
+
+fn store(cells: &Shared, blob: &[u8]) -> Result<Stored, StoreError> {
+    open(cells, &mut [0; SLOT]).0.store(blob)
+}
+
+fn source(cells: &Shared) -> Source {
+    open(cells, &mut [0; SLOT]).1.source
+}
+
+#[test]
+fn slots_take_turns_and_the_newest_is_found() {
+    let cells = flash();
+    assert_eq!(source(&cells), Source::Nominal([SlotState::Blank; 2]));
+    for (sequence, slot) in [(1, Slot::A), (2, Slot::B), (7, Slot::A)] {
+        assert_eq!(store(&cells, &full(sequence, sequence as u8)), Ok(Stored::Written(slot)));
+        let mut buffer = [0; SLOT];
+        let (_, opened) = open(&cells, &mut buffer);
+        assert_eq!((opened.source, opened.settled), (Source::Newest(slot), Settled::Already));
+        assert_eq!(opened.blob, Blob::check(&full(sequence, sequence as u8)).ok());
+    }
+}
+
+#[test]
+fn the_same_parameters_write_nothing() {
+    let cells = flash();
+    store(&cells, &full(5, 1)).expect("an empty store");
+    let before = cells.borrow().bytes.clone();
+    for sequence in [4, 5, 6] {
+        assert_eq!(store(&cells, &full(sequence, 1)), Ok(Stored::Unchanged));
+    }
+    assert_eq!((cells.borrow().operations, &cells.borrow().bytes), (0, &before));
+}
+
+#[test]
+fn what_a_programmer_writes_is_taken_as_it_is() {
+    let cells = flash();
+    store(&cells, &full(5, 1)).expect("an empty store");
+    cells.borrow_mut().flash(SLOT, &full(6, 2), SLOT);
+    let before = cells.borrow().bytes.clone();
+    assert_eq!(source(&cells), Source::Newest(Slot::B));
+    assert_eq!(cells.borrow().bytes, before);
+    assert_eq!(store(&cells, &full(7, 3)), Ok(Stored::Written(Slot::A)));
+}
+
+#[test]
+fn an_older_sequence_is_refused_and_writes_nothing() {
+    let cells = flash();
+    store(&cells, &full(5, 1)).expect("an empty store");
+    for offered in [0, 4, 5] {
+        let refused = StoreError::NotNewer { stored: 5, offered };
+        assert_eq!(store(&cells, &full(offered, 2)), Err(refused));
+        assert_eq!(cells.borrow().operations, 0);
+    }
+}
+
+#[test]
+fn another_robot_is_refused_and_left_alone() {
+    let cells = flash();
+    let mut other = full(9, 1);
+    other[16] ^= 1;
+    samples::seal(&mut other);
+    let robot = Blob::check(&full(9, 1)).expect("a blob").robot_id();
+    let wrong = Refusal::WrongRobot { blob: robot ^ 1, robot };
+    assert_eq!(store(&cells, &other), Err(StoreError::Blob(wrong)));
+    store(&cells, &full(5, 1)).expect("an empty store");
+    cells.borrow_mut().flash(SLOT, &other, SLOT);
+    let rejected = Rejection::Blob(wrong);
+    assert_eq!(source(&cells), Source::LastGood { slot: Slot::A, rejected });
+    assert_eq!(&cells.borrow().bytes[SLOT..][..other.len()], other);
+}
+
+#[test]
+fn damaged_blobs_are_refused_by_the_store() {
+    let cells = flash();
+    let mut damaged = full(9, 1);
+    damaged[100] ^= 4;
+    assert!(matches!(
+        store(&cells, &damaged),
+        Err(StoreError::Blob(Refusal::Damaged(DecodeError::Checksum { .. })))
+    ));
+    assert_eq!(cells.borrow().operations, 0);
+}
+
+#[test]
+fn a_blob_longer_than_a_slot_is_refused() {
+    let cells = Rc::new(RefCell::new(Cells::blank(2 * 512)));
+    let mut buffer = [0; 512];
+    let (mut store, _) = Store::open(Flash::mount(&cells, 512), &mut buffer, samples::mine());
+    let blob = full(1, 1);
+    let long = WriteError::TooLong { needed: blob.len(), room: 512 - 16 };
+    let refused = store.store(&blob);
+    assert_eq!(refused, Err(StoreError::Write(long)));
+}
+
+#[test]
+fn a_longer_blob_than_the_buffer_is_refused_and_left_alone() {
+    let cells = flash();
+    store(&cells, &full(1, 1)).expect("an empty store");
+    let before = cells.borrow().bytes.clone();
+    let mut buffer = [0; 256];
+    let (_, opened) = open(&cells, &mut buffer);
+    let truncated = DecodeError::Truncated { needed: full(1, 1).len(), got: 256 };
+    let rejected = SlotState::Rejected(Rejection::Blob(Refusal::Damaged(truncated)));
+    assert_eq!(opened.source, Source::Nominal([rejected, SlotState::Blank]));
+    assert_eq!(cells.borrow().bytes, before);
+}
+
+/// Every bit of the newer blob rots, one at a time: the older one is found,
+/// with the reason, and the rotten one is left for whoever wants to see it.
+#[test]
+fn bit_rot_falls_back_to_the_last_good() {
+    let cells = flash();
+    store(&cells, &full(1, 1)).expect("an empty store");
+    store(&cells, &full(2, 2)).expect("a newer blob");
+    let whole = cells.borrow().clone();
+    for bit in 0..8 * full(2, 2).len() {
+        let mut rotten = whole.clone();
+        rotten.bytes[SLOT + bit / 8] ^= 1 << (bit % 8);
+        let before = rotten.bytes.clone();
+        let cells = Rc::new(RefCell::new(rotten));
+        let mut buffer = [0; SLOT];
+        let (_, opened) = open(&cells, &mut buffer);
+        let Source::LastGood { slot: Slot::A, rejected: Rejection::Blob(_) } = opened.source else {
+            panic!("bit {bit}: {:?}", opened.source);
+        };
+        assert_eq!(opened.blob, Blob::check(&full(1, 1)).ok());
+        assert_eq!(cells.borrow().bytes, before);
+    }
+}
+
+/// Rot in the marks is no reason to touch a blob.
+#[test]
+fn bit_rot_of_the_marks_loses_nothing() {
+    let cells = flash();
+    store(&cells, &full(1, 1)).expect("an empty store");
+    store(&cells, &full(2, 2)).expect("a newer blob");
+    let whole = cells.borrow().clone();
+    for bit in 0..8 * 16 {
+        let mut rotten = whole.clone();
+        rotten.bytes[2 * SLOT - 16 + bit / 8] ^= 1 << (bit % 8);
+        let cells = Rc::new(RefCell::new(rotten));
+        let mut buffer = [0; SLOT];
+        let (_, opened) = open(&cells, &mut buffer);
+        assert_eq!(opened.source, Source::Newest(Slot::B));
+        assert_eq!(opened.settled, Settled::Already, "bit {bit}");
+    }
+}
+
+#[test]
+fn a_dead_device_is_reported() {
+    let cells = flash();
+    store(&cells, &full(1, 1)).expect("an empty store");
+    cells.borrow_mut().dead = true;
+    let mut buffer = [0; SLOT];
+    let slots = Flash::mount(&cells, SLOT);
+    let (_, opened) = Store::open(slots, &mut buffer, samples::mine());
+    let Source::Nominal([SlotState::Rejected(Rejection::Fault(fault)), _]) = opened.source else {
+        panic!("{:?}", opened.source);
+    };
+    assert_eq!(fault.kind, FaultKind::Device);
+    assert_eq!(fault.to_string(), "reading: the device failed");
+}
+
+#[test]
+fn slots_must_fit_the_device() {
+    let cells = flash();
+    let nor = |starts, size| NorSlots::new(Nor::<8, 512>::new(&cells), starts, size).err();
+    assert_eq!(nor([0, 1024], 1024), None);
+    assert_eq!(nor([0, 1024], 1000), Some(GeometryError::Boundary { every: 512 }));
+    assert_eq!(nor([0, 8], 512), Some(GeometryError::Boundary { every: 512 }));
+    assert_eq!(nor([512, 0], 1024), Some(GeometryError::Overlap));
+    assert_eq!(nor([0, 1536], 1024), Some(GeometryError::Capacity { capacity: 2048 }));
+    assert_eq!(nor([0, u32::MAX - 511], 512), Some(GeometryError::Capacity { capacity: 2048 }));
+    let odd = ByteSlots::<_, 24>::new(Eeprom::<24>::new(&cells), [0, 1024], 1024).err();
+    assert_eq!(odd, Some(GeometryError::Word { word: 24 }));
+}

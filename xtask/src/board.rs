@@ -1,0 +1,198 @@
+//! The board whose parameters are in an EEPROM: QEMU with an AT24C32 backed by
+//! a file and a TMP105, and the image `store` on it.
+
+use std::fs::{self, File};
+use std::io::{ErrorKind, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use embedded_storage::{ReadStorage, Storage};
+use truearm::blob::{Acceptance, Blob};
+use truearm::store::{ByteSlots, Store};
+
+use crate::firmware::image;
+use crate::run::{Result, target_dir};
+
+/// Bytes of an AT24C32.
+pub const EEPROM: usize = 4096;
+const PAGE: usize = 32;
+/// Bytes of a slot, as the image has them.
+pub const SLOT: u32 = 2048;
+
+const LIMIT: Duration = Duration::from_secs(60);
+
+/// A board, switched off.
+pub struct Board {
+    dir: PathBuf,
+    robot: u64,
+}
+
+/// A board, switched on.
+pub struct Running {
+    child: Child,
+    output: PathBuf,
+    /// Closed, it would take what it was told with it.
+    monitor: Option<TcpStream>,
+}
+
+impl Board {
+    /// A board with these bytes in its EEPROM, its files in a directory of this
+    /// name.
+    pub fn new(name: &str, eeprom: &[u8], robot: u64) -> Result<Self> {
+        let dir = target_dir().join("board").join(name);
+        fs::create_dir_all(&dir)?;
+        let board = Self { dir, robot };
+        let mut bytes = eeprom.to_vec();
+        bytes.resize(EEPROM, 0xff);
+        board.write(&bytes)?;
+        Ok(board)
+    }
+
+    /// What is in the EEPROM.
+    pub fn read(&self) -> Result<Vec<u8>> {
+        Ok(fs::read(self.eeprom())?)
+    }
+
+    /// What a programmer does.
+    pub fn write(&self, bytes: &[u8]) -> Result {
+        Ok(fs::write(self.eeprom(), bytes)?)
+    }
+
+    fn eeprom(&self) -> PathBuf {
+        self.dir.join("eeprom.bin")
+    }
+
+    /// Switches it on, with a temperature in thousandths of a degree and
+    /// perhaps a blob in memory; `verb` is for the image.
+    pub fn start(&self, verb: &str, milli_celsius: i32, blob: Option<&Path>) -> Result<Running> {
+        let output = self.dir.join("output.txt");
+        let comma = |path: &Path| path.display().to_string().replace(',', ",,");
+        let mut qemu = Command::new("qemu-system-arm");
+        qemu.args("-machine mps2-an386 -cpu cortex-m4 -nographic -serial none".split(' '));
+        // Stopped at first: a temperature of the command line is lost at reset.
+        let listener = TcpListener::bind("127.0.0.1:0")?;
+        listener.set_nonblocking(true)?;
+        qemu.args(["-S", "-monitor", &format!("tcp:{}", listener.local_addr()?)]);
+        let words = format!("arg={verb},arg={:016x}", self.robot);
+        let semihosting = format!("enable=on,target=native,{words}");
+        qemu.args(["-semihosting-config", &semihosting]);
+        let drive = format!("if=none,id=params,format=raw,file={}", comma(&self.eeprom()));
+        qemu.args(["-drive", &drive, "-device"]);
+        // Of the board's buses named i2c the first, the one at 0x4002a000.
+        qemu.arg(format!("at24c-eeprom,bus=i2c,address=0x50,rom-size={EEPROM},drive=params"));
+        qemu.args(["-device", "tmp105,bus=i2c,address=0x48,id=sensor"]);
+        if let Some(blob) = blob {
+            let device = format!("loader,file={},addr=0x00300000,force-raw=on", comma(blob));
+            qemu.args(["-device", &device]);
+        }
+        qemu.arg("-kernel").arg(image("store"));
+        qemu.stdin(Stdio::null()).stdout(File::create(&output)?).stderr(Stdio::inherit());
+        let child = qemu.spawn().map_err(|error| format!("qemu-system-arm: {error}"))?;
+        let mut running = Running { child, output, monitor: None };
+        let mut monitor = running.connected(&listener)?;
+        let sensor = "/machine/peripheral/sensor";
+        write!(monitor, "qom-set {sensor} temperature {milli_celsius}\ncont\n")?;
+        running.monitor = Some(monitor);
+        Ok(running)
+    }
+
+    /// Runs a verb to its end: whether it went well, and what was printed.
+    pub fn run(&self, verb: &str, temperature: i32, blob: Option<&Path>) -> Result<(bool, String)> {
+        let mut running = self.start(verb, temperature, blob)?;
+        let start = Instant::now();
+        loop {
+            if let Some(status) = running.child.try_wait()? {
+                return Ok((status.success(), fs::read_to_string(&running.output)?));
+            }
+            if start.elapsed() > LIMIT {
+                running.cut()?;
+                return Err(format!("the image did not end within {} s", LIMIT.as_secs()).into());
+            }
+            thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// What the image's code finds in the EEPROM as it is now, on a copy.
+    pub fn found(&self) -> Result<Option<Vec<u8>>> {
+        let slots = ByteSlots::<_, PAGE>::new(Copied(self.read()?), [0, SLOT], SLOT)?;
+        let mut buffer = vec![0; SLOT as usize];
+        let (store, opened) = Store::open(slots, &mut buffer, Acceptance::of(self.robot));
+        let size = opened.blob.map(|blob| blob.size());
+        let Some((slot, _)) = store.live() else { return Ok(None) };
+        let Copied(bytes) = store.release().release();
+        let start = if slot == truearm::store::Slot::A { 0 } else { SLOT as usize };
+        let blob = &bytes[start..][..size.unwrap_or(0)];
+        Blob::check(blob)?;
+        Ok(Some(blob.to_vec()))
+    }
+}
+
+impl Running {
+    /// QEMU's monitor, as soon as it calls.
+    fn connected(&mut self, listener: &TcpListener) -> Result<TcpStream> {
+        let start = Instant::now();
+        loop {
+            match listener.accept() {
+                Ok((stream, _)) => return Ok(stream),
+                Err(error) if error.kind() != ErrorKind::WouldBlock => return Err(error.into()),
+                Err(_) => (),
+            }
+            if let Some(status) = self.child.try_wait()? {
+                return Err(format!("QEMU did not start: {status}").into());
+            }
+            if start.elapsed() > LIMIT {
+                self.child.kill()?;
+                self.child.wait()?;
+                return Err("QEMU did not open its monitor".into());
+            }
+            thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// Until the image has printed something.
+    pub fn wait_for_a_word(&mut self) -> Result {
+        let start = Instant::now();
+        while fs::metadata(&self.output)?.len() == 0 {
+            if start.elapsed() > LIMIT || self.child.try_wait()?.is_some() {
+                return Err("the image says nothing".into());
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+        Ok(())
+    }
+
+    /// Ends the power; what was printed until then.
+    pub fn cut(mut self) -> Result<String> {
+        self.child.kill()?;
+        self.child.wait()?;
+        Ok(fs::read_to_string(&self.output)?)
+    }
+}
+
+/// A file's bytes as an EEPROM.
+struct Copied(Vec<u8>);
+
+impl ReadStorage for Copied {
+    type Error = ();
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> std::result::Result<(), ()> {
+        let range = offset as usize..offset as usize + bytes.len();
+        bytes.copy_from_slice(self.0.get(range).ok_or(())?);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.len()
+    }
+}
+
+impl Storage for Copied {
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> std::result::Result<(), ()> {
+        let range = offset as usize..offset as usize + bytes.len();
+        self.0.get_mut(range).ok_or(())?.copy_from_slice(bytes);
+        Ok(())
+    }
+}
