@@ -56,7 +56,9 @@ fn closed_loop(set: &BlindSet) -> Option<Errors> {
     let parameters = blob.parameters::<f32, 6>().unwrap();
     let arm = Arm6::new(&parameters);
     // The commanded frame of the true arm, by its definition: over the poses of
-    // the identification its points lie on the nominal ones as well as they can.
+    // the identification the points of its rigid geometry lie on the nominal ones
+    // as well as they can.
+    let rigid = simulate::arm::Arm { defects: Vec::new(), ..truth.clone() };
     let nominal = |q: &[f64; 6]| {
         let pose: Pose<f32> = arm.nominal().forward(&q.map(|q| q as f32));
         pose.translation.map(f64::from)
@@ -66,7 +68,7 @@ fn closed_loop(set: &BlindSet) -> Option<Errors> {
         .iter()
         .map(|row| {
             let q: [f64; 6] = row.q.as_slice().try_into().unwrap();
-            (truth.point(&moment(&q)), nominal(&q))
+            (rigid.point(&moment(&q)), nominal(&q))
         })
         .unzip();
     let frame = rigid_transform(&real, &wanted, &vec![1.0; real.len()]).unwrap();
