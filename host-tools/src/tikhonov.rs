@@ -61,6 +61,16 @@ impl Triangle {
     }
 }
 
+/// U, singular values and V' of a matrix, which may be empty.
+fn svd(matrix: DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>, DMatrix<f64>) {
+    let rows = matrix.nrows();
+    if matrix.is_empty() {
+        return (DMatrix::zeros(rows, 0), DVector::zeros(0), DMatrix::zeros(0, 0));
+    }
+    let svd = matrix.svd(true, true);
+    (svd.u.unwrap_or_default(), svd.singular_values, svd.v_t.unwrap_or_default())
+}
+
 /// A problem factorised for every lambda.
 #[derive(Debug, Clone)]
 pub struct Factorised {
@@ -85,13 +95,12 @@ impl Factorised {
         let t = &triangle.0;
         let p = triangle.unknowns();
         let penalised = p - free;
-        let top = t.view((0, 0), (free, free)).into_owned().svd(true, true);
-        let (u, v_t) = (top.u.unwrap_or_default(), top.v_t.unwrap_or_default());
-        let largest = top.singular_values.iter().copied().fold(0.0, f64::max);
-        let keep: Vec<bool> = top.singular_values.iter().map(|s| *s > NOISE * largest).collect();
+        let (u, s, v_t) = svd(t.view((0, 0), (free, free)).into_owned());
+        let largest = s.iter().copied().fold(0.0, f64::max);
+        let keep: Vec<bool> = s.iter().map(|s| *s > NOISE * largest).collect();
         let mut inverse = DMatrix::zeros(free, free);
         for k in (0..free).filter(|k| keep[*k]) {
-            inverse += v_t.row(k).transpose() * u.column(k).transpose() / top.singular_values[k];
+            inverse += v_t.row(k).transpose() * u.column(k).transpose() / s[k];
         }
         let coupling = t.view((0, free), (free, penalised)).into_owned();
         let free_rhs = t.view((0, p), (free, 1)).column(0).into_owned();
@@ -106,13 +115,8 @@ impl Factorised {
             block.row_mut(below + i).copy_from(&(u.column(k).transpose() * &coupling));
             rhs[below + i] = u.column(k).dot(&free_rhs);
         }
-        let (s, v_t, beta) = if penalised == 0 {
-            (DVector::zeros(0), DMatrix::zeros(0, 0), DVector::zeros(0))
-        } else {
-            let svd = block.svd(true, true);
-            let beta = svd.u.unwrap_or_default().transpose() * &rhs;
-            (svd.singular_values, svd.v_t.unwrap_or_default(), beta)
-        };
+        let (u, s, v_t) = svd(block);
+        let beta = u.tr_mul(&rhs);
         let rest = (rhs.norm_squared() - beta.norm_squared()).max(0.0);
         Self { free, free_inverse: inverse, free_coupling: coupling, free_rhs, s, v_t, beta, rest }
     }

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, each a thin layer over the library.
 
+mod compare;
 mod diagnose;
 mod diff;
 mod evaluate;
@@ -32,6 +33,7 @@ enum Verb {
     Identify(identify::Identify),
     Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
+    Compare(compare::Compare),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
     Diff(diff::Diff),
@@ -45,6 +47,7 @@ impl Cli {
             Verb::Identify(verb) => verb.run(),
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
+            Verb::Compare(verb) => verb.run(),
             Verb::Pack(verb) => verb.run(),
             Verb::Inspect(verb) => verb.run(),
             Verb::Diff(verb) => verb.run(),
