@@ -18,6 +18,8 @@ pub mod methods;
 pub mod pack;
 pub mod plot;
 pub mod report;
+pub mod reproduce;
+pub mod simulate;
 pub mod tikhonov;
 pub mod unpack;
 

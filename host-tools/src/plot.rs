@@ -58,6 +58,8 @@ pub struct Axis {
     pub label: String,
     /// Decades.
     pub log: bool,
+    /// Values stand for themselves: the axis need not start at zero.
+    pub signed: bool,
     /// Names of 1, 2, 3... instead of numbers.
     pub names: Vec<String>,
 }
@@ -66,6 +68,11 @@ impl Axis {
     /// Linear.
     pub fn linear(label: impl Into<String>) -> Self {
         Self { label: label.into(), ..Self::default() }
+    }
+
+    /// Linear, as wide as the values.
+    pub fn signed(label: impl Into<String>) -> Self {
+        Self { signed: true, ..Self::linear(label) }
     }
 
     /// Logarithmic; values from zero down are left out.
@@ -202,7 +209,7 @@ impl Panel {
         let bars = self.series.iter().any(|s| s.mark == Mark::Bars);
         let across = if bars { x.0 - 0.6..x.1 + 0.6 } else { wide(x, 0.03) };
         // Errors are seen from zero.
-        if !self.y.log && y.0 >= 0.0 {
+        if !self.y.log && !self.y.signed && y.0 >= 0.0 {
             return (across, 0.0..(y.1 * 1.08).max(f64::MIN_POSITIVE));
         }
         if bars && !self.y.log {

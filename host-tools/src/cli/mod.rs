@@ -8,6 +8,7 @@ mod identify;
 mod inspect;
 mod pack;
 mod progress;
+mod reproduce;
 mod table;
 mod unpack;
 
@@ -34,6 +35,7 @@ enum Verb {
     Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
     Compare(compare::Compare),
+    Reproduce(reproduce::Reproduce),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
     Diff(diff::Diff),
@@ -48,6 +50,7 @@ impl Cli {
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
             Verb::Compare(verb) => verb.run(),
+            Verb::Reproduce(verb) => verb.run(),
             Verb::Pack(verb) => verb.run(),
             Verb::Inspect(verb) => verb.run(),
             Verb::Diff(verb) => verb.run(),

@@ -102,8 +102,16 @@ pub fn report(r: &Report) -> String {
     );
     out += &format!("lambda {:.3e} by {} ({} scaling)", r.lambda, r.lambda_rule, r.lambda_scaling);
     if let Some(choice) = &r.lambda_choice {
-        let corner = choice.l_curve.map_or("none".to_owned(), |c| format!("{c:.3e}"));
+        let or_none = |l: Option<f64>| l.map_or("none".to_owned(), |l| format!("{l:.3e}"));
+        let corner = or_none(choice.l_curve);
         out += &format!("; L-curve corner {corner}, two-step {:.3e}", choice.two_step);
+        out += &format!(
+            "\nother rules: GCV {}, discrepancy {}, k-fold {:.3e}, marginal likelihood {}",
+            or_none(choice.gcv),
+            or_none(choice.discrepancy),
+            choice.k_fold,
+            or_none(choice.maximum_likelihood)
+        );
     }
     out += &format!(
         "\ncorrections {:.2} tolerances in norm; residuals {:.1} times the stated sigma\n\n",

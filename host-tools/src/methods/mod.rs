@@ -16,7 +16,7 @@ pub use compare::{Comparison, Outcome, compare};
 pub use descent::GradientDescent;
 pub use kalman::Kalman;
 pub use least_squares::{NormalEquations, PseudoInverse};
-pub use newton::{GaussNewton, LevenbergMarquardt};
+pub use newton::{GaussNewton, LevenbergMarquardt, ReducedGaussNewton};
 pub use rpim::{Printed, PrintedRpim, Rpim};
 
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
@@ -196,6 +196,7 @@ pub fn all() -> Vec<Box<dyn Method>> {
         Box::new(NormalEquations),
         Box::new(GradientDescent::default()),
         Box::new(GaussNewton::default()),
+        Box::new(ReducedGaussNewton::default()),
         Box::new(LevenbergMarquardt::default()),
         Box::new(Kalman::default()),
         Box::new(PrintedRpim),

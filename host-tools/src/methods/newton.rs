@@ -1,8 +1,12 @@
 //! Gauss-Newton and its damped form.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::least_squares::pseudo_inverse;
 use super::{Method, Solution, Task};
 use crate::error::{Error, Result};
+use crate::identify::Unknown;
+use crate::tikhonov::NOISE;
 
 /// GN: the pseudo-inverse step, repeated, with no control of its length.
 pub struct GaussNewton {
@@ -11,6 +15,20 @@ pub struct GaussNewton {
 }
 
 impl Default for GaussNewton {
+    fn default() -> Self {
+        Self { most: 20 }
+    }
+}
+
+/// GN with redundancy removed beforehand, as Eq. 7 of the paper asks: steps only
+/// within the directions that move points of the nominal arm, found once from
+/// columns in tolerances. No prior, no damping.
+pub struct ReducedGaussNewton {
+    /// Most iterations.
+    pub most: usize,
+}
+
+impl Default for ReducedGaussNewton {
     fn default() -> Self {
         Self { most: 20 }
     }
@@ -53,6 +71,42 @@ impl Method for GaussNewton {
         }
         Ok(Solution { state, iterations: self.most, lambda: None, settled: false })
     }
+}
+
+impl Method for ReducedGaussNewton {
+    fn name(&self) -> &'static str {
+        "GN-R"
+    }
+
+    fn about(&self) -> &'static str {
+        "Gauss-Newton on the identifiable directions of the nominal arm"
+    }
+
+    fn solve(&self, task: &Task) -> Result<Solution> {
+        let mut state = task.start().clone();
+        let basis = identifiable(task);
+        for iterations in 1..=self.most {
+            let (u, s) = task.system(&state);
+            let step = &basis * pseudo_inverse(u * &basis, &s)?;
+            state = task.stepped(&state, &step)?;
+            if step.amax() < SMALL {
+                return Ok(Solution { state, iterations, lambda: None, settled: true });
+            }
+        }
+        Ok(Solution { state, iterations: self.most, lambda: None, settled: false })
+    }
+}
+
+/// Directions that move points of the nominal arm, as columns in m and rad.
+fn identifiable(task: &Task) -> DMatrix<f64> {
+    let tolerance = |u: &Unknown| u.tolerance();
+    let units =
+        DVector::from_iterator(task.unknowns().len(), task.unknowns().iter().map(tolerance));
+    let scaled = task.system(task.start()).0 * DMatrix::from_diagonal(&units);
+    let svd = scaled.svd(false, true);
+    let rank = svd.rank(NOISE * svd.singular_values.max());
+    let v_t = svd.v_t.unwrap_or_default();
+    DMatrix::from_diagonal(&units) * v_t.rows(0, rank).transpose()
 }
 
 impl Method for LevenbergMarquardt {

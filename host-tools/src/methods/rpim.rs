@@ -4,8 +4,9 @@ use nalgebra::DMatrix;
 
 use super::{Method, Solution, Task};
 use crate::error::Result;
-use crate::identify::State;
+use crate::identify::estimate::regularised;
 use crate::identify::fit::{Freedom, fit};
+use crate::identify::{LambdaRule, State};
 use crate::tikhonov::{Factorised, Triangle};
 
 /// RPIM as printed: `lambda I` on metres and radians, one linearisation, lambda
@@ -13,8 +14,8 @@ use crate::tikhonov::{Factorised, Triangle};
 pub struct PrintedRpim;
 
 /// RPIM as truearm does it: iterated, every parameter weighed by its tolerance
-/// and every residual by its sigma, so that lambda = 1 is the maximum a
-/// posteriori estimate; base and tool always with the rest.
+/// and every residual by its sigma, lambda by the default rule; base and tool
+/// always with the rest.
 pub struct Rpim;
 
 /// One linearisation of a task, for every lambda.
@@ -118,9 +119,10 @@ impl Method for Rpim {
     }
 
     fn solve(&self, task: &Task) -> Result<Solution> {
-        let lambda = 1.0;
-        let found = fit(&task.problem, &task.rows, None, &task.start, Freedom::All(lambda))?;
-        let (state, iterations) = (found.state, found.steps + 1);
+        let first = fit(&task.problem, &task.rows, None, &task.start, Freedom::All(1.0))?;
+        let rule = LambdaRule::default();
+        let (found, lambda) = regularised(&task.problem, rule, &task.rows, &first)?;
+        let (state, iterations) = (found.state, first.steps + found.steps + 2);
         Ok(Solution { state, iterations, lambda: Some(lambda), settled: true })
     }
 }

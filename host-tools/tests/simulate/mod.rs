@@ -9,6 +9,7 @@ mod oracle;
 pub mod arm;
 mod draw;
 pub mod effects;
+pub mod regret;
 pub mod robots;
 pub mod secret;
 pub mod sets;
@@ -77,9 +78,20 @@ pub struct Truth {
 impl Truth {
     /// Geometric errors of the size of the tolerances, frames anywhere.
     pub fn draw(robot: &Robot, stations: usize, markers: usize, rng: &mut impl Rng) -> Self {
+        Self::draw_sized(robot, stations, markers, 1.0, rng)
+    }
+
+    /// Geometric errors of so many tolerances.
+    pub fn draw_sized(
+        robot: &Robot,
+        stations: usize,
+        markers: usize,
+        tolerances: f64,
+        rng: &mut impl Rng,
+    ) -> Self {
         let mut links = robot.nominal();
         for link in &mut links {
-            let error = core::array::from_fn(|_| normal(rng) * 1e-3);
+            let error = core::array::from_fn(|_| normal(rng) * tolerances * 1e-3);
             *link = link.corrected(&MdhParameters::from_array(error));
         }
         let bases = (0..stations).map(|_| {
