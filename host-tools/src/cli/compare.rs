@@ -47,7 +47,7 @@ impl Compare {
         let json = serde_json::to_string_pretty(&found)
             .unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
             + "\n";
-        print!("{}", if self.json { json.clone() } else { table::comparison(&found) });
+        print!("{}", if self.json { json.clone() } else { words(&found) });
         let Some(folder) = &self.out else { return Ok(()) };
         write(&folder.join("compare.json"), json.as_bytes())?;
         write(&folder.join("errors.svg"), errors(&found).as_bytes())?;
@@ -57,6 +57,63 @@ impl Compare {
         }
         Ok(())
     }
+}
+
+/// The methods side by side.
+fn words(c: &Comparison) -> String {
+    let raw = table::condition(&c.condition_number_raw);
+    let mut out = format!(
+        "{}\n{}: {} rows fitted; classical methods: {} parameters, base and tool {}; rank of all {}, \
+         condition number (Eq. 24) {raw}\n",
+        c.robot, c.data, c.rows, c.parameters, c.frames, c.rank,
+    );
+    if !c.outlier_rows.is_empty() {
+        let rows: Vec<String> = c.outlier_rows.iter().map(usize::to_string).collect();
+        out += &format!("left out for all as gross errors: rows {}\n", rows.join(", "));
+    }
+    match &c.validation {
+        Some(file) => out += &format!("errors on {file}, registered anew: {}\n\n", c.reregistered),
+        None => out += "errors on the fitted rows; --validate judges on others\n\n",
+    }
+    out += &format!(
+        "{:7} {:>9} {:>9} {:>9} {:>7} {:>7} {:>5} {:>9} {:>10} {:>9}\n",
+        "method",
+        "Max mm",
+        "MAE mm",
+        "SD mm",
+        "MAE -%",
+        "SD -%",
+        "iter",
+        "ms",
+        "norm, tol",
+        "lambda"
+    );
+    c.methods.iter().for_each(|o| out += &outcome(o));
+    out += "norm: corrections of all links in manufacturing tolerances (1 mm, 1 mrad)\n";
+    out
+}
+
+fn outcome(o: &Outcome) -> String {
+    let Some(s) = o.validation.or(o.fitted) else {
+        return format!("{:7} {}\n", o.name, o.failure.as_deref().unwrap_or("no result"));
+    };
+    let percent = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{p:.1}"));
+    // Metres of error are best read as powers of ten.
+    let mm = |x: f64| if x < 1e4 { format!("{x:.4}") } else { format!("{x:.1e}") };
+    let mark = if o.settled { "" } else { "  did not come to rest" };
+    format!(
+        "{:7} {:>9} {:>9} {:>9} {:>7} {:>7} {:>5} {:>9.2} {:>10} {:>9}{mark}\n",
+        o.name,
+        mm(s.max_mm),
+        mm(s.mean_mm),
+        mm(s.sd_mm),
+        percent(o.mae_reduction_percent),
+        percent(o.sd_reduction_percent),
+        o.iterations,
+        o.seconds * 1e3,
+        o.correction_norm.map_or("-".to_owned(), |n| format!("{n:.3e}")),
+        o.lambda.map_or("-".to_owned(), |l| format!("{l:.1e}")),
+    )
 }
 
 /// Share of the judged rows against their error, a line a method.

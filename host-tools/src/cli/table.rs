@@ -1,7 +1,6 @@
 //! The short tables on the terminal.
 
 use truearm_host::diagnose::{DiagnoseReport, Effect, Verdict};
-use truearm_host::methods::{Comparison, Outcome};
 use truearm_host::report::{Condition, Report, Stats, Validation};
 
 fn row(out: &mut String, name: &str, stats: &Option<Stats>) {
@@ -20,64 +19,12 @@ fn head(out: &mut String) {
     );
 }
 
-/// The methods side by side.
-pub fn comparison(c: &Comparison) -> String {
-    let raw = match c.condition_number_raw {
+/// A condition number in words.
+pub fn condition(condition: &Condition) -> String {
+    match condition {
         Condition::Number(c) => format!("{c:.3e}"),
-        Condition::Beyond(text) => text.to_owned(),
-    };
-    let mut out = format!(
-        "{}\n{}: {} rows fitted; classical methods: {} parameters, base and tool {}; rank of all {}, \
-         condition number (Eq. 24) {raw}\n",
-        c.robot, c.data, c.rows, c.parameters, c.frames, c.rank,
-    );
-    if !c.outlier_rows.is_empty() {
-        let rows: Vec<String> = c.outlier_rows.iter().map(usize::to_string).collect();
-        out += &format!("left out for all as gross errors: rows {}\n", rows.join(", "));
+        Condition::Beyond(text) => (*text).to_owned(),
     }
-    match &c.validation {
-        Some(file) => out += &format!("errors on {file}, registered anew: {}\n\n", c.reregistered),
-        None => out += "errors on the fitted rows; --validate judges on others\n\n",
-    }
-    out += &format!(
-        "{:7} {:>9} {:>9} {:>9} {:>7} {:>7} {:>5} {:>9} {:>10} {:>9}\n",
-        "method",
-        "Max mm",
-        "MAE mm",
-        "SD mm",
-        "MAE -%",
-        "SD -%",
-        "iter",
-        "ms",
-        "norm, tol",
-        "lambda"
-    );
-    c.methods.iter().for_each(|o| out += &outcome(o));
-    out += "norm: corrections of all links in manufacturing tolerances (1 mm, 1 mrad)\n";
-    out
-}
-
-fn outcome(o: &Outcome) -> String {
-    let Some(s) = o.validation.or(o.fitted) else {
-        return format!("{:7} {}\n", o.name, o.failure.as_deref().unwrap_or("no result"));
-    };
-    let percent = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{p:.1}"));
-    // Metres of error are best read as powers of ten.
-    let mm = |x: f64| if x < 1e4 { format!("{x:.4}") } else { format!("{x:.1e}") };
-    let mark = if o.settled { "" } else { "  did not come to rest" };
-    format!(
-        "{:7} {:>9} {:>9} {:>9} {:>7} {:>7} {:>5} {:>9.2} {:>10} {:>9}{mark}\n",
-        o.name,
-        mm(s.max_mm),
-        mm(s.mean_mm),
-        mm(s.sd_mm),
-        percent(o.mae_reduction_percent),
-        percent(o.sd_reduction_percent),
-        o.iterations,
-        o.seconds * 1e3,
-        o.correction_norm.map_or("-".to_owned(), |n| format!("{n:.3e}")),
-        o.lambda.map_or("-".to_owned(), |l| format!("{l:.1e}")),
-    )
 }
 
 /// A report of `identify`.
@@ -92,10 +39,7 @@ pub fn report(r: &Report) -> String {
         count(r.stations.len(), "station"),
         count(r.markers.len(), "marker"),
     );
-    let raw = match r.condition_number_raw {
-        Condition::Number(c) => format!("{c:.3e}"),
-        Condition::Beyond(text) => text.to_owned(),
-    };
+    let raw = condition(&r.condition_number_raw);
     out += &format!(
         "{} parameters, rank {}, condition number {:.3e} (Eq. 24 with redundancy: {raw})\n",
         r.parameters, r.rank, r.condition_number

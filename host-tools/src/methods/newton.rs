@@ -50,6 +50,20 @@ impl Default for LevenbergMarquardt {
 /// A step that moves nothing by more than this, m or rad, is none.
 const SMALL: f64 = 1e-9;
 
+/// Full steps within the span of a basis.
+fn newton(task: &Task, basis: &DMatrix<f64>, most: usize) -> Result<Solution> {
+    let mut state = task.start().clone();
+    for iterations in 1..=most {
+        let (u, s) = task.system(&state);
+        let step = basis * pseudo_inverse(u * basis, &s)?;
+        state = task.stepped(&state, &step)?;
+        if step.amax() < SMALL {
+            return Ok(Solution { state, iterations, lambda: None, settled: true });
+        }
+    }
+    Ok(Solution { state, iterations: most, lambda: None, settled: false })
+}
+
 impl Method for GaussNewton {
     fn name(&self) -> &'static str {
         "GN"
@@ -60,16 +74,8 @@ impl Method for GaussNewton {
     }
 
     fn solve(&self, task: &Task) -> Result<Solution> {
-        let mut state = task.start().clone();
-        for iterations in 1..=self.most {
-            let (u, s) = task.system(&state);
-            let step = pseudo_inverse(u, &s)?;
-            state = task.stepped(&state, &step)?;
-            if step.amax() < SMALL {
-                return Ok(Solution { state, iterations, lambda: None, settled: true });
-            }
-        }
-        Ok(Solution { state, iterations: self.most, lambda: None, settled: false })
+        let n = task.unknowns().len();
+        newton(task, &DMatrix::identity(n, n), self.most)
     }
 }
 
@@ -83,17 +89,7 @@ impl Method for ReducedGaussNewton {
     }
 
     fn solve(&self, task: &Task) -> Result<Solution> {
-        let mut state = task.start().clone();
-        let basis = identifiable(task);
-        for iterations in 1..=self.most {
-            let (u, s) = task.system(&state);
-            let step = &basis * pseudo_inverse(u * &basis, &s)?;
-            state = task.stepped(&state, &step)?;
-            if step.amax() < SMALL {
-                return Ok(Solution { state, iterations, lambda: None, settled: true });
-            }
-        }
-        Ok(Solution { state, iterations: self.most, lambda: None, settled: false })
+        newton(task, &identifiable(task), self.most)
     }
 }
 

@@ -6,6 +6,7 @@ mod discussion;
 mod example;
 mod figures;
 pub mod paper;
+mod points;
 mod section_v;
 mod text;
 mod trial;

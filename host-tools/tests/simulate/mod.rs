@@ -21,6 +21,8 @@ use rand::{Rng, RngExt};
 use truearm::{JointKind, Link, MdhParameters, Pose};
 use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::{Conditions, Identification, State};
+pub use truearm_host::simulate::normal;
+use truearm_host::simulate::normal_vector as vector;
 
 /// A UR10-like arm, tool off the last axis: 27 of 39 parameters identifiable.
 pub const UR10_LIKE: &str = r#"
@@ -52,16 +54,6 @@ joints = [
   { alpha_deg = -90, a_mm = 0, d_mm = 80, theta_offset_deg = 0 },
 ]
 "#;
-
-/// Standard normal (Box-Muller).
-pub fn normal(rng: &mut impl Rng) -> f64 {
-    let (a, b): (f64, f64) = (rng.random_range(1e-12..1.0), rng.random_range(0.0..1.0));
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-}
-
-fn vector(rng: &mut impl Rng) -> Vector3<f64> {
-    Vector3::from_fn(|_, _| normal(rng))
-}
 
 pub fn robot(text: &str) -> Robot {
     Robot::parse(Path::new("robot.toml"), text).unwrap()
