@@ -30,6 +30,9 @@ pub fn number(x: f64) -> String {
 /// Median, and tenth to ninetieth percentile.
 fn middle(values: &[f64]) -> String {
     let [median, low, high, _] = spread(values);
+    if median.is_nan() {
+        return "-".to_owned();
+    }
     format!("{} ({} - {})", number(median), number(low), number(high))
 }
 
@@ -97,7 +100,7 @@ fn nine_and_ten(study: &Study, example: &Example) -> String {
     let mut out = format!(
         "## Tables 9 and 10\n\nOver the 52 + 18 points, mm: what the paper prints, and the \
          median over the seeds of cell (b), base and tool held as in the paper and fitted with the rest \
-         (seed {SHOWN} of the figures in brackets).\n\n"
+         (seed {SHOWN} of the figures in brackets). RPIM fits them in either.\n\n"
     );
     let stat = |which: usize, name: &str, f: fn(&Stats) -> f64| {
         let of = |c: &Contest| score(c, name).and_then(|s| s.table).map_or(f64::NAN, |t| f(&t));
