@@ -44,14 +44,7 @@ const MARGIN: f64 = 0.01;
 /// A station or marker the training did not have, naming `--reregister`.
 pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Result<Validation> {
     let conditions = Conditions::new(data, &model.robot);
-    let state = match frames {
-        Reregister::Nothing => trained(model, data)?,
-        Reregister::Base => {
-            let markers = known_markers(model, data)?;
-            with_bases(data, &conditions, model, markers)?
-        }
-        Reregister::BaseAndTool => registered(model, data, model.links(), arm_terms(model))?,
-    };
+    let state = state_on(model, data, frames)?;
     let residuals = residuals(data, &conditions, &state);
     let left_out = own_evidence(&residuals);
     let kept: Vec<_> =
@@ -85,6 +78,21 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
         base_refitted_rms_mm: base_refitted,
         joints_not_covered: not_covered(model, data),
     })
+}
+
+/// The model with the frames of a file: those of the training, or fitted to it.
+///
+/// # Errors
+/// As for [`evaluate`].
+pub fn state_on(model: &Model, data: &Measurements, frames: Reregister) -> Result<State> {
+    match frames {
+        Reregister::Nothing => trained(model, data),
+        Reregister::Base => {
+            let markers = known_markers(model, data)?;
+            with_bases(data, &Conditions::new(data, &model.robot), model, markers)
+        }
+        Reregister::BaseAndTool => registered(model, data, model.links(), arm_terms(model)),
+    }
 }
 
 /// Measured minus predicted of every row, m.

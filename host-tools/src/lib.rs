@@ -14,8 +14,12 @@ pub mod explain;
 pub mod export;
 pub mod files;
 pub mod identify;
+pub mod methods;
 pub mod pack;
+pub mod plot;
 pub mod report;
+pub mod reproduce;
+pub mod simulate;
 pub mod tikhonov;
 pub mod unpack;
 

@@ -68,7 +68,12 @@ fn plain_least_squares(robot: &Robot, data: &Measurements) -> (State, f64) {
 #[test]
 fn identification_reaches_the_cramer_rao_bound() {
     let robot = robot(UR10_LIKE);
-    let rules = [LambdaRule::MaximumAPosteriori, LambdaRule::TwoStep, LambdaRule::LCurve];
+    let rules = [
+        LambdaRule::default(),
+        LambdaRule::MaximumAPosteriori,
+        LambdaRule::TwoStep,
+        LambdaRule::LCurve,
+    ];
     let mut ratios = vec![Vec::new(); rules.len()];
     let (mut plain, mut plain_norm, mut norm) = (Vec::new(), Vec::new(), Vec::new());
     for seed in 0..100 {
@@ -83,7 +88,7 @@ fn identification_reaches_the_cramer_rao_bound() {
             assert_eq!(found.report.rank, 27);
             assert!(found.report.outlier_rows.is_empty(), "seed {seed}");
             ratios.push(rms(&robot, &state_of(&found, &check), &check) / bound);
-            if *rule == LambdaRule::MaximumAPosteriori {
+            if *rule == LambdaRule::default() {
                 norm.push(found.report.correction_norm);
             }
         }

@@ -29,7 +29,8 @@ pub struct Identify {
     /// Print report.json instead of the table
     #[arg(long)]
     json: bool,
-    /// map, l-curve, two-step, or a number
+    /// ml (marginal likelihood, the default), map (lambda = 1), l-curve, two-step, gcv, discrepancy,
+    /// k-fold, or a number
     #[arg(long, value_name = "RULE")]
     lambda: Option<String>,
     /// What lambda weighs: deviations from nominal in tolerances against
@@ -79,7 +80,8 @@ impl Identify {
             Mode::Printed => Scaling::Printed,
         };
         let rule = match (self.lambda.as_deref(), scaling) {
-            (None | Some("map"), Scaling::Prior) => LambdaRule::MaximumAPosteriori,
+            (None, Scaling::Prior) => LambdaRule::default(),
+            (Some("map"), Scaling::Prior) => LambdaRule::MaximumAPosteriori,
             (Some("map"), Scaling::Printed) => {
                 return Err(Error::data(
                     "--lambda map needs --scaling prior",
@@ -89,12 +91,16 @@ impl Identify {
             }
             (None | Some("two-step"), _) => LambdaRule::TwoStep,
             (Some("l-curve"), _) => LambdaRule::LCurve,
+            (Some("gcv"), _) => LambdaRule::Gcv,
+            (Some("discrepancy"), _) => LambdaRule::Discrepancy,
+            (Some("k-fold"), _) => LambdaRule::KFold,
+            (Some("ml"), _) => LambdaRule::MaximumLikelihood,
             (Some(text), _) => match text.parse::<f64>() {
                 Ok(lambda) if lambda >= 0.0 && lambda.is_finite() => LambdaRule::Fixed(lambda),
                 _ => {
                     return Err(Error::data(
                         format!("--lambda {text}"),
-                        "give map, l-curve, two-step, or a number from 0 on",
+                        "give map, l-curve, two-step, gcv, discrepancy, k-fold, ml, or a number from 0 on",
                     ));
                 }
             },

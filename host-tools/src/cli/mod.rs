@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, each a thin layer over the library.
 
+mod compare;
 mod diagnose;
 mod diff;
 mod evaluate;
@@ -7,6 +8,7 @@ mod identify;
 mod inspect;
 mod pack;
 mod progress;
+mod reproduce;
 mod table;
 mod unpack;
 
@@ -32,6 +34,8 @@ enum Verb {
     Identify(identify::Identify),
     Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
+    Compare(compare::Compare),
+    Reproduce(reproduce::Reproduce),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
     Diff(diff::Diff),
@@ -45,6 +49,8 @@ impl Cli {
             Verb::Identify(verb) => verb.run(),
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
+            Verb::Compare(verb) => verb.run(),
+            Verb::Reproduce(verb) => verb.run(),
             Verb::Pack(verb) => verb.run(),
             Verb::Inspect(verb) => verb.run(),
             Verb::Diff(verb) => verb.run(),

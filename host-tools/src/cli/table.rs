@@ -19,6 +19,14 @@ fn head(out: &mut String) {
     );
 }
 
+/// A condition number in words.
+pub fn condition(condition: &Condition) -> String {
+    match condition {
+        Condition::Number(c) => format!("{c:.3e}"),
+        Condition::Beyond(text) => (*text).to_owned(),
+    }
+}
+
 /// A report of `identify`.
 pub fn report(r: &Report) -> String {
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
@@ -31,18 +39,23 @@ pub fn report(r: &Report) -> String {
         count(r.stations.len(), "station"),
         count(r.markers.len(), "marker"),
     );
-    let raw = match r.condition_number_raw {
-        Condition::Number(c) => format!("{c:.3e}"),
-        Condition::Beyond(text) => text.to_owned(),
-    };
+    let raw = condition(&r.condition_number_raw);
     out += &format!(
         "{} parameters, rank {}, condition number {:.3e} (Eq. 24 with redundancy: {raw})\n",
         r.parameters, r.rank, r.condition_number
     );
     out += &format!("lambda {:.3e} by {} ({} scaling)", r.lambda, r.lambda_rule, r.lambda_scaling);
     if let Some(choice) = &r.lambda_choice {
-        let corner = choice.l_curve.map_or("none".to_owned(), |c| format!("{c:.3e}"));
+        let or_none = |l: Option<f64>| l.map_or("none".to_owned(), |l| format!("{l:.3e}"));
+        let corner = or_none(choice.l_curve);
         out += &format!("; L-curve corner {corner}, two-step {:.3e}", choice.two_step);
+        out += &format!(
+            "\nother rules: GCV {}, discrepancy {}, k-fold {:.3e}, marginal likelihood {}",
+            or_none(choice.gcv),
+            or_none(choice.discrepancy),
+            choice.k_fold,
+            or_none(choice.maximum_likelihood)
+        );
     }
     out += &format!(
         "\ncorrections {:.2} tolerances in norm; residuals {:.1} times the stated sigma\n\n",

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::fit::{Fit, Freedom, fit};
 use super::folds::{self, Fold};
-use super::lambda::{LambdaChoice, LambdaRule, choose};
+use super::lambda::{LambdaChoice, LambdaRule, choose, lambda_by};
 use super::problem::{Problem, Scaling};
 use super::robust::{Flags, RobustFit, robust_fit};
 use super::unknowns::State;
@@ -40,35 +40,44 @@ pub fn estimate(
     let prior = Problem { scaling: Scaling::Prior, ..problem.clone() };
     let robust = robust_fit(&prior, rows, start, Flags::default())?;
     let kept = &robust.kept;
-    let ask = |state: &State| {
-        choose(problem, state, kept, &folds::random(problem.data, kept, folds::SEED + 1))
-    };
-    let settled = match (problem.scaling, rule) {
-        (Scaling::Prior, LambdaRule::MaximumAPosteriori) => Some(1.0),
-        (_, LambdaRule::Fixed(lambda)) => Some(lambda),
-        _ => None,
-    };
-    if let Some(lambda) = settled {
-        let converged = if problem.scaling == Scaling::Prior && lambda == 1.0 {
-            robust.fit.clone()
-        } else {
-            fit(problem, kept, None, start, Freedom::All(lambda))?
-        };
-        let choice = report.then(|| ask(&converged.state));
-        return Ok(Estimate { fit: converged, robust, lambda, choice });
+    let (fit, lambda) = regularised(problem, rule, kept, &robust.fit)?;
+    let choice = report.then(|| {
+        let folds = folds::random(problem.data, kept, folds::SEED + 1);
+        choose(problem, &fit.state, kept, &folds)
+    });
+    Ok(Estimate { fit, robust, lambda, choice })
+}
+
+/// Linearisations for which lambda is chosen anew.
+const MOST_ROUNDS: usize = 12;
+
+/// The fit with the lambda of a rule, from the maximum a posteriori fit of the
+/// prior scaling, and that lambda.
+///
+/// # Errors
+/// As for [`fit`].
+pub fn regularised(
+    problem: &Problem,
+    rule: LambdaRule,
+    rows: &[usize],
+    first: &Fit,
+) -> Result<(Fit, f64)> {
+    if (problem.scaling, rule) == (Scaling::Prior, LambdaRule::MaximumAPosteriori) {
+        return Ok((first.clone(), 1.0));
     }
-    // The curve belongs to a linearisation, and that to a lambda.
-    let mut state = robust.fit.state.clone();
+    // A lambda belongs to a linearisation, and that to a lambda.
+    let mut state = first.state.clone();
     let mut last = f64::NAN;
-    loop {
-        let choice = ask(&state);
-        let lambda = choice.by(rule);
-        let converged = fit(problem, kept, None, &state, Freedom::All(lambda))?;
-        if (lambda / last).ln().abs() < 0.02 || !last.is_nan() {
-            return Ok(Estimate { fit: converged, robust, lambda, choice: Some(choice) });
+    for round in 1.. {
+        let lambda = lambda_by(rule, problem, &state, rows);
+        let found = fit(problem, rows, None, &state, Freedom::All(lambda))?;
+        // Held-out poses make lambda jump by steps: no use in following it long.
+        if lambda == last || (lambda / last).ln().abs() < 1e-3 || round == MOST_ROUNDS {
+            return Ok((found, lambda));
         }
-        (last, state) = (lambda, converged.state);
+        (last, state) = (lambda, found.state);
     }
+    unreachable!("the last round returns")
 }
 
 /// Measured minus predicted for every row, predicted from the other folds with

@@ -1,29 +1,50 @@
-//! Choosing lambda: L-curve corner, then the paper's two steps (decades, then
-//! ten steps inside the best decade), judged on held-out poses. The paper
-//! judges on the training residual, whose minimum is always lambda = 0.
+//! Choosing lambda: six rules side by side, all from one factorisation. The
+//! paper's is the L-curve corner, refined in two steps (decades, then ten steps
+//! inside the best decade); these are judged on held-out poses. The paper judges
+//! on the training residual, whose minimum is always lambda = 0.
 
 use serde::Serialize;
 
-use super::folds::Fold;
-use super::problem::Problem;
+use super::folds::{self, Fold};
+use super::problem::{Problem, Scaling};
 use super::unknowns::State;
-use crate::tikhonov::{Factorised, Triangle};
+use crate::tikhonov::{Factorised, HeldOut};
 
 /// How lambda is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum LambdaRule {
     /// 1: the maximum a posteriori estimate of the prior scaling.
-    #[default]
     MaximumAPosteriori,
     /// The corner of the L-curve.
     LCurve,
     /// The corner, refined in two steps on held-out poses.
     TwoStep,
+    /// Generalised cross-validation.
+    Gcv,
+    /// Morozov's discrepancy principle, from the stated sigma.
+    Discrepancy,
+    /// Least error of held-out poses.
+    KFold,
+    /// Maximum of the marginal likelihood: the least regret where neither the
+    /// size of the errors nor the noise is known (docs/results.md).
+    #[default]
+    MaximumLikelihood,
     /// Given by the user.
     Fixed(f64),
 }
 
 impl LambdaRule {
+    /// All that choose for themselves.
+    pub const ALL: [Self; 7] = [
+        Self::MaximumAPosteriori,
+        Self::LCurve,
+        Self::TwoStep,
+        Self::Gcv,
+        Self::Discrepancy,
+        Self::KFold,
+        Self::MaximumLikelihood,
+    ];
+
     /// As in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -31,6 +52,10 @@ impl LambdaRule {
             Self::MaximumAPosteriori => "maximum-a-posteriori",
             Self::LCurve => "l-curve",
             Self::TwoStep => "two-step",
+            Self::Gcv => "gcv",
+            Self::Discrepancy => "discrepancy",
+            Self::KFold => "k-fold",
+            Self::MaximumLikelihood => "maximum-likelihood",
             Self::Fixed(_) => "fixed",
         }
     }
@@ -43,40 +68,61 @@ pub struct LambdaChoice {
     pub l_curve: Option<f64>,
     /// After the two steps.
     pub two_step: f64,
+    /// Generalised cross-validation.
+    pub gcv: Option<f64>,
+    /// Discrepancy principle; none where the residual is above the stated noise
+    /// whatever lambda is.
+    pub discrepancy: Option<f64>,
+    /// Least held-out error.
+    pub k_fold: f64,
+    /// Marginal likelihood.
+    pub maximum_likelihood: Option<f64>,
     /// Every lambda tried with its held-out RMS error in mm, ascending.
     pub tried: Vec<(f64, f64)>,
 }
 
-/// Applies the rules at a state: one factorisation for the curve, and one for
-/// each fold that serves every lambda tried.
+/// Lambda by one rule at a state; held-out poses only where the rule asks them.
+#[must_use]
+pub fn lambda_by(rule: LambdaRule, problem: &Problem, state: &State, rows: &[usize]) -> f64 {
+    let factorised = || {
+        let triangle = problem.linearise(state).triangle(rows, None);
+        Factorised::new(&triangle, problem.unknowns.free())
+    };
+    let found = match rule {
+        LambdaRule::MaximumAPosteriori => Some(1.0),
+        LambdaRule::Fixed(lambda) => Some(lambda),
+        LambdaRule::LCurve => factorised().corner(),
+        LambdaRule::Gcv => factorised().gcv(),
+        LambdaRule::Discrepancy => {
+            Some(factorised().discrepancy(noise(problem, rows)).unwrap_or(0.0))
+        }
+        LambdaRule::MaximumLikelihood => factorised().maximum_likelihood(),
+        LambdaRule::TwoStep | LambdaRule::KFold => None,
+    };
+    found.unwrap_or_else(|| {
+        let folds = folds::random(problem.data, rows, folds::SEED + 1);
+        choose(problem, state, rows, &folds).by(rule)
+    })
+}
+
+/// Applies the rules at a state, from one factorisation of all rows.
 #[must_use]
 pub fn choose(problem: &Problem, state: &State, rows: &[usize], folds: &[Fold]) -> LambdaChoice {
     let at = problem.linearise(state);
-    let free = problem.unknowns.free();
-    // The triangle of all folds but one is joined from the folds' own.
-    let parts: Vec<Triangle> = folds.iter().map(|f| at.triangle(&f.held_out, None)).collect();
-    let whole = Factorised::new(&Triangle::join(parts.iter()), free);
-    let without: Vec<Factorised> = (0..folds.len())
-        .map(|k| {
-            let others = parts.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, p)| p);
-            Factorised::new(&Triangle::join(others), free)
-        })
-        .collect();
-    let equations: Vec<_> = rows.iter().map(|r| (*r, at.equations(*r))).collect();
+    let whole = Factorised::new(&at.triangle(rows, None), problem.unknowns.free());
+    let parts = folds.iter().map(|f| HeldOut::new(&whole, &at.rows(&f.held_out, None)));
+    let parts: Vec<HeldOut> = parts.collect();
     let held_out = |lambda: f64| {
-        let mut sum = 0.0;
-        for (fold, factorised) in folds.iter().zip(&without) {
-            let x = factorised.solve(lambda);
-            for row in &fold.held_out {
-                if let Ok(i) = equations.binary_search_by_key(row, |(r, _)| *r) {
-                    let e = &equations[i].1;
-                    // Back from weighted equations to metres.
-                    let scale = problem.metres(*row);
-                    sum += ((e.rhs - &e.block * &x) * scale).norm_squared();
-                }
+        let (mut sum, mut count) = (0.0, 0);
+        for (fold, part) in folds.iter().zip(&parts) {
+            let Some(errors) = part.residual(&whole, lambda) else { continue };
+            count += fold.held_out.len();
+            for (i, row) in fold.held_out.iter().enumerate() {
+                // Back from weighted equations to metres.
+                sum += errors.rows(3 * i, 3).norm_squared() * problem.metres(*row).powi(2);
             }
         }
-        (sum / rows.len() as f64).sqrt() * 1e3
+        (sum / f64::from(count.max(1) as u32)).sqrt() * 1e3
     };
     let l_curve = whole.corner();
     let largest = whole.singular_values().iter().copied().fold(0.0, f64::max).powi(2);
@@ -86,26 +132,56 @@ pub fn choose(problem: &Problem, state: &State, rows: &[usize], folds: &[Fold]) 
         for lambda in lambdas {
             tried.push((lambda, held_out(lambda)));
         }
-        let least = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
-        // Where the error is flat, more regularisation is safer.
-        let flat = tried.iter().filter(|t| t.1 <= least * 1.0001).map(|t| t.0);
-        flat.fold(0.0, f64::max)
+        flattest(&tried)
     };
     let decade = best(&mut (-9..=4).map(|k| start * 10_f64.powi(k)));
     let two_step =
         best(&mut (-5..=5).filter(|k| *k != 0).map(|k| decade * 10_f64.powf(f64::from(k) / 10.0)));
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    LambdaChoice { l_curve, two_step, tried }
+    // A quarter of a decade is as finely as held-out errors can tell.
+    let coarse: Vec<_> = whole.grid().iter().step_by(4).map(|l| (*l, held_out(*l))).collect();
+    LambdaChoice {
+        l_curve,
+        two_step,
+        gcv: whole.gcv(),
+        discrepancy: whole.discrepancy(noise(problem, rows)),
+        k_fold: flattest(&coarse),
+        maximum_likelihood: whole.maximum_likelihood(),
+        tried,
+    }
+}
+
+/// The lambda of least error; where the error is flat, more regularisation is
+/// safer.
+fn flattest(tried: &[(f64, f64)]) -> f64 {
+    let least = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
+    tried.iter().filter(|t| t.1 <= least * 1.0001).map(|t| t.0).fold(0.0, f64::max)
+}
+
+/// Standard deviation of the noise in the unit of the equations.
+fn noise(problem: &Problem, rows: &[usize]) -> f64 {
+    match problem.scaling {
+        Scaling::Prior => 1.0,
+        Scaling::Printed => {
+            let square: f64 = rows.iter().map(|r| problem.data.rows[*r].sigma.powi(2)).sum();
+            (square / rows.len() as f64).sqrt()
+        }
+    }
 }
 
 impl LambdaChoice {
-    /// The lambda of a rule; the two-step one where the curve has no corner.
+    /// The lambda of a rule; the two-step one where it says nothing.
     #[must_use]
     pub fn by(&self, rule: LambdaRule) -> f64 {
         match rule {
             LambdaRule::MaximumAPosteriori => 1.0,
             LambdaRule::LCurve => self.l_curve.unwrap_or(self.two_step),
             LambdaRule::TwoStep => self.two_step,
+            LambdaRule::Gcv => self.gcv.unwrap_or(self.two_step),
+            // Structure is left: as little regularisation as there is.
+            LambdaRule::Discrepancy => self.discrepancy.unwrap_or(0.0),
+            LambdaRule::KFold => self.k_fold,
+            LambdaRule::MaximumLikelihood => self.maximum_likelihood.unwrap_or(self.two_step),
             LambdaRule::Fixed(lambda) => lambda,
         }
     }

@@ -18,7 +18,7 @@ pub mod uncertainty;
 mod unknowns;
 
 pub use conditions::Conditions;
-pub use lambda::{LambdaChoice, LambdaRule, choose};
+pub use lambda::{LambdaChoice, LambdaRule, choose, lambda_by};
 pub use problem::{
     Equations, Linearised, Model as Predictor, Problem, Scaling, link_corrections,
     measurement_column,

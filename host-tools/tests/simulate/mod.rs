@@ -9,6 +9,7 @@ mod oracle;
 pub mod arm;
 mod draw;
 pub mod effects;
+pub mod regret;
 pub mod robots;
 pub mod secret;
 pub mod sets;
@@ -20,6 +21,8 @@ use rand::{Rng, RngExt};
 use truearm::{JointKind, Link, MdhParameters, Pose};
 use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::{Conditions, Identification, State};
+pub use truearm_host::simulate::normal;
+use truearm_host::simulate::normal_vector as vector;
 
 /// A UR10-like arm, tool off the last axis: 27 of 39 parameters identifiable.
 pub const UR10_LIKE: &str = r#"
@@ -52,16 +55,6 @@ joints = [
 ]
 "#;
 
-/// Standard normal (Box-Muller).
-pub fn normal(rng: &mut impl Rng) -> f64 {
-    let (a, b): (f64, f64) = (rng.random_range(1e-12..1.0), rng.random_range(0.0..1.0));
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-}
-
-fn vector(rng: &mut impl Rng) -> Vector3<f64> {
-    Vector3::from_fn(|_, _| normal(rng))
-}
-
 pub fn robot(text: &str) -> Robot {
     Robot::parse(Path::new("robot.toml"), text).unwrap()
 }
@@ -77,9 +70,20 @@ pub struct Truth {
 impl Truth {
     /// Geometric errors of the size of the tolerances, frames anywhere.
     pub fn draw(robot: &Robot, stations: usize, markers: usize, rng: &mut impl Rng) -> Self {
+        Self::draw_sized(robot, stations, markers, 1.0, rng)
+    }
+
+    /// Geometric errors of so many tolerances.
+    pub fn draw_sized(
+        robot: &Robot,
+        stations: usize,
+        markers: usize,
+        tolerances: f64,
+        rng: &mut impl Rng,
+    ) -> Self {
         let mut links = robot.nominal();
         for link in &mut links {
-            let error = core::array::from_fn(|_| normal(rng) * 1e-3);
+            let error = core::array::from_fn(|_| normal(rng) * tolerances * 1e-3);
             *link = link.corrected(&MdhParameters::from_array(error));
         }
         let bases = (0..stations).map(|_| {

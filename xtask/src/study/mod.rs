@@ -4,6 +4,7 @@ mod blind;
 mod cuts;
 mod flips;
 pub mod fuzz;
+mod lambda;
 mod power;
 pub mod restarts;
 mod ties;
@@ -33,6 +34,8 @@ pub enum Study {
     Power(power::Options),
     /// Every single and every pair of flipped bits of a full blob: is it refused?
     Flips,
+    /// Rules for lambda: how much worse than the best one?
+    Lambda(lambda::Options),
     /// Two effects look alike: is it said, and do the proposed poses tell?
     Ties(ties::Options),
     /// The power fails at every operation of a store, and again in what follows
@@ -53,6 +56,7 @@ pub fn run(study: &Study) -> Result {
         Study::Blind(options) => blind::run(options),
         Study::Power(options) => power::run(options),
         Study::Flips => flips::run(),
+        Study::Lambda(options) => lambda::run(options),
         Study::Ties(options) => ties::run(options),
         Study::Cuts(options) => cuts::run(options),
         Study::Restarts(options) => restarts::study(options),

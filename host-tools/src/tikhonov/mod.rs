@@ -6,6 +6,11 @@
 //! `|A x - b|^2 + lambda |x_penalised|^2` keeps the norm small (paper Eq. 11).
 //! Columns are scaled beforehand, so that x counts tolerances.
 
+mod held_out;
+mod rules;
+
+pub use held_out::HeldOut;
+
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values below this share of the largest are rounding noise.
@@ -14,7 +19,11 @@ pub const NOISE: f64 = 1e-10;
 /// `[R, Q'b; 0, rest]` of the QR factorisation of `[A, b]`: all that a
 /// least-squares problem needs of its rows, however many there are.
 #[derive(Debug, Clone)]
-pub struct Triangle(DMatrix<f64>);
+pub struct Triangle {
+    r: DMatrix<f64>,
+    /// Equations it was made of.
+    rows: usize,
+}
 
 impl Triangle {
     /// Of a matrix `[A, b]`, in pieces that stay in the processor's cache.
@@ -32,33 +41,43 @@ impl Triangle {
         }
         // Few rows give a flat triangle; fill it up.
         let have = r.nrows();
-        Self(r.resize_vertically(have.max(columns), 0.0))
+        Self { r: r.resize_vertically(have.max(columns), 0.0), rows: rows.nrows() }
     }
 
     /// Of all rows of several problems together.
     #[must_use]
     pub fn join<'a>(parts: impl Iterator<Item = &'a Self>) -> Self {
         let parts: Vec<_> = parts.collect();
-        let columns = parts.first().map_or(0, |p| p.0.ncols());
+        let columns = parts.first().map_or(0, |p| p.r.ncols());
         let mut stacked = DMatrix::zeros(parts.len() * columns, columns);
         for (i, part) in parts.iter().enumerate() {
-            stacked.rows_mut(i * columns, columns).copy_from(&part.0);
+            stacked.rows_mut(i * columns, columns).copy_from(&part.r);
         }
-        Self::new(&stacked)
+        Self { rows: parts.iter().map(|p| p.rows).sum(), ..Self::new(&stacked) }
     }
 
     /// Number of unknowns.
     #[must_use]
     pub fn unknowns(&self) -> usize {
-        self.0.ncols() - 1
+        self.r.ncols() - 1
     }
 
     /// The triangle of A.
     #[must_use]
     pub fn matrix(&self) -> DMatrix<f64> {
         let p = self.unknowns();
-        self.0.view((0, 0), (p + 1, p)).into_owned()
+        self.r.view((0, 0), (p + 1, p)).into_owned()
     }
+}
+
+/// U, singular values and V' of a matrix, which may be empty.
+fn svd(matrix: DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>, DMatrix<f64>) {
+    let rows = matrix.nrows();
+    if matrix.is_empty() {
+        return (DMatrix::zeros(rows, 0), DVector::zeros(0), DMatrix::zeros(0, 0));
+    }
+    let svd = matrix.svd(true, true);
+    (svd.u.unwrap_or_default(), svd.singular_values, svd.v_t.unwrap_or_default())
 }
 
 /// A problem factorised for every lambda.
@@ -76,22 +95,23 @@ pub struct Factorised {
     beta: DVector<f64>,
     /// What no solution reaches.
     rest: f64,
+    /// Equations left when the free unknowns have taken theirs.
+    equations: f64,
 }
 
 impl Factorised {
     /// Factorises; the first `free` unknowns are not penalised.
     #[must_use]
     pub fn new(triangle: &Triangle, free: usize) -> Self {
-        let t = &triangle.0;
+        let t = &triangle.r;
         let p = triangle.unknowns();
         let penalised = p - free;
-        let top = t.view((0, 0), (free, free)).into_owned().svd(true, true);
-        let (u, v_t) = (top.u.unwrap_or_default(), top.v_t.unwrap_or_default());
-        let largest = top.singular_values.iter().copied().fold(0.0, f64::max);
-        let keep: Vec<bool> = top.singular_values.iter().map(|s| *s > NOISE * largest).collect();
+        let (u, s, v_t) = svd(t.view((0, 0), (free, free)).into_owned());
+        let largest = s.iter().copied().fold(0.0, f64::max);
+        let keep: Vec<bool> = s.iter().map(|s| *s > NOISE * largest).collect();
         let mut inverse = DMatrix::zeros(free, free);
         for k in (0..free).filter(|k| keep[*k]) {
-            inverse += v_t.row(k).transpose() * u.column(k).transpose() / top.singular_values[k];
+            inverse += v_t.row(k).transpose() * u.column(k).transpose() / s[k];
         }
         let coupling = t.view((0, free), (free, penalised)).into_owned();
         let free_rhs = t.view((0, p), (free, 1)).column(0).into_owned();
@@ -106,15 +126,22 @@ impl Factorised {
             block.row_mut(below + i).copy_from(&(u.column(k).transpose() * &coupling));
             rhs[below + i] = u.column(k).dot(&free_rhs);
         }
-        let (s, v_t, beta) = if penalised == 0 {
-            (DVector::zeros(0), DMatrix::zeros(0, 0), DVector::zeros(0))
-        } else {
-            let svd = block.svd(true, true);
-            let beta = svd.u.unwrap_or_default().transpose() * &rhs;
-            (svd.singular_values, svd.v_t.unwrap_or_default(), beta)
-        };
+        let (u, s, v_t) = svd(block);
+        let beta = u.tr_mul(&rhs);
         let rest = (rhs.norm_squared() - beta.norm_squared()).max(0.0);
-        Self { free, free_inverse: inverse, free_coupling: coupling, free_rhs, s, v_t, beta, rest }
+        let taken = keep.iter().filter(|k| **k).count();
+        let equations = triangle.rows.saturating_sub(taken) as f64;
+        Self {
+            free,
+            free_inverse: inverse,
+            free_coupling: coupling,
+            free_rhs,
+            s,
+            v_t,
+            beta,
+            rest,
+            equations,
+        }
     }
 
     /// Singular values of the penalised block, largest first.
@@ -163,48 +190,6 @@ impl Factorised {
     #[must_use]
     pub fn norm_square(&self, lambda: f64) -> f64 {
         (0..self.s.len()).map(|k| (self.gain(k, lambda) * self.beta[k]).powi(2)).sum()
-    }
-
-    /// The corner of the L-curve (paper Eq. 15-16): the lambda of greatest
-    /// curvature of log residual norm against log solution norm, with exact
-    /// derivatives. Points where neither axis moves by 1e-3 a decade are passed
-    /// over: on a rank-deficient problem the curve stalls there. `None` when
-    /// the curve has no corner.
-    #[must_use]
-    pub fn corner(&self) -> Option<f64> {
-        let largest = self.s.iter().copied().fold(0.0, f64::max).powi(2);
-        if largest <= 0.0 {
-            return None;
-        }
-        let grid = (0..=14 * 16).map(|i| largest * 10_f64.powf(-12.0 + f64::from(i) / 16.0));
-        let curved = grid.filter_map(|lambda| Some((lambda, self.curvature(lambda)?)));
-        let best = curved.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (best.1 > 0.0).then_some(best.0)
-    }
-
-    /// Curvature of the L-curve at lambda, positive where it bends as an L
-    /// does; `None` where the curve stands still.
-    #[must_use]
-    pub fn curvature(&self, lambda: f64) -> Option<f64> {
-        let (rho, eta) = (self.residual_square(lambda), self.norm_square(lambda));
-        // First and second derivative of eta by lambda; rho' = -lambda eta'.
-        let (mut d1, mut d2) = (0.0, 0.0);
-        for k in (0..self.s.len()).filter(|k| self.s[*k] > NOISE * self.s[0]) {
-            let (s2, b2) = (self.s[k].powi(2), self.beta[k].powi(2));
-            d1 -= 2.0 * s2 * b2 / (s2 + lambda).powi(3);
-            d2 += 6.0 * s2 * b2 / (s2 + lambda).powi(4);
-        }
-        // By ln(lambda).
-        let eta1 = lambda * d1;
-        let eta2 = lambda * d1 + lambda * lambda * d2;
-        let rho1 = -lambda * eta1;
-        let rho2 = -lambda * (eta1 + eta2);
-        let log =
-            |f: f64, f1: f64, f2: f64| (f1 / (2.0 * f), f2 / (2.0 * f) - (f1 / f).powi(2) / 2.0);
-        let ((u1, u2), (v1, v2)) = (log(rho, rho1, rho2), log(eta, eta1, eta2));
-        let stalled = u1.abs() < 1e-3 && v1.abs() < 1e-3;
-        let curvature = (u1 * v2 - v1 * u2) / (u1 * u1 + v1 * v1).powf(1.5);
-        (!stalled && curvature.is_finite()).then_some(curvature)
     }
 }
 

@@ -1,0 +1,168 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use truearm_host::Result;
+use truearm_host::files::{Measurements, Robot, write};
+use truearm_host::methods::{self, Comparison, Frames, Outcome};
+use truearm_host::plot::{Axis, Panel, Series, grid};
+use truearm_host::report::Stats;
+
+use super::evaluate::Frames as Anew;
+use super::{table, warn};
+
+/// The paper's methods side by side: errors, reduction, time, size of the corrections.
+#[derive(Args)]
+pub struct Compare {
+    /// The nominal arm, robot.toml
+    robot: PathBuf,
+    /// Measured points, measurements.csv
+    data: PathBuf,
+    /// Judge on other measurements
+    #[arg(long, value_name = "DATA2")]
+    validate: Option<PathBuf>,
+    /// Fit these on the validation file itself
+    #[arg(long, value_enum, requires = "validate")]
+    reregister: Option<Anew>,
+    /// Classical methods identify the links only, base and tool held as registered
+    #[arg(long)]
+    hold_frames: bool,
+    /// Write compare.json, errors.svg and methods.svg into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print JSON instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+impl Compare {
+    pub fn run(self) -> Result<()> {
+        let robot = Robot::read(&self.robot)?;
+        let data = Measurements::read(&self.data, &robot)?;
+        let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
+        let anew = self.reregister.map(Into::into).unwrap_or_default();
+        let frames = if self.hold_frames { Frames::Held } else { Frames::Fitted };
+        let judge = other.as_ref().map(|o| (o, anew));
+        let found = methods::compare(&robot, &data, judge, frames, &methods::all())?;
+        warn(&found.warnings);
+        let json = serde_json::to_string_pretty(&found)
+            .unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
+            + "\n";
+        print!("{}", if self.json { json.clone() } else { words(&found) });
+        let Some(folder) = &self.out else { return Ok(()) };
+        write(&folder.join("compare.json"), json.as_bytes())?;
+        write(&folder.join("errors.svg"), errors(&found).as_bytes())?;
+        write(&folder.join("methods.svg"), bars(&found).as_bytes())?;
+        if !self.json {
+            println!("wrote {}", folder.join("{compare.json,errors.svg,methods.svg}").display());
+        }
+        Ok(())
+    }
+}
+
+/// The methods side by side.
+fn words(c: &Comparison) -> String {
+    let raw = table::condition(&c.condition_number_raw);
+    let mut out = format!(
+        "{}\n{}: {} rows fitted; classical methods: {} parameters, base and tool {}; rank of all {}, \
+         condition number (Eq. 24) {raw}\n",
+        c.robot, c.data, c.rows, c.parameters, c.frames, c.rank,
+    );
+    if !c.outlier_rows.is_empty() {
+        let rows: Vec<String> = c.outlier_rows.iter().map(usize::to_string).collect();
+        out += &format!("left out for all as gross errors: rows {}\n", rows.join(", "));
+    }
+    match &c.validation {
+        Some(file) => out += &format!("errors on {file}, registered anew: {}\n\n", c.reregistered),
+        None => out += "errors on the fitted rows; --validate judges on others\n\n",
+    }
+    out += &format!(
+        "{:7} {:>9} {:>9} {:>9} {:>7} {:>7} {:>5} {:>9} {:>10} {:>9}\n",
+        "method",
+        "Max mm",
+        "MAE mm",
+        "SD mm",
+        "MAE -%",
+        "SD -%",
+        "iter",
+        "ms",
+        "norm, tol",
+        "lambda"
+    );
+    c.methods.iter().for_each(|o| out += &outcome(o));
+    out += "norm: corrections of all links in manufacturing tolerances (1 mm, 1 mrad)\n";
+    out
+}
+
+fn outcome(o: &Outcome) -> String {
+    let Some(s) = o.validation.or(o.fitted) else {
+        return format!("{:7} {}\n", o.name, o.failure.as_deref().unwrap_or("no result"));
+    };
+    let percent = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{p:.1}"));
+    // Metres of error are best read as powers of ten.
+    let mm = |x: f64| if x < 1e4 { format!("{x:.4}") } else { format!("{x:.1e}") };
+    let mark = if o.settled { "" } else { "  did not come to rest" };
+    format!(
+        "{:7} {:>9} {:>9} {:>9} {:>7} {:>7} {:>5} {:>9.2} {:>10} {:>9}{mark}\n",
+        o.name,
+        mm(s.max_mm),
+        mm(s.mean_mm),
+        mm(s.sd_mm),
+        percent(o.mae_reduction_percent),
+        percent(o.sd_reduction_percent),
+        o.iterations,
+        o.seconds * 1e3,
+        o.correction_norm.map_or("-".to_owned(), |n| format!("{n:.3e}")),
+        o.lambda.map_or("-".to_owned(), |l| format!("{l:.1e}")),
+    )
+}
+
+/// Share of the judged rows against their error, a line a method.
+fn errors(found: &Comparison) -> String {
+    let line = |o: &Outcome| {
+        let rows = if o.validation.is_some() { &o.validation_residuals } else { &o.residuals };
+        let mut sorted: Vec<f64> = rows.iter().map(|r| r.norm() * 1e3).collect();
+        sorted.sort_by(f64::total_cmp);
+        let share = |i: usize| 100.0 * (i as f64 + 1.0) / rows.len() as f64;
+        Series::line(o.name, sorted.iter().enumerate().map(|(i, e)| (*e, share(i))).collect())
+    };
+    Panel {
+        title: "How many rows are better than an error".to_owned(),
+        x: Axis::log(format!(
+            "position error on {}, mm",
+            found.validation.as_ref().unwrap_or(&found.data)
+        )),
+        y: Axis::linear("rows below, percent"),
+        series: found.methods.iter().filter(|o| o.state.is_some()).map(line).collect(),
+    }
+    .svg()
+}
+
+/// Table 9 and the size of the corrections as bars.
+fn bars(found: &Comparison) -> String {
+    let solved: Vec<&Outcome> = found.methods.iter().filter(|o| o.state.is_some()).collect();
+    let names: Vec<String> = solved.iter().map(|o| o.name.to_owned()).collect();
+    let judged = |f: fn(&Stats) -> f64| {
+        let of = |o: &&Outcome| o.validation.or(o.fitted).as_ref().map_or(f64::NAN, f);
+        solved.iter().map(of).collect::<Vec<f64>>()
+    };
+    let norms = solved.iter().map(|o| o.correction_norm.unwrap_or(f64::NAN));
+    let norms: Vec<f64> = norms.collect();
+    let judged_on = if found.validation.is_some() { "validation" } else { "fitted" };
+    let errors = Panel {
+        title: format!("Position error, {judged_on} rows"),
+        x: Axis::names(names.clone()),
+        y: Axis::log("mm"),
+        series: vec![
+            Series::bars("Max", &judged(|s| s.max_mm)),
+            Series::bars("MAE", &judged(|s| s.mean_mm)),
+            Series::bars("SD", &judged(|s| s.sd_mm)),
+        ],
+    };
+    let sizes = Panel {
+        title: "Norm of the corrections".to_owned(),
+        x: Axis::names(names),
+        y: Axis::log("manufacturing tolerances (1 mm, 1 mrad)"),
+        series: vec![Series::bars("", &norms)],
+    };
+    grid(&[errors, sizes], 2)
+}

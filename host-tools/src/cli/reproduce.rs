@@ -1,0 +1,42 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use truearm_host::Result;
+use truearm_host::files::write;
+use truearm_host::reproduce::{CAUTION, reproduce};
+
+use super::progress::Bar;
+
+/// The paper's experiment on simulated cells: its tables and figures, and a discussion.
+#[derive(Args)]
+pub struct Reproduce {
+    /// Write report.md, report.json, figures and a cell's files into this folder
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Simulated cells
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    seeds: u64,
+}
+
+impl Reproduce {
+    pub fn run(self) -> Result<()> {
+        let bar = Bar::new("simulating");
+        let done = reproduce(self.seeds, &|done, total| bar.update(done, total));
+        bar.finish();
+        let done = done?;
+        for (name, text) in &done.files {
+            write(&self.out.join(name), text.as_bytes())?;
+        }
+        println!("{CAUTION}");
+        println!(
+            "{} seeds; RMS on noise-free poses / Cramer-Rao bound, mean: {:.3}",
+            self.seeds, done.study.mean_rms_over_cramer_rao
+        );
+        println!(
+            "wrote {} files, first {}",
+            done.files.len(),
+            self.out.join("report.md").display()
+        );
+        Ok(())
+    }
+}
