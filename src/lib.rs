@@ -9,6 +9,7 @@ pub mod compensate;
 pub mod drift;
 pub mod effects;
 pub mod kinematics;
+pub mod position;
 pub mod reidentify;
 pub mod scalar;
 pub mod sensor;
@@ -18,6 +19,7 @@ pub mod store;
 pub use arm::{Arm, ArmParameters, State};
 pub use compensate::{Compensator, Settings, Task, Tick};
 pub use kinematics::{Chain, JointKind, Link, LinkParameter, MdhParameters, Pose};
+pub use position::RealPosition;
 pub use scalar::Scalar;
 
 /// A six-joint arm, the usual case.

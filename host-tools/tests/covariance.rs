@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use simulate::{Truth, UR10_LIKE, robot};
 use truearm::blob::Blob;
-use truearm::{Arm6, Pose, State};
+use truearm::{Arm6, Pose, RealPosition, State};
 use truearm_host::chain::{RowInputs, chain};
 use truearm_host::files::{Measurements, Model};
 use truearm_host::identify::registration::rigid_transform;
@@ -72,12 +72,17 @@ fn the_controller_states_what_the_host_does() {
     let covariance = blob.covariance().unwrap();
     let arm: Arm6<f64> = Arm6::new(&blob.parameters().unwrap());
     let small: Arm6<f32> = Arm6::new(&blob.parameters().unwrap());
-    let mut worst: f64 = 0.0;
+    let (mut worst, mut seen): (f64, _) = (0.0, [0; 2]);
     for _ in 0..500 {
         let q = pose(&mut rng);
         let sigma = covariance.point_sigma(&arm, &q, &State::at(20.0));
         let single = covariance.point_sigma(&small, &q.map(|x| x as f32), &State::at(20.0));
         let host = host_sigma(&model, &q);
+        let all = RealPosition::of(&arm, &q, &State::at(20.0), Some(&covariance));
+        assert_eq!(all.sigma, Some(sigma));
+        assert_eq!(all.pose, arm.real_pose(&q));
+        assert!(!all.orientation_identified);
+        seen[usize::from(all.covered)] += 1;
         for c in 0..3 {
             assert!((sigma[c] / host[c] - 1.0).abs() < 1e-5, "{sigma:?} {host}");
             worst = worst.max((f64::from(single[c]) / host[c] - 1.0).abs());
@@ -85,6 +90,9 @@ fn the_controller_states_what_the_host_does() {
     }
     println!("controller in f32 against host in f64: {worst:.1e} relative at worst");
     assert!(worst < 1e-3);
+    assert!(seen[0] > 0 && seen[1] > 0, "poses in and out of the covered ranges: {seen:?}");
+    let none = RealPosition::of(&arm, &pose(&mut rng), &State::at(20.0), None);
+    assert_eq!(none.sigma, None);
 }
 
 #[test]

@@ -1,0 +1,45 @@
+//! The real position: where the tool is at encoder readings, how sure that is,
+//! and whether the identification has seen such a pose.
+
+use crate::arm::{Arm, State};
+use crate::blob::Covariance;
+use crate::kinematics::Pose;
+use crate::scalar::Scalar;
+
+/// Where the tool really is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RealPosition<T> {
+    /// Tool pose in the commanded frame, the nominal base.
+    pub pose: Pose<T>,
+    /// One standard deviation of the tool point along x, y, z, m, from the
+    /// identified covariance; `None` where the blob carries none. It holds in
+    /// the joint ranges that the identification covered.
+    pub sigma: Option<[T; 3]>,
+    /// Every joint lies in the range that the identification covered; outside
+    /// of it the corrections are extrapolated.
+    pub covered: bool,
+    /// The data determined the orientation of the flange. If not, the
+    /// directions that points cannot see are nominal.
+    pub orientation_identified: bool,
+}
+
+impl<T: Scalar> RealPosition<T> {
+    /// At encoder readings `q` (rad or m) in a state of the arm. A pose costs
+    /// some hundred instructions, its covariance some ten thousand: see
+    /// [`Covariance::point_sigma`]. Not finite where `q` is not, see
+    /// [`Arm::real_pose_in`].
+    #[must_use]
+    pub fn of<const N: usize>(
+        arm: &Arm<T, N>,
+        q: &[T; N],
+        state: &State<T, N>,
+        covariance: Option<&Covariance<'_>>,
+    ) -> Self {
+        Self {
+            pose: arm.real_pose_in(q, state),
+            sigma: covariance.map(|covariance| covariance.point_sigma(arm, q, state)),
+            covered: arm.covers(q),
+            orientation_identified: arm.orientation_identified(),
+        }
+    }
+}
