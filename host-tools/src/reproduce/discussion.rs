@@ -52,7 +52,8 @@ fn failing(study: &Study) -> String {
          - **By the normal equations.** (U'U)^-1 squares the condition number. From the catalogue's geometry \
          it is exactly singular in {catalogue} of {seeds} cells; from a robot file that an earlier calibration \
          has moved off the exact degeneracy it does return numbers, median {} mm and worst {} mm RMS with 52 \
-         poses, where the pseudo-inverse leaves hundredths. This is the order of the paper's 1.445 mm of LSM.\n\
+         poses, where the pseudo-inverse leaves hundredths. Rounding alone decides these; the paper's 1.445 mm of LSM is of \
+         their order.\n\
          - **By steps without control.** With base and tool held, full Gauss-Newton steps end {} mm off in the \
          worst cell, damped ones {} mm.\n\
          - **By poses that are alike.** See the last table above: least squares then fits noise in \
