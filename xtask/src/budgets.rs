@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 use std::{fs, iter};
 
-use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, elf};
+use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
 use crate::firmware::{command_of, directory, image, read_toml};
 use crate::qemu;
@@ -50,12 +50,13 @@ pub fn sizes(path: &Path) -> Result<(u64, u64)> {
     }
     let (mut text, mut ram) = (0, 0);
     for section in file.sections() {
-        let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
-        let is = |flag: u32| sh_flags & u64::from(flag) != 0;
-        if is(elf::SHF_ALLOC) {
-            let stored = section.kind() != object::SectionKind::UninitializedData;
-            text += if stored { section.size() } else { 0 };
-            ram += if is(elf::SHF_WRITE) { section.size() } else { 0 };
+        use SectionKind::{Data, ReadOnlyData, ReadOnlyString, Text, UninitializedData};
+        let kind = section.kind();
+        if matches!(kind, Text | ReadOnlyData | ReadOnlyString | Data) {
+            text += section.size();
+        }
+        if matches!(kind, Data | UninitializedData) {
+            ram += section.size();
         }
     }
     Ok((text, ram))
