@@ -6,16 +6,20 @@ mod vectors;
 
 use truearm::blob::Blob;
 use truearm::effects::{Effect, MAX_TERMS};
-use truearm::{Arm, ArmParameters};
-use vectors::{JOINTS, Vectors};
+use truearm::{Arm, ArmParameters, Scalar};
+use vectors::{Hashes, JOINTS, Vectors};
 
 const BLOB: &[u8] = include_bytes!("data/firmware/ur10.blob");
 const VECTORS: &[u8] = include_bytes!("data/firmware/fk.vectors");
 const TERMS_BLOB: &[u8] = include_bytes!("data/firmware/ur10-terms.blob");
 const TERMS_VECTORS: &[u8] = include_bytes!("data/firmware/terms.vectors");
 
-fn parameters(blob: &[u8]) -> ArmParameters<f32, JOINTS> {
+fn parameters<T: Scalar>(blob: &[u8]) -> ArmParameters<T, JOINTS> {
     Blob::check(blob).unwrap().parameters().unwrap()
+}
+
+fn hashes<T: Scalar>(parameters: &ArmParameters<T, JOINTS>, vectors: &Vectors) -> Hashes {
+    vectors::hashes(&Arm::new(parameters), vectors.poses())
 }
 
 /// nalgebra's `std` feature is on in this build (see the dev-dependencies) and
@@ -25,15 +29,16 @@ fn parameters(blob: &[u8]) -> ArmParameters<f32, JOINTS> {
 fn host_gives_the_bits_of_the_vector_files() {
     for (blob, vectors) in [(BLOB, VECTORS), (TERMS_BLOB, TERMS_VECTORS)] {
         let vectors = Vectors::parse(vectors).unwrap();
-        assert_eq!(vectors.poses().len(), 1024);
-        let hash = vectors::hash(&Arm::new(&parameters(blob)), vectors.poses());
-        assert_eq!(hash, vectors.expected, "{hash:016x}; if meant: cargo xtask vectors");
+        assert_eq!(vectors.poses::<f32>().len(), 1024);
+        let hint = "if meant: cargo xtask vectors";
+        assert_eq!(hashes::<f32>(&parameters(blob), &vectors), vectors.single, "{hint}");
+        assert_eq!(hashes::<f64>(&parameters(blob), &vectors), vectors.double, "{hint}");
     }
 }
 
 #[test]
 fn the_second_blob_has_every_effect_and_all_of_them_act() {
-    let full = parameters(TERMS_BLOB);
+    let full = parameters::<f32>(TERMS_BLOB);
     assert_eq!(full.terms.len(), MAX_TERMS);
     for (effect, name) in Effect::NAMES {
         assert!(full.terms.iter().any(|t| t.effect == effect), "{name}");
@@ -42,8 +47,10 @@ fn the_second_blob_has_every_effect_and_all_of_them_act() {
     for i in 0..MAX_TERMS {
         let mut less = full.clone();
         less.terms[i].coefficient = 0.0;
-        let hash = vectors::hash(&Arm::new(&less), vectors.poses());
-        assert_ne!(hash, vectors.expected, "term {}", i + 1);
+        let [poses, jacobians, ticks] = hashes(&less, &vectors);
+        assert_ne!(poses, vectors.single[0], "term {}", i + 1);
+        assert_eq!(jacobians, vectors.single[1], "term {}", i + 1);
+        assert_ne!(ticks, vectors.single[2], "term {}", i + 1);
     }
     // The first blob is the same arm without them: there a state changes nothing.
     let bare = parameters(BLOB);
@@ -57,16 +64,19 @@ fn the_second_blob_has_every_effect_and_all_of_them_act() {
 /// A hash that never differs would prove nothing.
 #[test]
 fn one_ulp_of_one_parameter_changes_the_hash() {
-    let mut parameters = parameters(BLOB);
+    let mut parameters = parameters::<f32>(BLOB);
     let d = &mut parameters.nominal[5].parameters.d;
     *d = d.next_up();
     let vectors = Vectors::parse(VECTORS).unwrap();
-    assert_ne!(vectors::hash(&Arm::new(&parameters), vectors.poses()), vectors.expected);
+    let changed = hashes(&parameters, &vectors);
+    for (part, (changed, expected)) in changed.iter().zip(&vectors.single).enumerate() {
+        assert_ne!(changed, expected, "{}", vectors::PARTS[part]);
+    }
 }
 
 #[test]
 fn the_poses_are_finite_and_cover_two_turns() {
-    let poses: Vec<_> = Vectors::parse(VECTORS).unwrap().poses().collect();
+    let poses: Vec<vectors::Joints> = Vectors::parse(VECTORS).unwrap().poses().collect();
     for j in 0..JOINTS {
         let most = poses.iter().map(|q| q[j].abs()).fold(0.0, f32::max);
         assert!(most > 6.2 && most <= core::f32::consts::TAU, "joint {}: {most}", j + 1);

@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::qemu::{self, TARGET};
 use crate::run::{Result, call, cargo, root, step, target_dir};
 use crate::vectors::{self, Files};
-use crate::{refusals, reidentify, sigma};
+use crate::{budgets, m7, refusals, reidentify, sigma};
 
 /// The function that does not exist, see `tests/firmware/src/bin/no_panic.rs`.
 const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
@@ -20,18 +20,30 @@ pub fn directory() -> PathBuf {
 
 pub fn run(blob: Option<&Path>) -> Result {
     qemu::ensure_tools()?;
-    step("build of the image", || call(&mut build("firmware")))?;
     step("proof that the tick path cannot panic", prove_no_panic)?;
     let files = match blob {
         Some(blob) => files_for(blob)?,
         None => vectors::shipped(),
     };
-    let mut output = step("run under QEMU", || run_image(&files))?;
+    run_all(&files)?;
+    step("in f64 on a Cortex-M7", m7::check)?;
+    step("slot B and refusals", || refusals::check(&command(&files)?))
+}
+
+/// Every image that prints what it costs, held against the budgets.
+pub fn budgets() -> Result {
+    qemu::ensure_tools()?;
+    run_all(&vectors::shipped())
+}
+
+fn run_all(files: &Files) -> Result {
+    step("build of the image", || call(&mut build("firmware")))?;
+    let mut output = step("run under QEMU", || run_image(files))?;
     output += &step("run with terms of every effect", || run_image(&vectors::shipped_terms()))?;
     output += &step("uncertainty of the tool point", sigma::check)?;
     output += &step("re-identification", reidentify::check)?;
-    step("instruction budgets", || check_budgets(&output))?;
-    step("slot B and refusals", || refusals::check(&qemu_command(&files)?))
+    output += &step("a controller and nothing else", budgets::controller)?;
+    step("budgets", || budgets::check(&output))
 }
 
 /// A user's blob, with the vector file that the host computes for it.
@@ -43,14 +55,19 @@ pub fn files_for(blob: &Path) -> Result<Files> {
 
 /// Runs the image, which must have been built; what it printed.
 pub fn run_image(files: &Files) -> Result<String> {
-    let ended = qemu::run(&qemu_command(files)?, &directory())?;
+    let ended = qemu::run(&command(files)?, &directory())?;
     if ended.success { Ok(ended.output) } else { Err("the image found a fault".into()) }
 }
 
 /// Cargo building an image.
 pub fn build(binary: &str) -> Command {
+    build_in(&build_dir(), binary)
+}
+
+/// Cargo building an image, in a target directory of its own.
+pub fn build_in(dir: &Path, binary: &str) -> Command {
     let mut command = cargo(&directory(), "build --release --locked --bin");
-    command.arg(binary).arg("--target-dir").arg(build_dir());
+    command.arg(binary).arg("--target-dir").arg(dir);
     // Would replace the flags of .cargo/config.toml, the linker script among them.
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
     command
@@ -58,7 +75,12 @@ pub fn build(binary: &str) -> Command {
 
 /// Where the image of this name is, once built.
 pub fn image(binary: &str) -> PathBuf {
-    build_dir().join(TARGET).join("release").join(binary)
+    image_in(&build_dir(), binary)
+}
+
+/// The same in another target directory.
+pub fn image_in(dir: &Path, binary: &str) -> PathBuf {
+    dir.join(TARGET).join("release").join(binary)
 }
 
 fn build_dir() -> PathBuf {
@@ -84,16 +106,16 @@ fn prove_no_panic() -> Result {
 /// The command that runs another binary on these files; builds it first.
 pub fn command_of(binary: &str, files: &Files) -> Result<Vec<String>> {
     call(&mut build(binary))?;
-    let mut command = qemu_command(files)?;
-    if let Some(word) = command.last_mut() {
-        *word = image(binary).display().to_string();
-    }
-    Ok(command)
+    qemu_command(&image(binary), files)
 }
 
-/// The runner of `.cargo/config.toml`, with the image, and with these files in
+fn command(files: &Files) -> Result<Vec<String>> {
+    qemu_command(&image("firmware"), files)
+}
+
+/// The runner of `.cargo/config.toml`, with this image, and with these files in
 /// place of the shipped ones.
-fn qemu_command(files: &Files) -> Result<Vec<String>> {
+pub fn qemu_command(image: &Path, files: &Files) -> Result<Vec<String>> {
     let config = read_toml(&directory().join(".cargo/config.toml"))?;
     let runner = config
         .get("target")
@@ -101,7 +123,7 @@ fn qemu_command(files: &Files) -> Result<Vec<String>> {
         .ok_or("no runner in tests/firmware/.cargo/config.toml")?;
     let mut command: Vec<String> =
         runner.iter().filter_map(|word| Some(word.as_str()?.to_owned())).collect();
-    command.push(image("firmware").display().to_string());
+    command.push(image.display().to_string());
     for word in &mut command {
         if word.contains("/ur10.blob,") {
             *word = loading(word, &files.blob);
@@ -119,39 +141,8 @@ pub fn loading(word: &str, file: &Path) -> String {
     format!("loader,file={},addr={address}", file.display().to_string().replace(',', ",,"))
 }
 
-/// Holds the counts that the image printed against `budgets.toml`.
-fn check_budgets(output: &str) -> Result {
-    let budgets = read_toml(&directory().join("budgets.toml"))?;
-    let compiler = Command::new("rustc").arg("--version").current_dir(directory()).output()?;
-    let compiler = String::from_utf8_lossy(&compiler.stdout).trim().to_owned();
-    let judged = budgets.get("rustc").and_then(toml::Value::as_str) == Some(&compiler);
-    let limits = budgets.get("instructions").and_then(toml::Value::as_table);
-    let mut over = Vec::new();
-    for (work, limit) in limits.ok_or("no [instructions] in budgets.toml")? {
-        let limit = limit.as_integer().ok_or_else(|| format!("{work}: not an integer"))?;
-        let count = count(output, work).ok_or_else(|| format!("the image counted no {work}"))?;
-        eprintln!("{work}: {count} of {limit} instructions");
-        if count > limit as f64 {
-            over.push(work.as_str());
-        }
-    }
-    if !judged {
-        eprintln!("not judged: the budgets are not for {compiler}");
-    } else if !over.is_empty() {
-        return Err(format!("over budget: {}", over.join(", ")).into());
-    }
-    Ok(())
-}
-
-/// From a line `instructions WORK COUNT`.
-fn count(output: &str, work: &str) -> Option<f64> {
-    output.lines().find_map(|line| {
-        let rest = line.strip_prefix("instructions ")?.strip_prefix(work)?;
-        rest.strip_prefix(' ')?.parse().ok()
-    })
-}
-
-fn read_toml(path: &Path) -> Result<toml::Table> {
+/// A file of the firmware's workspace.
+pub fn read_toml(path: &Path) -> Result<toml::Table> {
     let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
     text.parse().map_err(|error| format!("{}: {error}", path.display()).into())
 }

@@ -2,9 +2,11 @@
 //! runs before it. One file a verb.
 
 mod board;
+mod budgets;
 mod ci;
 mod firmware;
 mod line;
+mod m7;
 mod qemu;
 mod refusals;
 mod reidentify;
@@ -37,6 +39,8 @@ enum Verb {
         #[arg(long)]
         blob: Option<PathBuf>,
     },
+    /// Instructions, text, stack and static RAM on the controller
+    Budgets,
     /// Parameters in an EEPROM: the store's size, and the board under QEMU
     Store,
     /// Rewrite the shipped blobs and vector files
@@ -57,6 +61,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().verb {
         Verb::Test => test::run(),
         Verb::Firmware { blob } => firmware::run(blob.as_deref()),
+        Verb::Budgets => firmware::budgets(),
         Verb::Store => qemu::ensure_tools().and_then(|()| store::run()),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),

@@ -15,7 +15,7 @@ use truearm::{Arm, ArmParameters};
 use crate::run::{Result, root};
 pub use format::{JOINTS, Joints, Vectors, state};
 
-use format::MAGIC;
+use format::{HEADER, MAGIC};
 
 const POSES: usize = 1024;
 
@@ -125,13 +125,16 @@ pub fn for_blob(blob: &Path) -> Result<Vec<u8>> {
 }
 
 fn file(blob: &[u8], poses: &[Joints]) -> Result<Vec<u8>> {
-    let arm = Arm::new(&Blob::check(blob)?.parameters::<f32, JOINTS>()?);
-    let hash = format::hash(&arm, poses.iter().copied());
+    let single = Arm::new(&Blob::check(blob)?.parameters::<f32, JOINTS>()?);
+    let single = format::hashes(&single, poses.iter().copied());
+    let double = Arm::new(&Blob::check(blob)?.parameters::<f64, JOINTS>()?);
+    let double = format::hashes(&double, poses.iter().map(|q| q.map(f64::from)));
     let mut bytes = MAGIC.to_vec();
     for word in [poses.len() as u32, JOINTS as u32, 0] {
         bytes.extend(word.to_le_bytes());
     }
-    bytes.extend(hash.to_le_bytes());
+    bytes.extend(single.iter().chain(&double).flat_map(|hash| hash.to_le_bytes()));
+    debug_assert_eq!(bytes.len(), HEADER);
     bytes.extend(poses.iter().flatten().flat_map(|angle| angle.to_le_bytes()));
     Ok(bytes)
 }

@@ -18,10 +18,21 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
 use truearm::blob::{Blob, DecodeError};
 use truearm::kinematics::Jacobian;
-use truearm::{Arm, ArmParameters, Compensator, Pose, Settings, State, Task, Tick};
+use truearm::{Arm, ArmParameters, Compensator, Pose, Scalar, Settings, State, Task, Tick};
 
 use measure::Counter;
-use vectors::{JOINTS, Joints, Vectors};
+use vectors::{JOINTS, PARTS, Vectors};
+
+/// What the image computes in.
+#[cfg(not(feature = "f64"))]
+type Real = f32;
+#[cfg(feature = "f64")]
+type Real = f64;
+
+type Joints = vectors::Joints<Real>;
+
+/// Poses that work is measured over.
+const MEASURED: usize = 512;
 
 /// Why the image exits with 1; the reason has been printed.
 struct Refused;
@@ -38,20 +49,31 @@ fn run() -> Result<(), Refused> {
         hprintln!("vectors at {:#010x}: {}", memory::VECTORS, error);
         Refused
     })?;
-    let hash = vectors::hash(&arm, vectors.poses());
-    hprintln!("poses: {}", vectors.poses().len());
-    hprintln!("hash: {:016x}", hash);
-    measure(bytes, &parameters, &arm, vectors.poses());
-    if hash != vectors.expected {
-        hprintln!("FAILED: the host computed {:016x}", vectors.expected);
-        return Err(Refused);
+    let (name, expected) = match size_of::<Real>() {
+        4 => ("f32", vectors.single),
+        _ => ("f64", vectors.double),
+    };
+    let hashes = vectors::hashes(&arm, vectors.poses());
+    hprintln!("{}, poses: {}", name, vectors.poses::<Real>().len());
+    for (part, hash) in PARTS.iter().zip(&hashes) {
+        hprintln!("hash {}: {:016x}", part, hash);
     }
-    hprintln!("ok: bit for bit what the host computed");
-    Ok(())
+    measure(bytes, &parameters, &arm, vectors.poses());
+    let mut result = Ok(());
+    for (part, (hash, expected)) in PARTS.iter().zip(hashes.iter().zip(&expected)) {
+        if hash != expected {
+            hprintln!("FAILED: the host computed {:016x} for {}", expected, part);
+            result = Err(Refused);
+        }
+    }
+    if result.is_ok() {
+        hprintln!("ok: bit for bit what the host computed");
+    }
+    result
 }
 
 /// The first slot that holds a valid blob for this arm.
-fn find_parameters() -> Result<(&'static [u8], ArmParameters<f32, JOINTS>), Refused> {
+fn find_parameters() -> Result<(&'static [u8], ArmParameters<Real, JOINTS>), Refused> {
     for (slot, bytes) in memory::parameter_slots() {
         match decode(bytes) {
             Ok(parameters) => {
@@ -70,30 +92,31 @@ fn find_parameters() -> Result<(&'static [u8], ArmParameters<f32, JOINTS>), Refu
 /// holds these against budgets.toml.
 fn measure(
     bytes: &[u8],
-    parameters: &ArmParameters<f32, JOINTS>,
-    arm: &Arm<f32, JOINTS>,
-    poses: impl Iterator<Item = Joints>,
+    parameters: &ArmParameters<Real, JOINTS>,
+    arm: &Arm<Real, JOINTS>,
+    poses: impl Iterator<Item = Joints> + Clone,
 ) {
     let Some(systick) = cortex_m::Peripherals::take().map(|p| p.SYST) else { return };
     let mut counter = Counter::new(systick);
     let print = |name: fmt::Arguments, tenths: u64| {
         hprintln!("instructions {} {}.{}", name, tenths / 10, tenths % 10);
     };
-    let mut inputs = [[0.0; JOINTS]; 1024];
-    let mut states = [([0.0; JOINTS], vectors::state(0)); 1024];
-    for (index, ((input, state), q)) in inputs.iter_mut().zip(&mut states).zip(poses).enumerate() {
+    let mut inputs = [[0.0; JOINTS]; MEASURED];
+    let mut states = [([0.0; JOINTS], vectors::state(0)); MEASURED];
+    let cases = inputs.iter_mut().zip(&mut states).zip(poses.clone());
+    for (index, ((input, state), q)) in cases.enumerate() {
         *input = q;
         *state = (q, vectors::state(index));
     }
-    let count = counter.tenths_per_call(4, &inputs, |q| {
+    let count = counter.tenths_per_call(8, &inputs, |q| {
         black_box(&forward(black_box(arm), q));
     });
     print(format_args!("forward"), count);
-    let count = counter.tenths_per_call(4, &states, |(q, state)| {
+    let count = counter.tenths_per_call(8, &states, |(q, state)| {
         black_box(&forward_in(black_box(arm), q, state));
     });
     print(format_args!("real_pose_in+{}", arm.terms().len()), count);
-    let count = counter.tenths_per_call(4, &inputs, |q| {
+    let count = counter.tenths_per_call(8, &inputs, |q| {
         black_box(&jacobian(black_box(arm), q));
     });
     print(format_args!("jacobian"), count);
@@ -104,10 +127,16 @@ fn measure(
         };
         let compensator = RefCell::new(compensator);
         compensator.borrow_mut().set_active(true);
-        let count = counter.tenths_per_call(4, &motion(&states), |(q, state)| {
+        let count = counter.tenths_per_call(8, &motion(&states), |(q, state)| {
             black_box(&tick(&mut black_box(&compensator).borrow_mut(), q, state));
         });
         print(format_args!("{}+{}", name, arm.terms().len()), count);
+        // Over poses far apart, many of them near singular or out of bounds.
+        let cases = poses.clone().enumerate().map(|(index, q)| (q, vectors::state(index)));
+        let longest = counter.longest(cases, |(q, state)| {
+            black_box(&tick(&mut black_box(&compensator).borrow_mut(), q, state));
+        });
+        print(format_args!("{}_longest+{}", name, arm.terms().len()), longest * 10);
     }
     let count = counter.tenths_per_call(1000, &[bytes], |bytes| {
         let _ = black_box(&decode(bytes));
@@ -119,13 +148,16 @@ fn measure(
     print(format_args!("load"), count);
 }
 
+/// Joint values and what the arm is in.
+type Case = (Joints, State<Real, JOINTS>);
+
 /// A motion at a few rad/s, a millisecond a step, in front of the robot, where
 /// no pose is singular.
-fn motion(poses: &[(Joints, State<f32, JOINTS>); 1024]) -> [(Joints, State<f32, JOINTS>); 1024] {
+fn motion(poses: &[Case; MEASURED]) -> [Case; MEASURED] {
     const MIDDLE: Joints = [0.0, -1.2, 1.6, -1.2, -1.57, 0.0];
     let mut path = *poses;
     for (tick, (q, state)) in path.iter_mut().enumerate() {
-        let share = (tick % 256) as f32 / 256.0;
+        let share = Real::from_f32((tick % 256) as f32 / 256.0);
         let (from, to) = (poses[tick / 256].0, poses[tick / 256 + 1].0);
         for ((q, middle), (from, to)) in q.iter_mut().zip(MIDDLE).zip(from.iter().zip(to)) {
             *q = middle + (from + (to - from) * share) / 16.0;
@@ -138,35 +170,35 @@ fn motion(poses: &[(Joints, State<f32, JOINTS>); 1024]) -> [(Joints, State<f32, 
 // What is measured, as calls of their own.
 
 #[inline(never)]
-fn decode(bytes: &[u8]) -> Result<ArmParameters<f32, JOINTS>, DecodeError> {
+fn decode(bytes: &[u8]) -> Result<ArmParameters<Real, JOINTS>, DecodeError> {
     Blob::check(bytes)?.parameters()
 }
 
 #[inline(never)]
-fn load(parameters: &ArmParameters<f32, JOINTS>) -> Arm<f32, JOINTS> {
+fn load(parameters: &ArmParameters<Real, JOINTS>) -> Arm<Real, JOINTS> {
     Arm::new(parameters)
 }
 
 #[inline(never)]
-fn forward(arm: &Arm<f32, JOINTS>, q: &Joints) -> Pose<f32> {
+fn forward(arm: &Arm<Real, JOINTS>, q: &Joints) -> Pose<Real> {
     arm.real().forward(q)
 }
 
 #[inline(never)]
-fn forward_in(arm: &Arm<f32, JOINTS>, q: &Joints, state: &State<f32, JOINTS>) -> Pose<f32> {
+fn forward_in(arm: &Arm<Real, JOINTS>, q: &Joints, state: &State<Real, JOINTS>) -> Pose<Real> {
     arm.real_pose_in(q, state)
 }
 
 #[inline(never)]
 fn tick(
-    compensator: &mut Compensator<f32, JOINTS>,
+    compensator: &mut Compensator<Real, JOINTS>,
     q: &Joints,
-    state: &State<f32, JOINTS>,
-) -> Tick<f32, JOINTS> {
+    state: &State<Real, JOINTS>,
+) -> Tick<Real, JOINTS> {
     compensator.tick(q, state)
 }
 
 #[inline(never)]
-fn jacobian(arm: &Arm<f32, JOINTS>, q: &Joints) -> Jacobian<f32, JOINTS> {
+fn jacobian(arm: &Arm<Real, JOINTS>, q: &Joints) -> Jacobian<Real, JOINTS> {
     arm.real().jacobian(q)
 }

@@ -32,6 +32,13 @@ impl Counter {
         (full.saturating_sub(empty) * INSTRUCTIONS_PER_TICK * 10).checked_div(calls).unwrap_or(0)
     }
 
+    /// Instructions of the longest single call of `work` over `inputs`, to
+    /// within one SysTick, 40 instructions.
+    pub fn longest<I>(&mut self, inputs: impl Iterator<Item = I>, work: impl Fn(&I)) -> u64 {
+        let ticks = inputs.map(|input| self.ticks(1, &[input], &work)).max();
+        ticks.unwrap_or(0) * INSTRUCTIONS_PER_TICK
+    }
+
     fn ticks<I>(&mut self, rounds: u32, inputs: &[I], work: impl Fn(&I)) -> u64 {
         self.0.clear_current();
         let start = SYST::get_current();

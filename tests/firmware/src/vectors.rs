@@ -7,8 +7,9 @@
 //! | 4 | u32 | poses |
 //! | 8 | u32 | joints |
 //! | 12 | u32 | 0 |
-//! | 16 | u64 | expected hash, see [`hash`] |
-//! | 24 | f32 ... | poses * joints angles in rad |
+//! | 16 | 3 u64 | expected hashes in `f32`, see [`hashes`] |
+//! | 40 | 3 u64 | expected hashes in `f64` |
+//! | 64 | f32 ... | poses * joints angles in rad |
 //!
 //! All little-endian.
 
@@ -16,26 +17,33 @@
 
 use core::fmt;
 
-use crc::{CRC_64_XZ, Crc};
-use truearm::{Arm, Pose, State};
+use crc::{CRC_64_XZ, Crc, Digest};
+use truearm::{Arm, Compensator, Pose, Scalar, Settings, State, Task};
 
 /// First four bytes of a vector file.
 pub const MAGIC: [u8; 4] = *b"TAFK";
 /// Bytes before the angles.
-pub const HEADER: usize = 24;
+pub const HEADER: usize = 64;
 /// Joints of the arm under test.
 pub const JOINTS: usize = 6;
 
+/// What the hashes are of.
+pub const PARTS: [&str; 3] = ["poses", "jacobians", "ticks"];
+/// One hash for each of [`PARTS`].
+pub type Hashes = [u64; PARTS.len()];
+
 /// One pose's joint angles, rad.
-pub type Joints = [f32; JOINTS];
+pub type Joints<T = f32> = [T; JOINTS];
 
 static CRC64: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 
 /// A vector file in place.
 #[derive(Debug, Clone, Copy)]
 pub struct Vectors<'a> {
-    /// Hash that the poses must give.
-    pub expected: u64,
+    /// What the poses must give in `f32`.
+    pub single: Hashes,
+    /// The same in `f64`.
+    pub double: Hashes,
     angles: &'a [u8],
 }
 
@@ -75,16 +83,27 @@ impl<'a> Vectors<'a> {
             return Err(VectorError::Joints(word(2)));
         }
         let angles = (word(1) as usize).checked_mul(JOINTS * 4).and_then(|size| rest.get(..size));
-        let expected = u64::from(word(5)) << 32 | u64::from(word(4));
-        Ok(Self { expected, angles: angles.ok_or(VectorError::Truncated)? })
+        let hashes = |first: usize| {
+            let mut index = first;
+            [0; PARTS.len()].map(|_: u64| {
+                index += 2;
+                u64::from(word(index - 1)) << 32 | u64::from(word(index - 2))
+            })
+        };
+        let angles = angles.ok_or(VectorError::Truncated)?;
+        Ok(Self { single: hashes(4), double: hashes(4 + 2 * PARTS.len()), angles })
     }
 
     /// The joint angles of each pose.
-    pub fn poses(&self) -> impl ExactSizeIterator<Item = Joints> + use<'a> {
+    pub fn poses<T: Scalar>(
+        &self,
+    ) -> impl ExactSizeIterator<Item = Joints<T>> + Clone + use<'a, T> {
         let (poses, _) = self.angles.as_chunks::<{ JOINTS * 4 }>();
         poses.iter().map(|pose| {
             let mut angles = pose.as_chunks::<4>().0.iter();
-            [0; JOINTS].map(|_| f32::from_le_bytes(angles.next().copied().unwrap_or_default()))
+            [0; JOINTS].map(|_| {
+                T::from_f32(f32::from_le_bytes(angles.next().copied().unwrap_or_default()))
+            })
         })
     }
 }
@@ -92,31 +111,80 @@ impl<'a> Vectors<'a> {
 /// The state of the arm at the `index`-th pose, so that every value a term
 /// depends on varies: directions through all of -1, 0, +1, payload 0 to 10 kg,
 /// temperature 10 to 40 degrees Celsius.
-pub fn state(index: usize) -> State<f32, JOINTS> {
+pub fn state<T: Scalar>(index: usize) -> State<T, JOINTS> {
     let mut power = 1;
     State {
         direction: [0; JOINTS].map(|_| {
             let digit = index / power % 3;
             power *= 3;
-            digit as f32 - 1.0
+            T::from_f32(digit as f32 - 1.0)
         }),
-        payload: (index % 11) as f32,
-        temperature: 10.0 + (index % 31) as f32,
+        payload: T::from_f32((index % 11) as f32),
+        temperature: T::from_f32(10.0 + (index % 31) as f32),
     }
 }
 
-/// CRC-64/XZ of the bits of all results: of each pose first without, then with
-/// its state the three columns of the rotation and the translation, as
-/// little-endian `f32`. One changed bit changes it.
-pub fn hash(arm: &Arm<f32, JOINTS>, poses: impl Iterator<Item = Joints>) -> u64 {
-    let mut digest = CRC64.digest();
-    for (index, q) in poses.enumerate() {
+/// How the compensators work whose ticks are hashed. The poses are far apart,
+/// so that corrections run into their bounds and many a pose is near singular.
+pub fn settings<T: Scalar>(task: Task) -> Settings<T, JOINTS> {
+    let steps = if task == Task::Pose { 1 } else { 3 };
+    Settings { steps, ramp_ticks: 100, ..Settings::new(task) }
+}
+
+/// From this tick on they are switched off.
+pub const OFF: usize = 900;
+
+/// CRC-64/XZ of the bits of all results, as little-endian `f64`, which holds
+/// an `f32` exactly. One changed bit changes it.
+///
+/// * poses: of each pose first without, then with its state, three columns of
+///   the rotation and the translation;
+/// * jacobians: of each pose the columns, linear and angular;
+/// * ticks: in the task of a pose, then of a position, of a compensator that
+///   starts at rest at the first pose: of each tick the joints, the remaining
+///   errors and the damping.
+pub fn hashes<T: Scalar>(
+    arm: &Arm<T, JOINTS>,
+    poses: impl Iterator<Item = Joints<T>> + Clone,
+) -> Hashes {
+    let mut of_poses = Hash::new();
+    let mut of_jacobians = Hash::new();
+    for (index, q) in poses.clone().enumerate() {
         for pose in [arm.real_pose(&q), arm.real_pose_in(&q, &state(index))] {
             let Pose { rotation, translation } = pose;
-            for value in rotation.iter().chain(translation.iter()) {
-                digest.update(&value.to_le_bytes());
-            }
+            of_poses.add(rotation.iter().chain(translation.iter()));
+        }
+        for column in &arm.real().jacobian(&q).columns {
+            of_jacobians.add(column.linear.iter().chain(column.angular.iter()));
         }
     }
-    digest.finalize()
+    let mut of_ticks = Hash::new();
+    for task in [Task::Pose, Task::Position] {
+        let first = poses.clone().next().unwrap_or([T::ZERO; JOINTS]);
+        let Ok(mut compensator) = Compensator::new(arm.clone(), settings(task), &first) else {
+            continue;
+        };
+        for (index, q) in poses.clone().enumerate() {
+            compensator.set_active(index < OFF);
+            let tick = compensator.tick(&q, &state(index));
+            of_ticks.add(&tick.joints);
+            of_ticks.add(tick.position_error.iter().chain(&tick.rotation_error));
+            of_ticks.add([&tick.damping]);
+        }
+    }
+    [of_poses, of_jacobians, of_ticks].map(|hash| hash.0.finalize())
+}
+
+struct Hash(Digest<'static, u64>);
+
+impl Hash {
+    fn new() -> Self {
+        Self(CRC64.digest())
+    }
+
+    fn add<'a, T: Scalar>(&mut self, values: impl IntoIterator<Item = &'a T>) {
+        for value in values {
+            self.0.update(&value.to_f64().to_le_bytes());
+        }
+    }
 }
