@@ -59,6 +59,11 @@ pub trait Scalar:
     ///   neighbouring `f32` angles are half a milliradian apart and more.
     /// * `f64`: `libm`, below 1 ulp for every finite angle.
     fn sin_cos(self) -> (Self, Self);
+    /// The same numbers by a call, where text counts more than time.
+    #[inline(never)]
+    fn sin_cos_once(self) -> (Self, Self) {
+        self.sin_cos()
+    }
     /// Angle of the point (x, `self`) from the x axis, rad: `libm`. For load
     /// time, not for a tick.
     fn atan2(self, x: Self) -> Self;

@@ -47,6 +47,8 @@ const RANGE: [&str; 2] = ["low", "high"];
 /// No standard deviation of any parameter is larger, SI.
 const WIDEST: f32 = 10.0;
 
+// Never inlined: thirty copies of it are a kilobyte and a half of text.
+#[inline(never)]
 fn check_value(name: FieldName, value: f32, low: f32, high: f32) -> Result<(), DecodeError> {
     if !value.is_finite() {
         Err(DecodeError::Field(name, Flaw::NotFinite))

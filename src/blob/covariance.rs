@@ -62,11 +62,11 @@ impl Covariance<'_> {
         let columns = jacobian.links.each_ref().map(link);
         // Base compliance turns about the base's own axes, which are the outer
         // ones to within the small residual base, as in the identification.
-        let links = self.blob.links().map(|(nominal, correction)| nominal.corrected(&correction));
         let mut of_terms = [zero; MAX_TERMS];
         for (column, term) in of_terms.iter_mut().zip(terms) {
             let basis = Term::basis(term, &inputs);
-            *column = term.column(basis, &links, &jacobian.links, &jacobian.base_rotation);
+            *column =
+                term.column(basis, arm.real().links(), &jacobian.links, &jacobian.base_rotation);
         }
         let [bx, by, bz] = jacobian.base_translation;
         let [rx, ry, rz] = jacobian.base_rotation;

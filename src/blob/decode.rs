@@ -5,13 +5,13 @@ use super::check::{Blob, Reader, kind_of};
 use super::covariance::Covariance;
 use super::error::DecodeError;
 use super::layout::{
-    CREATED, FLAG_MASSES, FLAG_ORIENTATION, FLAGS, HAS_COVERED, HAS_LIMITS, LENGTH, RANGES, REALS,
-    RECORD, ROBOT_ID, SEQUENCE, TERM,
+    CREATED, FLAG_MASSES, FLAG_ORIENTATION, FLAGS, HAS_COVERED, HAS_LIMITS, LENGTH, REALS, RECORD,
+    ROBOT_ID, SEQUENCE, TERM,
 };
 use super::term;
 use crate::arm::ArmParameters;
 use crate::effects::Masses;
-use crate::kinematics::{Link, MdhParameters};
+use crate::kinematics::{JointKind, Link, MdhParameters};
 use crate::scalar::Scalar;
 
 impl Blob<'_> {
@@ -72,19 +72,6 @@ impl Blob<'_> {
         self.header[FLAGS]
     }
 
-    /// Nominal links and corrections.
-    pub(super) fn links<T: Scalar, const N: usize>(&self) -> [(Link<T>, MdhParameters<T>); N] {
-        let mut records = self.records.chunks_exact(RECORD);
-        [(); N].map(|()| {
-            let mut reader = Reader(records.next().unwrap_or(&[]));
-            let [kind, ..]: [u8; 4] = reader.take().copied().unwrap_or_default();
-            let mut parameters =
-                || MdhParameters::from_array([0; 5].map(|_| T::from_f32(reader.f32())));
-            let kind = kind_of(kind).unwrap_or_default();
-            (Link { kind, parameters: parameters() }, parameters())
-        })
-    }
-
     /// Copies the fields into a plain struct.
     ///
     /// # Errors
@@ -97,27 +84,23 @@ impl Blob<'_> {
         }
         let flags = self.flags();
         let mut reader = Reader(&self.header[REALS]);
-        let vector = |reader: &mut Reader| {
-            let [x, y, z] = [reader.f32(), reader.f32(), reader.f32()].map(T::from_f32);
-            Vector3::new(x, y, z)
-        };
-        let links = self.links();
+        let zero = MdhParameters::from_array([T::ZERO; 5]);
         let mut out = ArmParameters {
             robot_id: self.robot_id(),
             sequence: self.sequence(),
             created: self.created(),
-            nominal: links.map(|(nominal, _)| nominal),
-            corrections: links.map(|(_, correction)| correction),
+            nominal: [Link { kind: JointKind::Revolute, parameters: zero }; N],
+            corrections: [zero; N],
             base_translation: vector(&mut reader),
             base_rotation: vector(&mut reader),
             tool: vector(&mut reader),
             limits: [None; N],
             covered: [None; N],
-            rms_before: T::from_f32(reader.f32()),
-            rms_after: T::from_f32(reader.f32()),
+            rms_before: real(&mut reader),
+            rms_after: real(&mut reader),
             terms: Vec::new(),
             masses: None,
-            reference_temperature: T::from_f32(reader.f32()),
+            reference_temperature: real(&mut reader),
             orientation_identified: flags & FLAG_ORIENTATION != 0,
         };
         let mut masses = Masses {
@@ -126,17 +109,21 @@ impl Blob<'_> {
             com: [Vector3::new(T::ZERO, T::ZERO, T::ZERO); N],
             payload_com: vector(&mut reader),
         };
+        let links = out.nominal.iter_mut().zip(&mut out.corrections);
         let ranges = out.limits.iter_mut().zip(&mut out.covered);
         let loads = masses.mass.iter_mut().zip(&mut masses.com);
         let records = self.records.chunks_exact(RECORD);
-        for (((limits, covered), (mass, com)), record) in ranges.zip(loads).zip(records) {
-            let [_, presence, ..]: [u8; 4] = record.first_chunk().copied().unwrap_or_default();
-            let mut reader = Reader(record.get(RANGES).unwrap_or(&[]));
-            for (range, bit) in [(limits, HAS_LIMITS), (covered, HAS_COVERED)] {
-                let value = [reader.f32(), reader.f32()].map(T::from_f32);
+        for (((link, ranges), (mass, com)), record) in links.zip(ranges).zip(loads).zip(records) {
+            let mut reader = Reader(record);
+            let [kind, presence, ..]: [u8; 4] = reader.take().copied().unwrap_or_default();
+            link.0.kind = kind_of(kind).unwrap_or_default();
+            link.0.parameters = mdh(&mut reader);
+            *link.1 = mdh(&mut reader);
+            for (range, bit) in [(ranges.0, HAS_LIMITS), (ranges.1, HAS_COVERED)] {
+                let value = [real(&mut reader), real(&mut reader)];
                 *range = (presence & bit != 0).then_some(value);
             }
-            *mass = T::from_f32(reader.f32());
+            *mass = real(&mut reader);
             *com = vector(&mut reader);
         }
         out.masses = (flags & FLAG_MASSES != 0).then_some(masses);
@@ -146,4 +133,25 @@ impl Blob<'_> {
         }
         Ok(out)
     }
+}
+
+// Calls, not copies: a blob is read once.
+
+#[inline(never)]
+fn real<T: Scalar>(reader: &mut Reader) -> T {
+    T::from_f32(reader.f32())
+}
+
+#[inline(never)]
+fn vector<T: Scalar>(reader: &mut Reader) -> Vector3<T> {
+    Vector3::new(real(reader), real(reader), real(reader))
+}
+
+#[inline(never)]
+fn mdh<T: Scalar>(reader: &mut Reader) -> MdhParameters<T> {
+    let mut values = [T::ZERO; 5];
+    for value in &mut values {
+        *value = real(reader);
+    }
+    MdhParameters::from_array(values)
 }

@@ -66,6 +66,7 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
         out
     }
 
+    #[inline(never)]
     fn add(&mut self, term: &Term<T>) {
         let Term { joint, source, order, coefficient, .. } = *term;
         let slot = match term.effect {

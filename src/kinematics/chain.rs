@@ -27,10 +27,11 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     /// Folds `links`, the pose of the robot base and the pose of the tool in
     /// the last frame. Costs about 5N sine-cosines; call it at load time.
     #[must_use]
+    #[inline(never)]
     pub fn new(links: &[Link<T>; N], base: Pose<T>, tool: Pose<T>) -> Self {
         let mut root = base;
         if let Some(first) = links.first() {
-            let ((s, c), o, l) = (first.parameters.alpha.sin_cos(), T::ZERO, T::ONE);
+            let ((s, c), o, l) = (first.parameters.alpha.sin_cos_once(), T::ZERO, T::ONE);
             root = base.compose(&Pose {
                 rotation: Matrix3::new(l, o, o, o, c, -s, o, s, c),
                 translation: Vector3::new(first.parameters.a, o, o),
@@ -44,7 +45,7 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[must_use]
     pub fn with_tool(&self, tool: Pose<T>) -> Self {
         let tip = self.links.last().map_or(tool, |last| {
-            let ((s, c), o, l) = (last.parameters.beta.sin_cos(), T::ZERO, T::ONE);
+            let ((s, c), o, l) = (last.parameters.beta.sin_cos_once(), T::ZERO, T::ONE);
             let behind = Pose {
                 rotation: Matrix3::new(c, o, s, o, l, o, -s, o, c),
                 translation: Vector3::new(o, o, last.parameters.d),

@@ -79,7 +79,7 @@ impl<T: Scalar> Hinge<T> {
     /// The hinges of a chain of links. The way behind the last is the tip's.
     pub fn between<const N: usize>(links: &[Link<T>; N]) -> [Self; N] {
         let mut hinges = links.map(|link| {
-            let (sin_theta, cos_theta) = link.parameters.theta.sin_cos();
+            let (sin_theta, cos_theta) = link.parameters.theta.sin_cos_once();
             Self {
                 kind: link.kind,
                 theta: link.parameters.theta,
@@ -100,16 +100,17 @@ impl<T: Scalar> Hinge<T> {
             if let (Some(this), Some(next)) = (links.get(i), links.get(i + 1)) {
                 behind = hinge.reach(this, next);
             }
-            (hinge.sin_theta, hinge.cos_theta) = hinge.theta.sin_cos();
+            (hinge.sin_theta, hinge.cos_theta) = hinge.theta.sin_cos_once();
         }
         hinges
     }
 
     /// Takes in the way from `this` link to the `next`; returns the turn about
     /// the next axis.
+    #[inline(never)]
     fn reach(&mut self, this: &Link<T>, next: &Link<T>) -> T {
-        let (sb, cb) = this.parameters.beta.sin_cos();
-        let (sa, ca) = next.parameters.alpha.sin_cos();
+        let (sb, cb) = this.parameters.beta.sin_cos_once();
+        let (sa, ca) = next.parameters.alpha.sin_cos_once();
         // Third column and third row of Ry(beta) Rx(alpha), compared with those
         // of Rz(before) Rx(twist) Rz(behind). The twist takes alpha's sign, so
         // that without beta nothing turns.
@@ -121,7 +122,7 @@ impl<T: Scalar> Hinge<T> {
         let behind = (-sign * sb).atan2(sign * cb * sa);
         self.theta += before;
         self.before = before;
-        let (s, c) = before.sin_cos();
+        let (s, c) = before.sin_cos_once();
         let a = next.parameters.a;
         self.across = [c * cb * a, -(s * cb * a), -(sb * a)];
         self.along = this.parameters.d;
@@ -153,10 +154,10 @@ impl<T: Scalar> Hinge<T> {
     /// A point of this link's frame, behind `Tz(d) Ry(beta)`, in the turned frame.
     pub fn inside(&self, link: &Link<T>, p: [T; 3]) -> [T; 3] {
         let MdhParameters { d, beta, .. } = link.parameters;
-        let (s, c) = beta.sin_cos();
+        let (s, c) = beta.sin_cos_once();
         let [x, y, z] = [c * p[0] + s * p[2], p[1], c * p[2] - s * p[0] + d];
         // What the hinge turns more than the link, on this side of it.
-        let (s, c) = self.before.sin_cos();
+        let (s, c) = self.before.sin_cos_once();
         [c * x + s * y, c * y - s * x, z]
     }
 

@@ -190,14 +190,14 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
                 JointKind::Revolute => (theta + q, d),
                 JointKind::Prismatic => (theta, d + q),
             };
-            let (sin, cos) = alpha.sin_cos();
+            let (sin, cos) = alpha.sin_cos_once();
             (y, z) = (y * cos + z * sin, z * cos - y * sin);
             o += x * a;
             let (axis, on_axis) = (z, o);
-            let (sin, cos) = angle.sin_cos();
+            let (sin, cos) = angle.sin_cos_once();
             (x, y) = (x * cos + y * sin, y * cos - x * sin);
             o += z * d;
-            let (sin, cos) = beta.sin_cos();
+            let (sin, cos) = beta.sin_cos_once();
             (x, z) = (x * cos - z * sin, x * sin + z * cos);
             Axes { x: x_before, before, z: axis, on_z: on_axis, y, after: o }
         });

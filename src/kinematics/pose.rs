@@ -34,7 +34,7 @@ impl<T: Scalar> Pose<T> {
     pub fn from_rotation_vector(translation: Vector3<T>, w: Vector3<T>) -> Self {
         let angle2 = dot(&w, &w);
         let angle = angle2.sqrt();
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = angle.sin_cos_once();
         // sin(x)/x and (1 - cos x)/x^2; below 1e-2 rad by series, where the
         // quotients would cancel.
         let (s, c) = if angle2 < T::from_f32(1e-4) {
