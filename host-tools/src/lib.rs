@@ -15,8 +15,10 @@ pub mod export;
 pub mod files;
 pub mod identify;
 pub mod pack;
+pub mod plan;
 pub mod report;
 pub mod tikhonov;
 pub mod unpack;
+pub mod verify;
 
 pub use error::{Error, Result};

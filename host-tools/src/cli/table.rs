@@ -3,7 +3,7 @@
 use truearm_host::diagnose::{DiagnoseReport, Effect, Verdict};
 use truearm_host::report::{Condition, Report, Stats, Validation};
 
-fn row(out: &mut String, name: &str, stats: &Option<Stats>) {
+pub fn row(out: &mut String, name: &str, stats: &Option<Stats>) {
     if let Some(s) = stats {
         *out += &format!(
             "{name:32} {:>8.4} {:>8.4} {:>8.4} {:>8.4}\n",
@@ -12,7 +12,7 @@ fn row(out: &mut String, name: &str, stats: &Option<Stats>) {
     }
 }
 
-fn head(out: &mut String) {
+pub fn head(out: &mut String) {
     *out += &format!(
         "{:32} {:>8} {:>8} {:>8} {:>8}\n",
         "position error, mm", "mean", "RMS", "max", "SD"

@@ -2,6 +2,7 @@
 //! and degrees exist only here; everything inside is SI.
 
 mod columns;
+mod commanded;
 mod covariance;
 mod key;
 mod measurements;
@@ -11,6 +12,7 @@ mod model_terms;
 mod robot;
 
 pub use key::read_key;
+pub use commanded::Commanded;
 pub use measurements::{Measurements, Row};
 pub use model::{Model, Provenance};
 pub use robot::{Joint, LinkMass, Robot};
