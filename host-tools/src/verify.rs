@@ -93,7 +93,8 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     let markers = markers(model, commanded)?;
     let targets = targets(model, commanded, &markers);
     let frames = frames(model, data, &targets, refit)?;
-    let to_robot = |row: &crate::files::Row| frames[row.station].inverse().transform_point(&row.point);
+    let to_robot =
+        |row: &crate::files::Row| frames[row.station].inverse().transform_point(&row.point);
     let errors: Vec<Vector3<f64>> =
         data.rows.iter().zip(&targets).map(|(row, target)| to_robot(row) - target).collect();
 
@@ -226,13 +227,17 @@ fn frames(
     let known = || model.stations.iter().map(|s| format!("\"{}\"", s.0)).collect::<Vec<_>>();
     let frame = |(s, label): (usize, &String)| {
         if refit {
-            let rows: Vec<usize> = (0..targets.len()).filter(|i| data.rows[*i].station == s).collect();
+            let rows: Vec<usize> =
+                (0..targets.len()).filter(|i| data.rows[*i].station == s).collect();
             let from: Vec<_> = rows.iter().map(|i| targets[*i]).collect();
             let to: Vec<_> = rows.iter().map(|i| data.rows[*i].point).collect();
             let fitted = rigid_transform(&from, &to, &vec![1.0; rows.len()]);
             return fitted.filter(|_| rows.len() >= 4).ok_or_else(|| {
                 Error::data(
-                    format!("{file}: {} rows of station \"{label}\" do not fix a frame", rows.len()),
+                    format!(
+                        "{file}: {} rows of station \"{label}\" do not fix a frame",
+                        rows.len()
+                    ),
                     "measure at least four points that are not on a line, better twenty",
                 )
             });
@@ -332,7 +337,10 @@ pub fn check_poses(
         }
     }
     Err(Error::data(
-        format!("only {} of {count} check poses are apart from those of the identification", out.len()),
+        format!(
+            "only {} of {count} check poses are apart from those of the identification",
+            out.len()
+        ),
         "widen the region, or ask for fewer poses",
     ))
 }

@@ -73,7 +73,11 @@ fn limits(text: &str, robot: &Robot) -> Result<Vec<[f64; 2]>> {
     let ranges: Vec<&str> = text.split(',').collect();
     if ranges.len() != robot.joints.len() {
         return Err(Error::data(
-            format!("--limits of {} joints, but the robot has {}", ranges.len(), robot.joints.len()),
+            format!(
+                "--limits of {} joints, but the robot has {}",
+                ranges.len(),
+                robot.joints.len()
+            ),
             "give low:high for every joint, separated by commas",
         ));
     }
@@ -89,8 +93,10 @@ fn limits(text: &str, robot: &Robot) -> Result<Vec<[f64; 2]>> {
 }
 
 fn numbers<const N: usize>(option: &str, text: &str) -> Result<[f64; N]> {
-    let cells: Vec<f64> =
-        text.split(',').filter_map(|c| c.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
+    let cells: Vec<f64> = text
+        .split(',')
+        .filter_map(|c| c.trim().parse().ok().filter(|x: &f64| x.is_finite()))
+        .collect();
     let right = (text.split(',').count() == N).then_some(cells);
     right.and_then(|cells| cells.try_into().ok()).ok_or_else(|| {
         Error::data(

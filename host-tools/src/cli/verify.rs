@@ -183,9 +183,9 @@ fn words(report: &Report) -> String {
         out += &match conformity {
             Conformity::Pass => format!("PASS: every error is within {mm} mm\n"),
             Conformity::Fail => format!("FAIL: an error is beyond {mm} mm\n"),
-            Conformity::NotProven => format!(
-                "NOT PROVEN: {mm} mm is within the uncertainty of the largest error\n"
-            ),
+            Conformity::NotProven => {
+                format!("NOT PROVEN: {mm} mm is within the uncertainty of the largest error\n")
+            }
         };
         out += &format!("decision rule: {}\n", report.decision_rule);
     }

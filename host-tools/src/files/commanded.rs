@@ -36,10 +36,12 @@ impl Commanded {
     /// # Errors
     /// As for [`Commanded::read`].
     pub fn parse(path: &Path, text: &str, robot: &Robot) -> Result<Self> {
-        let header: Vec<&str> = text.lines().next().unwrap_or("").split(',').map(str::trim).collect();
+        let header: Vec<&str> =
+            text.lines().next().unwrap_or("").split(',').map(str::trim).collect();
         let points = POINT.iter().any(|name| header.contains(name));
         let joints = header.iter().any(|name| {
-            name.strip_prefix("cmd").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+            name.strip_prefix("cmd")
+                .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
         });
         match (joints, points) {
             (true, true) => Err(Error::file(

@@ -11,8 +11,8 @@ mod model_file;
 mod model_terms;
 mod robot;
 
-pub use key::read_key;
 pub use commanded::Commanded;
+pub use key::read_key;
 pub use measurements::{Measurements, Row};
 pub use model::{Model, Provenance};
 pub use robot::{Joint, LinkMass, Robot};

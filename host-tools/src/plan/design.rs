@@ -44,7 +44,10 @@ impl Design {
         // The triangle has the singular values of the whole without squaring.
         let triangle = jacobian.transpose().qr().r();
         let svd = triangle.svd(false, true);
-        let v = svd.v_t.unwrap_or_else(|| DMatrix::identity(jacobian.nrows(), jacobian.nrows())).transpose();
+        let v = svd
+            .v_t
+            .unwrap_or_else(|| DMatrix::identity(jacobian.nrows(), jacobian.nrows()))
+            .transpose();
         let largest = svd.singular_values.max();
         let keep: Vec<usize> =
             (0..v.ncols()).filter(|k| svd.singular_values[*k] > ZERO * largest).collect();
@@ -99,7 +102,8 @@ impl Design {
     #[must_use]
     pub fn sigmas(&self, chosen: &[usize], at: &DMatrix<f64>) -> Vec<f64> {
         let weighed = inverse(self.information(chosen)) * at;
-        let trace = |k: usize| (3 * k..3 * k + 3).map(|c| weighed.column(c).dot(&at.column(c))).sum();
+        let trace =
+            |k: usize| (3 * k..3 * k + 3).map(|c| weighed.column(c).dot(&at.column(c))).sum();
         let traces = (0..at.ncols() / 3).map(trace);
         traces.map(|t: f64| self.sigma * t.max(0.0).sqrt()).collect()
     }

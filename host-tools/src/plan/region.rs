@@ -161,8 +161,11 @@ impl Region {
         names.extend(["nominal_x_mm", "nominal_y_mm", "nominal_z_mm"].map(str::to_owned));
         let mut out = names.join(",") + "\n";
         for q in poses {
-            let mut cells: Vec<String> =
-                q.iter().enumerate().map(|(j, q)| format!("{:.3}", to_file(robot, j, *q))).collect();
+            let mut cells: Vec<String> = q
+                .iter()
+                .enumerate()
+                .map(|(j, q)| format!("{:.3}", to_file(robot, j, *q)))
+                .collect();
             cells.extend(arm.pose(q).translation.iter().map(|x| format!("{:.3}", x * 1e3)));
             out += &(cells.join(",") + "\n");
         }

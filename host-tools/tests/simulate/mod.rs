@@ -7,8 +7,10 @@
 mod oracle;
 
 pub mod arm;
+pub mod coverage;
 mod draw;
 pub mod effects;
+pub mod planning;
 pub mod robots;
 pub mod secret;
 pub mod sets;
@@ -58,7 +60,7 @@ pub fn normal(rng: &mut impl Rng) -> f64 {
     (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
 
-fn vector(rng: &mut impl Rng) -> Vector3<f64> {
+pub fn vector(rng: &mut impl Rng) -> Vector3<f64> {
     Vector3::from_fn(|_, _| normal(rng))
 }
 

@@ -1,7 +1,9 @@
 //! `cargo xtask study NAME`: figures too long for a test run. One file a study.
 
 mod blind;
+mod coverage;
 mod flips;
+mod planning;
 mod power;
 mod ties;
 
@@ -24,6 +26,10 @@ pub enum Study {
     Blind(blind::Options),
     /// How large must an effect be to be named?
     Power(power::Options),
+    /// Stated 95 % intervals: how many hold the truth?
+    Coverage(coverage::Options),
+    /// Planned poses against random ones
+    Planning(planning::Options),
     /// Every single and every pair of flipped bits of a full blob: is it refused?
     Flips,
     /// Two effects look alike: is it said, and do the proposed poses tell?
@@ -39,6 +45,8 @@ pub fn run(study: &Study) -> Result {
     match study {
         Study::Blind(options) => blind::run(options),
         Study::Power(options) => power::run(options),
+        Study::Coverage(options) => coverage::run(options),
+        Study::Planning(options) => planning::run(options),
         Study::Flips => flips::run(),
         Study::Ties(options) => ties::run(options),
     }
