@@ -93,7 +93,17 @@ fn planned_poses_tell_explanations_apart() {
     let plan = |data: &str| {
         truearm(
             folder,
-            &["plan", "robot.toml", "--discriminate", data, "--poses", "6", "--out", "p.csv", "--json"],
+            &[
+                "plan",
+                "robot.toml",
+                "--discriminate",
+                data,
+                "--poses",
+                "6",
+                "--out",
+                "p.csv",
+                "--json",
+            ],
         )
     };
     let ran = plan("m.csv");
@@ -136,7 +146,10 @@ fn verification_passes_fails_or_proves_nothing() {
     let ran = verify(&["v.csv", "--json", "--out", "out"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     let report: Value = serde_json::from_str(&ran.out).unwrap();
-    assert_eq!((&report["schema"], &report["command"]), (&"truearm-report-1".into(), &"verify".into()));
+    assert_eq!(
+        (&report["schema"], &report["command"]),
+        (&"truearm-report-1".into(), &"verify".into())
+    );
     let largest = report["after"]["max_mm"].as_f64().unwrap();
     assert_eq!(report["after"]["accuracy"]["max_mm"].as_f64().unwrap(), largest);
     assert!(largest > 1.0 && report["conformity"].is_null());
@@ -144,11 +157,9 @@ fn verification_passes_fails_or_proves_nothing() {
     assert_eq!(serde_json::from_str::<Value>(&written).unwrap(), report);
     let errors = std::fs::read_to_string(folder.join("out/errors.csv")).unwrap();
     assert_eq!(errors.lines().count(), 26);
-    for (tolerance, code, says) in [
-        (largest + 0.1, 0, "PASS"),
-        (largest - 0.1, 3, "FAIL"),
-        (largest + 0.01, 4, "NOT PROVEN"),
-    ] {
+    for (tolerance, code, says) in
+        [(largest + 0.1, 0, "PASS"), (largest - 0.1, 3, "FAIL"), (largest + 0.01, 4, "NOT PROVEN")]
+    {
         let tolerance = tolerance.to_string();
         let ran = verify(&["v.csv", "--tolerance-mm", &tolerance, "--before", "v.csv"]);
         assert_eq!(ran.code, Some(code), "{} {}", ran.out, ran.err);

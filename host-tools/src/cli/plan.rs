@@ -26,7 +26,7 @@ pub struct Plan {
     region: Where,
     /// Stop at the fewest poses whose predicted worst tool point is this good:
     /// 3-D standard deviation (1 sigma) in micrometres
-    #[arg(long, value_name = "UM", conflicts_with = "discriminate")]
+    #[arg(long, value_name = "UM", conflicts_with = "discriminate", allow_hyphen_values = true)]
     target_um: Option<f64>,
     /// Diagnose these measurements and plan poses that separate what is named
     /// from its alternatives

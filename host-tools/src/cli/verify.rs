@@ -28,7 +28,7 @@ pub struct Verify {
     #[arg(long, value_enum, requires = "data")]
     reregister: Option<Refit>,
     /// Largest error allowed
-    #[arg(long, value_name = "MM", requires = "data")]
+    #[arg(long, value_name = "MM", requires = "data", allow_hyphen_values = true)]
     tolerance_mm: Option<f64>,
     /// Write poses to verify at into this file
     #[arg(long, value_name = "FILE.csv")]

@@ -313,8 +313,11 @@ pub fn alternatives(
             continue;
         }
         // Judged by the data alone: what a coefficient more costs is a reason to
-        // prefer, not to rule out.
-        let worse_by = node.misfit - best.misfit;
+        // prefer, not to rule out. A row that had to be flagged for it counts
+        // what it would have cost at least, or a few new poses that speak
+        // against an explanation would be taken for gross errors.
+        let data = |n: &Node| n.misfit + n.fit.outliers.len() as f64 * super::GROSS.powi(2);
+        let worse_by = data(node) - data(best);
         if worse_by > WITHIN_REACH || node.added.len() > best.added.len() {
             continue;
         }
