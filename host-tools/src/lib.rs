@@ -16,11 +16,13 @@ pub mod files;
 pub mod identify;
 pub mod methods;
 pub mod pack;
+pub mod plan;
 pub mod plot;
 pub mod report;
 pub mod reproduce;
 pub mod simulate;
 pub mod tikhonov;
 pub mod unpack;
+pub mod verify;
 
 pub use error::{Error, Result};

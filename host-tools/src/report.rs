@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use crate::identify::LambdaChoice;
+use crate::identify::error_bars::Uncertainty;
 use crate::identify::robust::median;
 
 /// Distances between measured and predicted points, mm.
@@ -168,6 +169,8 @@ pub struct Report {
     pub unidentifiable: Vec<String>,
     /// Directions about which the data say less than the tolerances.
     pub weakly_determined: Vec<String>,
+    /// 95 % error bars of parameters and of the predicted tool point.
+    pub uncertainty: Uncertainty,
     /// Remarks.
     pub warnings: Vec<String>,
 }

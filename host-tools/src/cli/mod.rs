@@ -7,10 +7,13 @@ mod evaluate;
 mod identify;
 mod inspect;
 mod pack;
+mod plan;
 mod progress;
+mod region;
 mod reproduce;
 mod table;
 mod unpack;
+mod verify;
 
 use std::path::Path;
 
@@ -40,6 +43,8 @@ enum Verb {
     Inspect(inspect::Inspect),
     Diff(diff::Diff),
     Unpack(unpack::Unpack),
+    Plan(plan::Plan),
+    Verify(verify::Verify),
 }
 
 impl Cli {
@@ -55,6 +60,8 @@ impl Cli {
             Verb::Inspect(verb) => verb.run(),
             Verb::Diff(verb) => verb.run(),
             Verb::Unpack(verb) => verb.run(),
+            Verb::Plan(verb) => verb.run(),
+            Verb::Verify(verb) => verb.run(),
         };
         done.map_err(|e| {
             if e.help().is_empty() { miette!("{e}") } else { miette!(help = e.help(), "{e}") }
@@ -82,6 +89,12 @@ fn refused(path: &Path, bytes: &[u8], refusal: &Refusal) -> Error {
     Error::data(format!("{}: {refusal}", path.display()), explain(bytes, refusal))
 }
 
+/// A report as JSON.
+fn to_json(report: &impl serde::Serialize) -> String {
+    serde_json::to_string_pretty(report).unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
+        + "\n"
+}
+
 /// Prints a report, as JSON or in words, and writes the files of a folder.
 fn deliver(
     report: &impl serde::Serialize,
@@ -91,9 +104,7 @@ fn deliver(
     model: &Model,
     residuals: impl FnOnce() -> String,
 ) -> Result<()> {
-    let json = serde_json::to_string_pretty(report)
-        .unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
-        + "\n";
+    let json = to_json(report);
     if as_json {
         print!("{json}");
     } else {

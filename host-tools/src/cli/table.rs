@@ -1,9 +1,10 @@
 //! The short tables on the terminal.
 
 use truearm_host::diagnose::{DiagnoseReport, Effect, Verdict};
+use truearm_host::identify::error_bars::Uncertainty;
 use truearm_host::report::{Condition, Report, Stats, Validation};
 
-fn row(out: &mut String, name: &str, stats: &Option<Stats>) {
+pub fn row(out: &mut String, name: &str, stats: &Option<Stats>) {
     if let Some(s) = stats {
         *out += &format!(
             "{name:32} {:>8.4} {:>8.4} {:>8.4} {:>8.4}\n",
@@ -12,7 +13,7 @@ fn row(out: &mut String, name: &str, stats: &Option<Stats>) {
     }
 }
 
-fn head(out: &mut String) {
+pub fn head(out: &mut String) {
     *out += &format!(
         "{:32} {:>8} {:>8} {:>8} {:>8}\n",
         "position error, mm", "mean", "RMS", "max", "SD"
@@ -93,6 +94,7 @@ pub fn report(r: &Report) -> String {
             );
         }
     }
+    out += &error_bars(&r.uncertainty);
     if !r.unidentifiable.is_empty() {
         out += &format!(
             "{} that the data cannot determine:\n",
@@ -113,6 +115,36 @@ pub fn report(r: &Report) -> String {
     }
     if let Some(v) = &r.validation {
         out += &format!("\n{}", validation(v));
+    }
+    out
+}
+
+/// Corrections with their intervals, five parameters a joint, and the tool point.
+fn error_bars(u: &Uncertainty) -> String {
+    let bars = &u.tool_point;
+    let mut out = format!(
+        "predicted tool point, 95 %: +-{:.4} mm a coordinate (RMS over the poses), +-{:.4} mm at \
+         worst; from noise alone +-{:.4}, +-{:.4}\n\
+         corrections, 95 %:{:>12}{:>20}{:>20}{:>20}{:>20}\n",
+        bars.rms_mm,
+        bars.max_mm,
+        bars.noise_rms_mm,
+        bars.noise_max_mm,
+        "alpha, deg",
+        "a, mm",
+        "theta, deg",
+        "d, mm",
+        "beta, deg"
+    );
+    for (i, joint) in u.parameters.chunks(5).enumerate() {
+        out += &format!("  joint {:<3}", i + 1);
+        for p in joint {
+            out += &format!("{:>+11.4} +-{:<6.4}", p.correction, p.half_width);
+        }
+        out += "\n";
+    }
+    for line in &u.correlations {
+        out += &format!("  {line}\n");
     }
     out
 }

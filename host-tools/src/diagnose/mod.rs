@@ -27,6 +27,7 @@ use crate::identify::{
 };
 use node::Node;
 use search::Search;
+pub(crate) use show::trial_rows;
 
 /// Below this share of the structure that geometry leaves, a name would be
 /// forced: something else is at work. Few rows that stay above the noise floor
@@ -51,6 +52,10 @@ pub struct Diagnosis {
     pub report: DiagnoseReport,
     /// Per row.
     pub rows: Vec<RowResult>,
+    /// What was named, with base, marker and terms.
+    pub state: State,
+    /// The alternatives of the report, in its order.
+    pub alternatives: Vec<State>,
 }
 
 /// What the user may choose.
@@ -120,6 +125,7 @@ pub fn diagnose(
     } else {
         Vec::new()
     };
+    let (alternatives, rivals) = alternatives.into_iter().unzip();
     let held_out = show.held_out(&best)?;
     let blocked = match folds::blocked(data, &rows) {
         Some(folds) => Some(show::Show { folds: &folds, ..show }.held_out(&best)?),
@@ -161,7 +167,13 @@ pub fn diagnose(
         not_testable,
         whereabouts,
     };
-    Ok(Diagnosis { model: identified.model, report, rows: identified.rows })
+    Ok(Diagnosis {
+        model: identified.model,
+        report,
+        rows: identified.rows,
+        state: best.fit.fit.state,
+        alternatives: rivals,
+    })
 }
 
 /// The tolerances of the prior are a guess; corrections that are larger all

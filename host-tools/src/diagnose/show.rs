@@ -16,7 +16,7 @@ use super::tail::chi_square;
 use super::{HeldOut, at_floor, unknown_label};
 use crate::error::Result;
 use crate::evaluate::residuals;
-use crate::files::{Measurements, Robot};
+use crate::files::{Measurements, Robot, Row};
 use crate::identify::folds::Fold;
 use crate::identify::robust::{Outlier, robust_fit};
 use crate::identify::{Conditions, Findings, ModelTerm, State, folds};
@@ -295,7 +295,7 @@ pub fn alternatives(
     robot: &Robot,
     best: &Node,
     nodes: &[Node],
-) -> Vec<Alternative> {
+) -> Vec<(Alternative, State)> {
     let names = |n: &Node| {
         let mut list: Vec<_> = n.added.iter().map(|c| (c.name(), c.joints())).collect();
         list.sort();
@@ -313,16 +313,33 @@ pub fn alternatives(
             continue;
         }
         // Judged by the data alone: what a coefficient more costs is a reason to
-        // prefer, not to rule out.
-        let worse_by = node.misfit - best.misfit;
+        // prefer, not to rule out. A row that had to be flagged for it counts
+        // what it would have cost at least, or a few new poses that speak
+        // against an explanation would be taken for gross errors.
+        let data = |n: &Node| n.misfit + n.fit.outliers.len() as f64 * super::GROSS.powi(2);
+        let worse_by = data(node) - data(best);
         if worse_by > WITHIN_REACH || node.added.len() > best.added.len() {
             continue;
         }
         seen.push(theirs.clone());
         let poses = separating(search, robot, &best.fit.fit.state, &node.fit.fit.state);
-        out.push(Alternative { effects: theirs, worse_by, separating_poses: poses });
+        let alternative = Alternative { effects: theirs, worse_by, separating_poses: poses };
+        out.push((alternative, node.fit.fit.state.clone()));
     }
     out
+}
+
+/// Rows that could be measured next, under the conditions of the first row of
+/// `data`, approached from either side; no point is known of them.
+#[must_use]
+pub fn trial_rows(data: &Measurements, poses: &[Vec<f64>], rng: &mut ChaCha8Rng) -> Measurements {
+    let like = &data.rows[0];
+    let rows = poses.iter().map(|q| {
+        let directions =
+            like.directions.iter().map(|_| if rng.random_bool(0.5) { 1 } else { -1 }).collect();
+        Row { q: q.clone(), directions, point: Vector3::zeros(), ..like.clone() }
+    });
+    Measurements { rows: rows.collect(), ..data.clone() }
 }
 
 /// Poses within limits where two explanations differ most.
@@ -331,16 +348,9 @@ fn separating(search: &Search, robot: &Robot, a: &State, b: &State) -> Vec<Separ
     let mut rng = ChaCha8Rng::seed_from_u64(folds::SEED);
     let ranges: Vec<[f64; 2]> =
         robot.joints.iter().zip(data.covered()).map(|(j, c)| j.limits.unwrap_or(c)).collect();
-    let mut tried = data.clone();
-    let like = data.rows[0].clone();
-    tried.rows = (0..TRIED)
-        .map(|_| {
-            let q = ranges.iter().map(|[low, high]| rng.random_range(*low..=*high)).collect();
-            let directions =
-                like.directions.iter().map(|_| if rng.random_bool(0.5) { 1 } else { -1 }).collect();
-            crate::files::Row { q, directions, point: Vector3::zeros(), ..like.clone() }
-        })
-        .collect();
+    let pose = |_| ranges.iter().map(|[low, high]| rng.random_range(*low..=*high)).collect();
+    let poses: Vec<Vec<f64>> = (0..TRIED).map(pose).collect();
+    let tried = trial_rows(data, &poses, &mut rng);
     let conditions = Conditions::new(&tried, robot);
     let (first, second) = (residuals(&tried, &conditions, a), residuals(&tried, &conditions, b));
     let mut order: Vec<(f64, usize)> =

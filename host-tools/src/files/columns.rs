@@ -88,7 +88,13 @@ fn label(list: &mut Vec<String>, text: &str) -> usize {
 
 impl Columns {
     /// Finds the columns by name.
-    pub fn find(path: &Path, names: &[String], robot: &Robot) -> Result<Self> {
+    /// `joints` is what the columns of the joints begin with; `None` if there are none.
+    pub fn find(
+        path: &Path,
+        names: &[String],
+        robot: &Robot,
+        joints: Option<&str>,
+    ) -> Result<Self> {
         let header = |message: String, help: &str| Error::file(path, Place::line(1), message, help);
         if names.iter().all(|n| n.is_empty()) {
             return Err(Error::file(
@@ -123,9 +129,10 @@ impl Columns {
         let n = robot.joints.len();
         let mut q = Vec::new();
         for (j, joint) in robot.joints.iter().enumerate() {
+            let Some(prefix) = joints else { break };
             let name = match joint.link.kind {
-                JointKind::Revolute => format!("q{}_deg", j + 1),
-                JointKind::Prismatic => format!("q{}_mm", j + 1),
+                JointKind::Revolute => format!("{prefix}{}_deg", j + 1),
+                JointKind::Prismatic => format!("{prefix}{}_mm", j + 1),
             };
             q.push(take(&name).ok_or_else(|| {
                 let kind = joint.link.kind;
@@ -139,7 +146,8 @@ impl Columns {
                 )
             })?);
         }
-        for extra in [format!("q{}_deg", n + 1), format!("q{}_mm", n + 1)] {
+        let prefix = joints.unwrap_or("q");
+        for extra in [format!("{prefix}{}_deg", n + 1), format!("{prefix}{}_mm", n + 1)] {
             if names.contains(&extra) {
                 return Err(header(
                     format!("column {extra}, but {} has {n} joints", robot.path.display()),

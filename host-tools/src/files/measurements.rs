@@ -80,6 +80,18 @@ impl Measurements {
     /// # Errors
     /// As for [`Measurements::read`].
     pub fn parse(path: &Path, text: &str, robot: &Robot) -> Result<Self> {
+        let mut data = Self::table(path, text, robot, Some("q"))?;
+        data.remark(robot);
+        Ok(data)
+    }
+
+    /// The rows of a file whose joint columns begin with `joints`.
+    pub(super) fn table(
+        path: &Path,
+        text: &str,
+        robot: &Robot,
+        joints: Option<&str>,
+    ) -> Result<Self> {
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .flexible(true)
@@ -91,7 +103,7 @@ impl Measurements {
         };
         let names: Vec<String> =
             reader.headers().map_err(fail)?.iter().map(str::to_owned).collect();
-        let columns = Columns::find(path, &names, robot)?;
+        let columns = Columns::find(path, &names, robot, joints)?;
         let mut data = Self {
             path: path.to_owned(),
             rows: Vec::new(),
@@ -119,8 +131,9 @@ impl Measurements {
         if data.rows.is_empty() {
             return Err(Error::file(path, Place::default(), "no data rows", "add measurements"));
         }
-        data.poses = number_poses(&mut data.rows, robot);
-        data.remark(robot);
+        if joints.is_some() {
+            data.poses = number_poses(&mut data.rows, robot);
+        }
         Ok(data)
     }
 

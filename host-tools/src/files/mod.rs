@@ -2,6 +2,7 @@
 //! and degrees exist only here; everything inside is SI.
 
 mod columns;
+mod commanded;
 mod covariance;
 mod key;
 mod measurements;
@@ -10,6 +11,7 @@ mod model_file;
 mod model_terms;
 mod robot;
 
+pub use commanded::Commanded;
 pub use key::read_key;
 pub use measurements::{Measurements, Row};
 pub use model::{Model, Provenance};

@@ -4,6 +4,7 @@
 //! cross-validation -> report. Nothing here reads or writes a file.
 
 mod conditions;
+pub mod error_bars;
 pub mod estimate;
 pub mod fit;
 pub mod folds;

@@ -68,6 +68,53 @@ pub fn analyse(problem: &Problem, state: &State, rows: &[usize]) -> Redundancy {
     }
 }
 
+/// Pairs of this correlation are told together rather than each.
+const CORRELATED: f64 = 0.95;
+/// What the data leave wider than this share of a tolerance is told as redundant
+/// or weak; its correlations are those of the tolerances.
+const DETERMINED: f64 = 0.3;
+/// Most pairs named.
+const PAIRS: usize = 6;
+
+/// Pairs of arm parameters that are each determined, but trade against one
+/// another, the closest first; from the covariance of all unknowns, SI.
+#[must_use]
+pub fn correlated(problem: &Problem, covariance: &DMatrix<f64>) -> Vec<String> {
+    let list = problem.unknowns.list();
+    let sigma = |k: usize| covariance[(k, k)].max(0.0).sqrt();
+    let determined = |k: &usize| {
+        !matches!(list[*k], Unknown::Station(..) | Unknown::Term(_))
+            && sigma(*k) > 0.0
+            && sigma(*k) < DETERMINED * list[*k].tolerance()
+    };
+    let known: Vec<usize> = (0..list.len()).filter(determined).collect();
+    let mut pairs = Vec::new();
+    for (i, a) in known.iter().enumerate() {
+        for b in &known[i + 1..] {
+            let correlation = covariance[(*a, *b)] / sigma(*a) / sigma(*b);
+            if correlation.abs() > CORRELATED {
+                pairs.push((correlation, *a, *b));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+    let with_bar = |k: usize| {
+        let (factor, unit) = if list[k].is_length() { (1e3, "mm") } else { (1e3, "mrad") };
+        let name = list[k].name(&problem.data.stations, &problem.data.markers);
+        format!("{name} (+-{:.3} {unit})", 1.96 * sigma(k) * factor)
+    };
+    let sentence = |(correlation, a, b): &(f64, usize, usize)| {
+        let better = (1.0 - correlation * correlation).max(1e-12).sqrt().recip();
+        format!(
+            "{} and {} trade against each other: correlation {correlation:+.3}; if one were known \
+             the other would be {better:.1} times better known",
+            with_bar(*a),
+            with_bar(*b)
+        )
+    };
+    pairs.iter().take(PAIRS).map(sentence).collect()
+}
+
 /// A sparse basis of the null space, one sentence a direction.
 ///
 /// Gauss-Jordan elimination: each direction gets a parameter that no other

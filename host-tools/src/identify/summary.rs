@@ -1,8 +1,9 @@
 //! From findings to model and report.
 
-use nalgebra::{DMatrix, Rotation3, Vector3};
+use nalgebra::{Rotation3, Vector3};
 use truearm::{MdhParameters, Pose};
 
+use super::error_bars::{Covariances, uncertainty};
 use super::estimate::Estimate;
 use super::problem::link_corrections;
 use super::uncertainty::{factor, of_arm};
@@ -10,7 +11,6 @@ use super::{Identification, Problem, RowResult, Scaling, State, redundancy, regi
 use crate::chain::chain;
 use crate::files::{Model, Provenance, Robot};
 use crate::report::{AllRows, FlaggedRow, Report, Stats, robust_distance_scale};
-use crate::tikhonov;
 
 /// All that was found out about a data set.
 pub struct Findings<'a> {
@@ -97,6 +97,7 @@ impl Findings<'_> {
             outliers: flags,
             unidentifiable: redundancy.redundant,
             weakly_determined: redundancy.weak,
+            uncertainty: uncertainty(problem, found, &self.covariances()),
             warnings,
         };
         Identification { model: self.model(&report), report, rows: results }
@@ -120,7 +121,7 @@ impl Findings<'_> {
         let Self { robot, problem, found, .. } = self;
         let data = problem.data;
         let state = &found.fit.state;
-        let unknowns = self.covariance();
+        let unknowns = self.covariances().total();
         let sigma: Vec<f64> = unknowns.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect();
         let at = |i: usize| problem.unknowns.free() + 5 * i;
         let uncertainties = (0..robot.joints.len())
@@ -163,27 +164,20 @@ impl Findings<'_> {
         }
     }
 
-    /// Covariance of all unknowns, SI, from the posterior and the scale of the
-    /// residuals.
-    #[must_use]
-    pub fn covariance(&self) -> DMatrix<f64> {
-        let Self { problem, found, .. } = self;
-        let cov = tikhonov::covariance(&found.fit.triangle, problem.unknowns.free(), found.lambda);
-        let noise = match problem.scaling {
-            Scaling::Prior => found.robust.scale,
-            Scaling::Printed => {
-                let sigmas: Vec<f64> = problem.data.rows.iter().map(|r| r.sigma).collect();
-                found.robust.scale * robust::median(&sigmas)
-            }
+    /// Covariance of all unknowns, from noise and from regularisation.
+    fn covariances(&self) -> Covariances {
+        // Lambda from the marginal likelihood *is* an estimate of the spread.
+        let spread = match self.rule {
+            "marginal-likelihood" if self.found.lambda > 0.0 => self.found.lambda.sqrt().recip(),
+            _ => 1.0,
         };
-        let units = DMatrix::from_diagonal(&(problem.units() * noise));
-        &units * cov * &units
+        Covariances::of(self.problem, &self.found, spread)
     }
 
     /// One standard deviation of every unknown, SI.
     #[must_use]
     pub fn sigmas(&self) -> Vec<f64> {
-        self.covariance().diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
+        self.covariances().total().diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
     }
 }
 

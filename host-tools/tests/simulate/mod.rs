@@ -7,8 +7,10 @@
 mod oracle;
 
 pub mod arm;
+pub mod coverage;
 mod draw;
 pub mod effects;
+pub mod planning;
 pub mod regret;
 pub mod robots;
 pub mod secret;
@@ -22,7 +24,7 @@ use truearm::{JointKind, Link, MdhParameters, Pose};
 use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::{Conditions, Identification, State};
 pub use truearm_host::simulate::normal;
-use truearm_host::simulate::normal_vector as vector;
+pub use truearm_host::simulate::normal_vector as vector;
 
 /// A UR10-like arm, tool off the last axis: 27 of 39 parameters identifiable.
 pub const UR10_LIKE: &str = r#"

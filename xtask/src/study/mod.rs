@@ -1,10 +1,12 @@
 //! `cargo xtask study NAME`: figures too long for a test run. One file a study.
 
 mod blind;
+mod coverage;
 mod cuts;
 mod flips;
 pub mod fuzz;
 mod lambda;
+mod planning;
 mod power;
 pub mod restarts;
 mod ties;
@@ -32,6 +34,10 @@ pub enum Study {
     Blind(blind::Options),
     /// How large must an effect be to be named?
     Power(power::Options),
+    /// Stated 95 % intervals: how many hold the truth?
+    Coverage(coverage::Options),
+    /// Planned poses against random ones
+    Planning(planning::Options),
     /// Every single and every pair of flipped bits of a full blob: is it refused?
     Flips,
     /// Rules for lambda: how much worse than the best one?
@@ -55,6 +61,8 @@ pub fn run(study: &Study) -> Result {
     match study {
         Study::Blind(options) => blind::run(options),
         Study::Power(options) => power::run(options),
+        Study::Coverage(options) => coverage::run(options),
+        Study::Planning(options) => planning::run(options),
         Study::Flips => flips::run(),
         Study::Lambda(options) => lambda::run(options),
         Study::Ties(options) => ties::run(options),

@@ -1,0 +1,242 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use truearm_host::diagnose::{DiagnoseOptions, diagnose};
+use truearm_host::files::{Measurements, Robot, write};
+use truearm_host::plan::{Observability, Plan as Planned, PlanOptions, Region, discriminate, plan};
+use truearm_host::{Error, Result};
+
+use super::progress::Bar;
+use super::region::Where;
+use super::{to_json, warn};
+
+/// Choose the poses to measure before an identification, or to tell two
+/// explanations of `diagnose` apart.
+#[derive(Args)]
+pub struct Plan {
+    /// The nominal arm, robot.toml
+    robot: PathBuf,
+    /// How many poses; with --target-um, at most so many
+    #[arg(long, value_name = "N")]
+    poses: usize,
+    /// Write the joint values here, a CSV line a pose
+    #[arg(long, value_name = "FILE.csv")]
+    out: PathBuf,
+    #[command(flatten)]
+    region: Where,
+    /// Stop at the fewest poses whose predicted worst tool point is this good:
+    /// 3-D standard deviation (1 sigma) in micrometres
+    #[arg(long, value_name = "UM", conflicts_with = "discriminate", allow_hyphen_values = true)]
+    target_um: Option<f64>,
+    /// Diagnose these measurements and plan poses that separate what is named
+    /// from its alternatives
+    #[arg(long, value_name = "DATA")]
+    discriminate: Option<PathBuf>,
+    /// Poses drawn at random to choose from
+    #[arg(long, default_value_t = 3000, value_name = "COUNT")]
+    candidates: usize,
+    /// Other random candidates
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print JSON instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(serde::Serialize)]
+struct Report {
+    schema: &'static str,
+    command: &'static str,
+    robot: String,
+    poses: usize,
+    candidates: usize,
+    /// Parameters that points can determine.
+    parameters: usize,
+    observability: Observability,
+    /// 3-D standard deviations (1 sigma) of the tool point over the region.
+    worst_um: f64,
+    rms_um: f64,
+    /// sigma sqrt(p / n)
+    bound_um: f64,
+    /// Worst of as many random poses, median of 9 draws.
+    random_worst_um: f64,
+    target_um: Option<f64>,
+    target_reached: Option<bool>,
+    warnings: Vec<String>,
+}
+
+#[derive(serde::Serialize)]
+struct Separation {
+    schema: &'static str,
+    command: &'static str,
+    robot: String,
+    data: String,
+    poses: usize,
+    candidates: usize,
+    alternatives: Vec<Separated>,
+    warnings: Vec<String>,
+}
+
+#[derive(serde::Serialize)]
+struct Separated {
+    effects: Vec<(&'static str, Vec<usize>)>,
+    worse_by_now: f64,
+    /// Expected chi-square that the planned poses add.
+    worse_by_planned: f64,
+}
+
+impl Plan {
+    pub fn run(self) -> Result<()> {
+        if let Some(um) = self.target_um.filter(|um| !(*um > 0.0 && um.is_finite())) {
+            return Err(Error::data(
+                format!("--target-um {um}"),
+                "give a positive standard deviation in micrometres, such as 20",
+            ));
+        }
+        let robot = Robot::read(&self.robot)?;
+        let region = self.region.of(&robot)?;
+        if let Some(data) = &self.discriminate {
+            return self.separate(&robot, data, &region);
+        }
+        let options = PlanOptions {
+            poses: self.poses,
+            region,
+            candidates: self.candidates,
+            target: self.target_um.map(|um| um * 1e-6),
+            seed: self.seed,
+        };
+        let bar = Bar::new("exchanging poses");
+        let found = plan(&robot, &options, &|done, total| bar.update(done, total));
+        bar.finish();
+        let found = found?;
+        write(&self.out, Region::to_csv(&robot, "q", &found.poses).as_bytes())?;
+        warn(&robot.warnings);
+        if self.json {
+            print!("{}", to_json(&self.report(&robot, &found)));
+        } else {
+            print!("{}", words(&found));
+            println!("wrote {}", self.out.display());
+        }
+        match (found.reached, self.target_um) {
+            (Some(false), Some(target)) => Err(Error::data(
+                format!(
+                    "with {} poses the worst tool point is {:.1} um, not {target} um",
+                    self.poses,
+                    found.worst * 1e6
+                ),
+                "the poses are written as far as they go; allow more --poses, a wider region, or \
+                 measure with a smaller sigma",
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn report(&self, robot: &Robot, found: &Planned) -> Report {
+        Report {
+            schema: "truearm-report-1",
+            command: "plan",
+            robot: robot.name.clone(),
+            poses: found.poses.len(),
+            candidates: self.candidates,
+            parameters: found.parameters,
+            observability: found.observability,
+            worst_um: found.worst * 1e6,
+            rms_um: found.rms * 1e6,
+            bound_um: found.bound * 1e6,
+            random_worst_um: found.random_worst * 1e6,
+            target_um: self.target_um,
+            target_reached: found.reached,
+            warnings: robot.warnings.clone(),
+        }
+    }
+
+    fn separate(&self, robot: &Robot, path: &std::path::Path, region: &Region) -> Result<()> {
+        let data = Measurements::read(path, robot)?;
+        let bar = Bar::new("diagnosing");
+        let found =
+            diagnose(robot, &data, None, &DiagnoseOptions::default(), &|what| bar.stage(what));
+        bar.finish();
+        let found = found?;
+        let planned =
+            discriminate(&data, &found, region, (self.poses, self.candidates, self.seed))?;
+        let mut text = Region::to_csv(robot, "q", &planned.poses);
+        if data.rows[0].directions.iter().any(|d| *d != 0) {
+            text = with_directions(&text, &planned.directions);
+        }
+        write(&self.out, text.as_bytes())?;
+        let warnings = found.report.base.warnings.clone();
+        warn(&warnings);
+        let pairs = found.report.alternatives.iter().zip(&planned.separation);
+        let alternatives: Vec<Separated> = pairs
+            .map(|(a, added)| Separated {
+                effects: a.effects.clone(),
+                worse_by_now: a.worse_by,
+                worse_by_planned: *added,
+            })
+            .collect();
+        if self.json {
+            print!(
+                "{}",
+                to_json(&Separation {
+                    schema: "truearm-report-1",
+                    command: "plan",
+                    robot: robot.name.clone(),
+                    data: path.display().to_string(),
+                    poses: planned.poses.len(),
+                    candidates: self.candidates,
+                    alternatives,
+                    warnings,
+                })
+            );
+            return Ok(());
+        }
+        for a in alternatives {
+            let names: Vec<&str> = a.effects.iter().map(|(name, _)| *name).collect();
+            println!(
+                "alternative {}: worse by {:.1} in chi-square now, by {:.0} more expected with \
+                 these {} poses",
+                names.join(" and "),
+                a.worse_by_now,
+                a.worse_by_planned,
+                planned.poses.len()
+            );
+        }
+        println!("wrote {}", self.out.display());
+        Ok(())
+    }
+}
+
+fn words(found: &Planned) -> String {
+    let um = 1e6;
+    let o = &found.observability;
+    format!(
+        "{} poses for {} parameters that points can determine\n\
+         predicted 3-D standard deviation of the tool point over the region, um:\n\
+         {:34}{:>8.1}\n{:34}{:>8.1}\n{:34}{:>8.1}\n{:34}{:>8.1}\n\
+         observability: O1 {:.4}, O2 {:.2e}, O3 {:.4}, O4 {:.2e}, O5 {:.4}\n",
+        found.poses.len(),
+        found.parameters,
+        "  worst",
+        found.worst * um,
+        "  root mean square",
+        found.rms * um,
+        "  no set has a smaller worst than",
+        found.bound * um,
+        "  worst of as many random poses",
+        found.random_worst * um,
+        o.o1,
+        o.o2,
+        o.o3,
+        o.o4,
+        o.o5
+    )
+}
+
+/// Adds columns `dir1..dirN` to a CSV of poses.
+fn with_directions(text: &str, directions: &[Vec<i8>]) -> String {
+    let joints = directions.first().map_or(0, Vec::len);
+    let names: Vec<String> = (1..=joints).map(|j| format!(",dir{j}")).collect();
+    let cells = directions.iter().map(|row| row.iter().map(|d| format!(",{d}")).collect());
+    let columns = std::iter::once(names.concat()).chain(cells);
+    text.lines().zip(columns).map(|(line, more): (_, String)| format!("{line}{more}\n")).collect()
+}

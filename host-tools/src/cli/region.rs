@@ -1,0 +1,107 @@
+use clap::Args;
+use nalgebra::Vector3;
+use truearm_host::files::Robot;
+use truearm_host::plan::{Region, Sight, from_file};
+use truearm_host::{Error, Result};
+
+/// Where poses may be. Lengths in mm, in the nominal robot's base frame.
+#[derive(Args)]
+pub struct Where {
+    /// Keep the target between two corners
+    #[arg(long = "box", value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true)]
+    corners: Option<String>,
+    /// Joint limits instead of those of robot.toml, degrees (mm for prismatic
+    /// joints), one low:high a joint
+    #[arg(long, value_name = "LOW:HIGH,...", allow_hyphen_values = true)]
+    limits: Option<String>,
+    /// Keep the target in sight of a tracker that stands here
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    tracker: Option<String>,
+    /// Direction the target faces, in the last frame
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        requires = "tracker",
+        default_value = "0,0,1",
+        allow_hyphen_values = true
+    )]
+    target_axis: String,
+    /// Half angle of the cone in which the target can be seen; a reflector in
+    /// its ball has about 30, one that is turned to the tracker by hand 90
+    #[arg(long, value_name = "DEG", requires = "tracker", default_value_t = 90.0)]
+    cone_deg: f64,
+}
+
+impl Where {
+    /// The region of a robot.
+    pub fn of(&self, robot: &Robot) -> Result<Region> {
+        let limits = self.limits.as_deref().map(|text| limits(text, robot)).transpose()?;
+        let mut region = Region::new(robot, limits)?;
+        if let Some(text) = &self.corners {
+            let [x0, y0, z0, x1, y1, z1] = numbers("--box", text)?;
+            region.corners = Some([Vector3::new(x0, y0, z0), Vector3::new(x1, y1, z1)])
+                .map(|corners| corners.map(|c| c * 1e-3));
+        }
+        if let Some(text) = &self.tracker {
+            let axis = Vector3::from(numbers("--target-axis", &self.target_axis)?);
+            if axis.norm() == 0.0 {
+                return Err(Error::data("--target-axis 0,0,0", "give a direction, such as 0,0,1"));
+            }
+            if !(self.cone_deg > 0.0 && self.cone_deg <= 180.0) {
+                return Err(Error::data(
+                    format!("--cone-deg {}", self.cone_deg),
+                    "give half the opening angle, above 0 and up to 180 degrees",
+                ));
+            }
+            region.sight = Some(Sight {
+                tracker: Vector3::from(numbers("--tracker", text)?) * 1e-3,
+                axis,
+                cone: self.cone_deg.to_radians(),
+            });
+        }
+        Ok(region)
+    }
+}
+
+fn limits(text: &str, robot: &Robot) -> Result<Vec<[f64; 2]>> {
+    let wrong = || {
+        Error::data(
+            format!("--limits {text}"),
+            "give low:high for every joint, separated by commas, such as -170:170,-90:120",
+        )
+    };
+    let ranges: Vec<&str> = text.split(',').collect();
+    if ranges.len() != robot.joints.len() {
+        return Err(Error::data(
+            format!(
+                "--limits of {} joints, but the robot has {}",
+                ranges.len(),
+                robot.joints.len()
+            ),
+            "give low:high for every joint, separated by commas",
+        ));
+    }
+    let range = |(joint, range): (usize, &str)| {
+        let (low, high) = range.split_once(':').ok_or_else(wrong)?;
+        let value = |cell: &str| match cell.trim().parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(from_file(robot, joint, x)),
+            _ => Err(wrong()),
+        };
+        Ok([value(low)?, value(high)?])
+    };
+    ranges.into_iter().enumerate().map(range).collect()
+}
+
+fn numbers<const N: usize>(option: &str, text: &str) -> Result<[f64; N]> {
+    let cells: Vec<f64> = text
+        .split(',')
+        .filter_map(|c| c.trim().parse().ok().filter(|x: &f64| x.is_finite()))
+        .collect();
+    let right = (text.split(',').count() == N).then_some(cells);
+    right.and_then(|cells| cells.try_into().ok()).ok_or_else(|| {
+        Error::data(
+            format!("{option} {text}"),
+            format!("give {N} numbers separated by commas, in mm where they are lengths"),
+        )
+    })
+}

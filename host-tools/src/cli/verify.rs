@@ -1,0 +1,212 @@
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use truearm_host::files::{Commanded, Measurements, Model, write};
+use truearm_host::plan::Region;
+use truearm_host::verify::{COVERAGE_FACTOR, Conformity, STANDARD_REPEATS};
+use truearm_host::verify::{Verification, check_poses, verify};
+use truearm_host::{Error, Result};
+
+use super::region::Where;
+use super::{table, to_json, warn};
+
+/// Verify the compensated arm on measured points: ISO 9283 accuracy and
+/// repeatability, pass or fail. Exit status 3: fail, 4: neither is proven.
+#[derive(Args)]
+pub struct Verify {
+    /// model.toml that was packed and flashed
+    model: PathBuf,
+    /// Commanded joints cmd1_deg.. (or points cmd_x_mm..) and measured points,
+    /// compensation on
+    #[arg(required_unless_present = "check_poses")]
+    data: Option<PathBuf>,
+    /// The same with compensation off, for the figures before
+    #[arg(long, value_name = "DATA0", requires = "data")]
+    before: Option<PathBuf>,
+    /// Fit each station's frame on the files themselves; takes up to six
+    /// directions of the error out
+    #[arg(long, value_enum, requires = "data")]
+    reregister: Option<Refit>,
+    /// Largest error allowed
+    #[arg(long, value_name = "MM", requires = "data", allow_hyphen_values = true)]
+    tolerance_mm: Option<f64>,
+    /// Write poses to verify at into this file
+    #[arg(long, value_name = "FILE.csv")]
+    check_poses: Option<PathBuf>,
+    /// How many of them
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "check_poses")]
+    poses: usize,
+    /// Measurements of the identification, to keep the check poses apart from
+    #[arg(long, value_name = "DATA", requires = "check_poses")]
+    apart_from: Option<PathBuf>,
+    #[command(flatten)]
+    region: Where,
+    /// Other random check poses
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Write report.json and errors.csv into this folder
+    #[arg(long, value_name = "DIR", requires = "data")]
+    out: Option<PathBuf>,
+    /// Print JSON instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Refit {
+    /// Each station's base
+    Base,
+}
+
+#[derive(serde::Serialize)]
+struct Report {
+    schema: &'static str,
+    command: &'static str,
+    model: String,
+    before: Option<Verification>,
+    after: Verification,
+    coverage_factor: f64,
+    tolerance_mm: Option<f64>,
+    decision_rule: &'static str,
+    conformity: Option<Conformity>,
+    warnings: Vec<String>,
+}
+
+impl Verify {
+    pub fn run(self) -> Result<()> {
+        if let Some(mm) = self.tolerance_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
+            return Err(Error::data(
+                format!("--tolerance-mm {mm}"),
+                "give the largest error allowed in mm, such as 0.3",
+            ));
+        }
+        let model = Model::read(&self.model)?;
+        if let Some(path) = &self.check_poses {
+            self.propose(&model, path)?;
+        }
+        let Some(path) = &self.data else { return Ok(()) };
+        let refit = self.reregister.is_some();
+        let data = Commanded::read(path, &model.robot)?;
+        let after = verify(&model, &data, refit)?;
+        let mut warnings = data.data.warnings.clone();
+        let before = self.before.as_ref().map(|path| {
+            let data = Commanded::read(path, &model.robot)?;
+            verify(&model, &data, refit)
+        });
+        let before = before.transpose()?;
+        if after.repeats[0] < STANDARD_REPEATS {
+            warnings.push(format!(
+                "{}: {} to {} repetitions a pose, where ISO 9283 asks for {STANDARD_REPEATS}",
+                after.file, after.repeats[0], after.repeats[1]
+            ));
+        }
+        let conformity = self.tolerance_mm.map(|mm| after.conformity(mm));
+        let report = Report {
+            schema: "truearm-report-1",
+            command: "verify",
+            model: self.model.display().to_string(),
+            before,
+            after,
+            coverage_factor: COVERAGE_FACTOR,
+            tolerance_mm: self.tolerance_mm,
+            decision_rule: "ISO 14253-1, conformity to be proven, guard band U (k = 2)",
+            conformity,
+            warnings,
+        };
+        warn(&report.warnings);
+        let json = to_json(&report);
+        if self.json {
+            print!("{json}");
+        } else {
+            print!("{}", words(&report));
+        }
+        if let Some(folder) = &self.out {
+            write(&folder.join("report.json"), json.as_bytes())?;
+            write(&folder.join("errors.csv"), errors(&data.data, &report.after).as_bytes())?;
+        }
+        match conformity {
+            None | Some(Conformity::Pass) => Ok(()),
+            Some(Conformity::Fail) => std::process::exit(3),
+            Some(Conformity::NotProven) => std::process::exit(4),
+        }
+    }
+
+    fn propose(&self, model: &Model, path: &Path) -> Result<()> {
+        // Within what was identified, unless the user says otherwise.
+        let mut robot = model.robot.clone();
+        for (joint, covered) in robot.joints.iter_mut().zip(&model.covered) {
+            joint.limits = covered.filter(|[low, high]| low < high).or(joint.limits);
+        }
+        let region = self.region.of(&robot)?;
+        let used = self.apart_from.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
+        let poses = check_poses(model, &region, used.as_ref(), self.poses, self.seed)?;
+        write(path, Region::to_csv(&robot, "cmd", &poses).as_bytes())?;
+        if !self.json {
+            println!("wrote {} check poses to {}", poses.len(), path.display());
+        }
+        Ok(())
+    }
+}
+
+fn words(report: &Report) -> String {
+    let after = &report.after;
+    let mut out = format!("{}: {} rows of {} poses\n", after.file, after.rows, after.poses);
+    table::head(&mut out);
+    let predicted = &after.predicted_without_compensation;
+    match &report.before {
+        Some(before) => table::row(&mut out, "before, measured", &Some(before.errors)),
+        None => table::row(&mut out, "before, as the model predicts", predicted),
+    }
+    table::row(&mut out, "after", &Some(after.errors));
+    out += &format!(
+        "positioning accuracy AP (ISO 9283): mean {:.4} mm, largest {:.4} mm of {} poses\n",
+        after.accuracy.mean_mm, after.accuracy.max_mm, after.accuracy.poses
+    );
+    out += &match &after.repeatability {
+        Some(rp) => format!(
+            "positioning repeatability RP (ISO 9283): mean {:.4} mm, largest {:.4} mm of {} poses\n",
+            rp.mean_mm, rp.max_mm, rp.poses
+        ),
+        None => "no pose was measured twice: no repeatability RP\n".to_owned(),
+    };
+    out += &format!(
+        "expanded uncertainty of an error (k = 2): {:.4} mm\n",
+        after.expanded_uncertainty_mm
+    );
+    if after.reregistered != "none" {
+        out += &format!("{} fitted on this file itself, as asked\n", after.reregistered);
+    }
+    if let Some(line) = table::not_covered(&after.joints_not_covered) {
+        out += &format!("{line}\n");
+    }
+    if let (Some(conformity), Some(mm)) = (report.conformity, report.tolerance_mm) {
+        out += &match conformity {
+            Conformity::Pass => format!("PASS: every error is within {mm} mm\n"),
+            Conformity::Fail => format!("FAIL: an error is beyond {mm} mm\n"),
+            Conformity::NotProven => {
+                format!("NOT PROVEN: {mm} mm is within the uncertainty of the largest error\n")
+            }
+        };
+        out += &format!("decision rule: {}\n", report.decision_rule);
+    }
+    out
+}
+
+fn errors(data: &Measurements, found: &Verification) -> String {
+    let mut out = "row,line,station,marker,pose,dx_mm,dy_mm,dz_mm,distance_mm\n".to_owned();
+    for (i, (row, e)) in data.rows.iter().zip(&found.row_errors).enumerate() {
+        let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
+        let e = e * 1e3;
+        out += &format!(
+            "{},{},{station},{marker},{},{:.5},{:.5},{:.5},{:.5}\n",
+            i + 1,
+            row.line,
+            row.pose + 1,
+            e.x,
+            e.y,
+            e.z,
+            e.norm()
+        );
+    }
+    out
+}

@@ -1,0 +1,112 @@
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::{Measurements, Robot};
+use crate::error::{Error, Place, Result};
+
+const POINT: [&str; 3] = ["cmd_x_mm", "cmd_y_mm", "cmd_z_mm"];
+/// Commanded points that agree within this are one pose, m.
+const SAME_POINT: f64 = 1e-6;
+
+/// What a controller was told and where the target then was: a file with
+/// commanded joints (`cmd1_deg..`) or commanded points (`cmd_x_mm, cmd_y_mm,
+/// cmd_z_mm`, in the robot's frame) beside the measured `x_mm, y_mm, z_mm` and
+/// the optional columns of measurements.csv.
+#[derive(Debug, Clone)]
+pub struct Commanded {
+    /// The rows; their `q` are the commanded joints, empty where points were
+    /// commanded.
+    pub data: Measurements,
+    /// Commanded points, one a row, m; empty where joints were commanded.
+    pub points: Vec<Vector3<f64>>,
+}
+
+impl Commanded {
+    /// Reads and checks the file.
+    ///
+    /// # Errors
+    /// Names file, line, column and remedy.
+    pub fn read(path: &Path, robot: &Robot) -> Result<Self> {
+        Self::parse(path, &super::read(path)?, robot)
+    }
+
+    /// Like [`Commanded::read`] from a text.
+    ///
+    /// # Errors
+    /// As for [`Commanded::read`].
+    pub fn parse(path: &Path, text: &str, robot: &Robot) -> Result<Self> {
+        let header: Vec<&str> =
+            text.lines().next().unwrap_or("").split(',').map(str::trim).collect();
+        let points = POINT.iter().any(|name| header.contains(name));
+        let joints = header.iter().any(|name| {
+            name.strip_prefix("cmd")
+                .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+        });
+        match (joints, points) {
+            (true, true) => Err(Error::file(
+                path,
+                Place::line(1),
+                "both commanded joints and commanded points",
+                "keep what the controller was told and delete the other columns",
+            )),
+            (false, false) if !text.trim().is_empty() => Err(Error::file(
+                path,
+                Place::line(1),
+                "no commanded joints and no commanded points",
+                "add the columns cmd1_deg.. (cmdN_mm for prismatic joints), or cmd_x_mm, cmd_y_mm, \
+                 cmd_z_mm in the robot's frame",
+            )),
+            (_, false) => {
+                let data = Measurements::table(path, text, robot, Some("cmd"))?;
+                Ok(Self { data, points: Vec::new() })
+            }
+            (false, true) => {
+                let mut data = Measurements::table(path, text, robot, None)?;
+                let points = points_of(&data)?;
+                number(&mut data, &points);
+                Ok(Self { data, points })
+            }
+        }
+    }
+}
+
+fn points_of(data: &Measurements) -> Result<Vec<Vector3<f64>>> {
+    let mut at = [0; 3];
+    for (slot, name) in at.iter_mut().zip(POINT) {
+        *slot = data.extra_columns.iter().position(|c| c == name).ok_or_else(|| {
+            Error::file(
+                &data.path,
+                Place::line(1),
+                format!("missing column {name}"),
+                "a commanded point needs cmd_x_mm, cmd_y_mm, cmd_z_mm",
+            )
+        })?;
+    }
+    let cell = |row: &super::Row, axis: usize| match row.extra[at[axis]].parse::<f64>() {
+        Ok(mm) if mm.is_finite() && mm.abs() <= 1e6 => Ok(mm * 1e-3),
+        _ => Err(Error::file(
+            &data.path,
+            Place::field(row.line, POINT[axis]),
+            format!("\"{}\" is not a coordinate", row.extra[at[axis]]),
+            "give the commanded point in mm, in the robot's frame",
+        )),
+    };
+    data.rows
+        .iter()
+        .map(|row| Ok(Vector3::new(cell(row, 0)?, cell(row, 1)?, cell(row, 2)?)))
+        .collect()
+}
+
+/// Numbers the poses by their commanded points.
+fn number(data: &mut Measurements, points: &[Vector3<f64>]) {
+    let mut known: Vec<Vector3<f64>> = Vec::new();
+    for (row, point) in data.rows.iter_mut().zip(points) {
+        let same = known.iter().position(|k| (k - point).norm() <= SAME_POINT);
+        row.pose = same.unwrap_or_else(|| {
+            known.push(*point);
+            known.len() - 1
+        });
+    }
+    data.poses = known.len();
+}

@@ -1,0 +1,179 @@
+//! How well parameters and predicted points are known.
+//!
+//! With `A` the weighted Jacobian, `H = A'A + lambda P` and unit noise, the
+//! estimate of an arm whose true corrections are `x` scatters by
+//! `H^-1 A'A H^-1` about a point that is off by the regularisation bias
+//! `-lambda H^-1 P x`. The bias is unknown with x; its expected square over arms
+//! made to the tolerances is `lambda^2 H^-1 P E P H^-1`, E the variance of the
+//! corrections. For the maximum a posteriori estimate the two add up to the
+//! posterior covariance `H^-1`. Intervals of the sum cover the truth over many
+//! arms; for one given arm those of the noise cover the *mean* of many
+//! identifications, which is not the truth where the data are weak.
+
+use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
+use serde::Serialize;
+
+use super::estimate::Estimate;
+use super::problem::{Problem, Scaling};
+use super::redundancy::correlated;
+use super::unknowns::Unknown;
+use super::{State, robust};
+use crate::tikhonov;
+
+/// Half width of a 95 % interval, in standard deviations.
+pub const FACTOR: f64 = 1.959_964;
+
+/// Covariance of all unknowns, in units of the problem.
+#[derive(Debug, Clone)]
+pub struct Covariances {
+    /// From the noise of the measurements.
+    pub noise: DMatrix<f64>,
+    /// Expected square of the regularisation bias.
+    pub bias: DMatrix<f64>,
+    units: DVector<f64>,
+}
+
+impl Covariances {
+    /// Of an estimate; the arm's corrections have a standard deviation of
+    /// `spread` tolerances.
+    #[must_use]
+    pub fn of(problem: &Problem, found: &Estimate, spread: f64) -> Self {
+        let (free, lambda) = (problem.unknowns.free(), found.lambda);
+        let inverse = tikhonov::covariance(&found.fit.triangle, free, lambda);
+        let a = found.fit.triangle.matrix();
+        let sigma = match problem.scaling {
+            Scaling::Prior => scale(found),
+            Scaling::Printed => {
+                let sigmas: Vec<f64> = problem.data.rows.iter().map(|r| r.sigma).collect();
+                scale(found) * robust::median(&sigmas)
+            }
+        };
+        let scatter = &inverse * a.tr_mul(&a) * &inverse * (sigma * sigma);
+        let units = problem.units();
+        let list = problem.unknowns.list();
+        let pull = DVector::from_fn(list.len(), |k, _| {
+            if k < free { 0.0 } else { lambda * spread * list[k].tolerance() / units[k] }
+        });
+        let root = inverse * DMatrix::from_diagonal(&pull);
+        Self { noise: scatter, bias: &root * root.transpose(), units }
+    }
+
+    /// Both together, SI.
+    #[must_use]
+    pub fn total(&self) -> DMatrix<f64> {
+        let units = DMatrix::from_diagonal(&self.units);
+        &units * (&self.noise + &self.bias) * &units
+    }
+
+    /// One standard deviation of each coordinate of a predicted point, m: from
+    /// noise alone, and with the bias. `block` are the equations of its row and
+    /// `metres` their unit.
+    #[must_use]
+    pub fn of_point(&self, block: &Matrix3xX<f64>, metres: f64) -> [Vector3<f64>; 2] {
+        let variance = |c: &DMatrix<f64>| {
+            let weighed = block * c;
+            Vector3::from_fn(|k, _| weighed.row(k).dot(&block.row(k)).max(0.0))
+        };
+        let (noise, bias) = (variance(&self.noise), variance(&self.bias));
+        [noise, noise + bias].map(|v| v.map(f64::sqrt) * metres)
+    }
+}
+
+/// By how much the noise is larger than stated: 1 unless the scale of the
+/// residuals is above that by more than three of its own standard deviations
+/// (1.17 over the root of their number, for a median of normal deviates). Else
+/// chance, which only ever raises it, would widen every interval.
+fn scale(found: &Estimate) -> f64 {
+    let count = (3 * found.robust.kept.len()).max(1) as f64;
+    let scale = found.robust.scale;
+    if scale > 1.0 + 3.0 * 1.17 / count.sqrt() { scale } else { 1.0 }
+}
+
+/// Half widths of 95 % intervals of the predicted tool point at the fitted
+/// poses, a coordinate at a time, mm.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct PointBars {
+    /// Root mean square over poses and coordinates.
+    pub rms_mm: f64,
+    /// Largest.
+    pub max_mm: f64,
+    /// The same from noise alone, without the bias of the regularisation.
+    pub noise_rms_mm: f64,
+    /// Its largest.
+    pub noise_max_mm: f64,
+}
+
+/// A parameter with its 95 % interval.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterBar {
+    /// Such as `joint 2 theta`.
+    pub name: String,
+    /// `mm` or `deg`.
+    pub unit: &'static str,
+    /// Correction to the nominal value.
+    pub correction: f64,
+    /// Half width of the interval, bias included.
+    pub half_width: f64,
+    /// From noise alone. Far below `half_width` where the tolerance and not the
+    /// data says what is known.
+    pub noise_half_width: f64,
+}
+
+/// Block `uncertainty` of a report.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Uncertainty {
+    /// Share of intervals that hold the truth.
+    pub confidence: f64,
+    /// Of the predicted tool point.
+    pub tool_point: PointBars,
+    /// Of link parameters.
+    pub parameters: Vec<ParameterBar>,
+    /// Pairs of parameters that the data tell together rather than each, in
+    /// words.
+    pub correlations: Vec<String>,
+}
+
+/// Error bars of an estimate.
+#[must_use]
+pub fn uncertainty(problem: &Problem, found: &Estimate, of: &Covariances) -> Uncertainty {
+    let at = problem.linearise(&found.fit.state);
+    let (mut squares, mut largest) = ([0.0; 2], [0.0_f64; 2]);
+    for row in &found.robust.kept {
+        let sigmas = of.of_point(&at.equations(*row).block, problem.metres(*row));
+        for (k, sigma) in sigmas.iter().enumerate() {
+            squares[k] += sigma.norm_squared();
+            largest[k] = largest[k].max(sigma.max());
+        }
+    }
+    let count = (3 * found.robust.kept.len()).max(1) as f64;
+    let [noise_rms_mm, rms_mm] = squares.map(|s| (s / count).sqrt() * FACTOR * 1e3);
+    let [noise_max_mm, max_mm] = largest.map(|m| m * FACTOR * 1e3);
+    Uncertainty {
+        confidence: 0.95,
+        tool_point: PointBars { rms_mm, max_mm, noise_rms_mm, noise_max_mm },
+        parameters: parameters(problem, &found.fit.state, of),
+        correlations: correlated(problem, &of.total()),
+    }
+}
+
+fn parameters(problem: &Problem, state: &State, of: &Covariances) -> Vec<ParameterBar> {
+    let corrections = problem.corrections(state);
+    let unknowns = problem.unknowns.list().iter().enumerate();
+    let links = unknowns.filter(|(_, u)| matches!(u, Unknown::Link(..)));
+    links
+        .map(|(k, unknown)| {
+            let (unit, factor) =
+                if unknown.is_length() { ("mm", 1e3) } else { ("deg", 1_f64.to_degrees()) };
+            let factor = factor * of.units[k];
+            let noise = of.noise[(k, k)].max(0.0);
+            let both = noise + of.bias[(k, k)].max(0.0);
+            ParameterBar {
+                name: unknown.name(&problem.data.stations, &problem.data.markers),
+                unit,
+                correction: corrections[k] * factor,
+                half_width: both.sqrt() * FACTOR * factor,
+                noise_half_width: noise.sqrt() * FACTOR * factor,
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,142 @@
+//! Poses that tell explanations of one data set apart.
+
+use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::region::Region;
+use crate::diagnose::{Diagnosis, trial_rows};
+use crate::error::{Error, Result};
+use crate::evaluate::residuals;
+use crate::files::{Measurements, Robot};
+use crate::identify::{Conditions, Problem, Scaling, State};
+use crate::tikhonov::covariance;
+
+/// Poses and how well they will separate.
+#[derive(Debug, Clone)]
+pub struct Discrimination {
+    /// Joint values, rad or m.
+    pub poses: Vec<Vec<f64>>,
+    /// Side from which each joint is to come to rest, where the data say it of
+    /// theirs.
+    pub directions: Vec<Vec<i8>>,
+    /// By how much each alternative is expected to fit worse than the named
+    /// explanation if that is true, in units of chi-square.
+    pub separation: Vec<f64>,
+}
+
+/// An alternative that is fitted, pose by pose, to what the named explanation
+/// predicts.
+struct Rival {
+    blocks: Vec<Matrix3xX<f64>>,
+    apart: Vec<Vector3<f64>>,
+    mean: DVector<f64>,
+    covariance: DMatrix<f64>,
+    separation: f64,
+}
+
+impl Rival {
+    /// Innovation, its information, and the chi-square that a pose adds.
+    fn gain(&self, k: usize) -> f64 {
+        let block = &self.blocks[k];
+        let left = self.apart[k] - block * &self.mean;
+        let spread = self.spread(k);
+        spread.cholesky().map_or(0.0, |s| left.dot(&s.solve(&left)))
+    }
+
+    fn spread(&self, k: usize) -> nalgebra::Matrix3<f64> {
+        let block = &self.blocks[k];
+        let hat = block * &self.covariance * block.transpose();
+        nalgebra::Matrix3::identity() + hat.fixed_view::<3, 3>(0, 0)
+    }
+
+    /// Measures the pose: a step of a Kalman filter.
+    fn learn(&mut self, k: usize) {
+        self.separation += self.gain(k);
+        let block = &self.blocks[k];
+        let left = self.apart[k] - block * &self.mean;
+        let Some(inverse) = self.spread(k).try_inverse() else { return };
+        let gain = &self.covariance * block.transpose() * inverse;
+        self.mean += &gain * left;
+        self.covariance -= gain * (block * &self.covariance);
+    }
+}
+
+/// Picks, one after another, the poses that most raise the chi-square by which
+/// the worst-separated alternative of a diagnosis will be worse (T-optimality,
+/// Atkinson and Fedorov, Biometrika 62, 1975; greedy). An alternative may refit
+/// all its parameters to the new poses within what `data` leave open of them:
+/// only what no refit absorbs counts.
+///
+/// # Errors
+/// A diagnosis without alternatives, and as for [`Region::sample`].
+pub fn discriminate(
+    data: &Measurements,
+    found: &Diagnosis,
+    region: &Region,
+    (count, candidates, seed): (usize, usize, u64),
+) -> Result<Discrimination> {
+    if found.alternatives.is_empty() {
+        return Err(Error::data(
+            "the diagnosis names no alternative: there is nothing to tell apart",
+            "plan without --discriminate to make the model as a whole better",
+        ));
+    }
+    let robot = &found.model.robot;
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let poses = region.sample(robot, candidates.max(count), &mut rng)?;
+    let trial = trial_rows(data, &poses, &mut rng);
+    let conditions = Conditions::new(&trial, robot);
+    let named = residuals(&trial, &conditions, &found.state);
+    let mut rivals: Vec<Rival> = found
+        .alternatives
+        .iter()
+        .map(|state| rival(robot, data, found, state, (&trial, &named)))
+        .collect();
+    let mut chosen: Vec<usize> = Vec::new();
+    while chosen.len() < count {
+        let reached = |k: usize| {
+            rivals.iter().map(|r| r.separation + r.gain(k)).fold(f64::INFINITY, f64::min)
+        };
+        let left = (0..poses.len()).filter(|k| !chosen.contains(k));
+        let best = left.map(|k| (reached(k), k)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, k)) = best else { break };
+        rivals.iter_mut().for_each(|r| r.learn(k));
+        chosen.push(k);
+    }
+    Ok(Discrimination {
+        directions: chosen.iter().map(|k| trial.rows[*k].directions.clone()).collect(),
+        poses: chosen.into_iter().map(|k| poses[k].clone()).collect(),
+        separation: rivals.iter().map(|r| r.separation).collect(),
+    })
+}
+
+fn rival(
+    robot: &Robot,
+    data: &Measurements,
+    found: &Diagnosis,
+    state: &State,
+    (trial, named): (&Measurements, &[Vector3<f64>]),
+) -> Rival {
+    let flagged = &found.report.base.outlier_rows;
+    let kept: Vec<usize> = (0..data.rows.len()).filter(|r| !flagged.contains(&(r + 1))).collect();
+    let terms = state.terms.len();
+    let measured = Problem::new(data, robot, Scaling::Prior).with_terms(terms);
+    let triangle = measured.linearise(state).triangle(&kept, None);
+    let planned = Problem::new(trial, robot, Scaling::Prior).with_terms(terms);
+    let at = planned.linearise(state);
+    let equations = (0..trial.rows.len()).map(|k| {
+        let e = at.equations(k);
+        // The named explanation's residual less this one's: how far its
+        // prediction is off theirs.
+        (e.block, (e.residual - named[k]) / trial.rows[k].sigma)
+    });
+    let (blocks, apart) = equations.unzip();
+    Rival {
+        blocks,
+        apart,
+        mean: DVector::zeros(measured.unknowns.list().len()),
+        covariance: covariance(&triangle, measured.unknowns.free(), found.report.base.lambda),
+        separation: 0.0,
+    }
+}

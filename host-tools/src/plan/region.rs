@@ -1,0 +1,174 @@
+use nalgebra::Vector3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use truearm::{JointKind, Pose};
+
+use crate::chain::chain;
+use crate::error::{Error, Result};
+use crate::files::Robot;
+
+/// A pose is given up for when so many draws gave none.
+const MOST_TRIES: usize = 20_000;
+
+/// Where the arm may go in a measurement, SI, in the nominal robot's frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// Of each joint, rad or m.
+    pub limits: Vec<[f64; 2]>,
+    /// Two corners that the target must stay between, m.
+    pub corners: Option<[Vector3<f64>; 2]>,
+    /// What the tracker can see.
+    pub sight: Option<Sight>,
+}
+
+/// Line of sight: the tracker sees the target where the angle between the
+/// target's axis and the direction to the tracker is within the target's cone.
+/// What else may stand in the way, the arm's own links included, is not
+/// modelled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// The tracker in the robot's frame, m.
+    pub tracker: Vector3<f64>,
+    /// Axis of the target in the last frame.
+    pub axis: Vector3<f64>,
+    /// Half angle of the cone, rad.
+    pub cone: f64,
+}
+
+impl Region {
+    /// Within the limits of the robot file, or these.
+    ///
+    /// # Errors
+    /// Joints without limits, or another number of them.
+    pub fn new(robot: &Robot, limits: Option<Vec<[f64; 2]>>) -> Result<Self> {
+        let joints = robot.joints.len();
+        if let Some(limits) = limits {
+            if limits.len() != joints {
+                return Err(Error::data(
+                    format!("limits of {} joints, but the robot has {joints}", limits.len()),
+                    "give low:high for every joint, separated by commas",
+                ));
+            }
+            if let Some([low, high]) = limits.iter().find(|[low, high]| low >= high) {
+                return Err(Error::data(
+                    format!("limits from {low} to {high} rad or m"),
+                    "give the lower limit first",
+                ));
+            }
+            return Ok(Self { limits, corners: None, sight: None });
+        }
+        let missing: Vec<String> = (0..joints)
+            .filter(|j| robot.joints[*j].limits.is_none())
+            .map(|j| (j + 1).to_string())
+            .collect();
+        if !missing.is_empty() {
+            return Err(Error::data(
+                format!("{}: no limits of joints {}", robot.path.display(), missing.join(", ")),
+                "add limits_deg (limits_mm) to its [[joints]], or give --limits low:high,... \
+                 for all joints",
+            ));
+        }
+        let limits = robot.joints.iter().filter_map(|j| j.limits).collect();
+        Ok(Self { limits, corners: None, sight: None })
+    }
+
+    /// Whether the nominal target may be there.
+    #[must_use]
+    pub fn admits(&self, target: &Pose<f64>) -> bool {
+        let p = &target.translation;
+        let inside = self.corners.is_none_or(|[low, high]| {
+            (0..3).all(|c| (low[c].min(high[c])..=low[c].max(high[c])).contains(&p[c]))
+        });
+        inside
+            && self.sight.is_none_or(|sight| {
+                let axis = target.rotation * sight.axis.normalize();
+                let way = sight.tracker - p;
+                axis.dot(&way) >= sight.cone.cos() * way.norm()
+            })
+    }
+
+    /// Random poses of the region, every joint uniform within its limits and
+    /// rounded to what a controller is told (0.001 degrees, 0.001 mm).
+    ///
+    /// # Errors
+    /// When the arm hardly ever gets there.
+    pub fn sample(
+        &self,
+        robot: &Robot,
+        count: usize,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Vec<Vec<f64>>> {
+        let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
+        let mut out = Vec::with_capacity(count);
+        let mut tries = 0;
+        while out.len() < count {
+            let q: Vec<f64> = (0..self.limits.len())
+                .map(|j| {
+                    let [low, high] = self.limits[j];
+                    let value = to_file(robot, j, rng.random_range(low..=high));
+                    from_file(robot, j, (value * 1e3).round() / 1e3)
+                })
+                .collect();
+            tries += 1;
+            if self.admits(&arm.pose(&q)) {
+                out.push(q);
+                tries = 0;
+            } else if tries > MOST_TRIES {
+                return Err(Error::data(
+                    format!(
+                        "of {MOST_TRIES} random poses within the joint limits none is in the box \
+                         and in the tracker's sight"
+                    ),
+                    "the box, the tracker and the target's axis are in the nominal robot's base \
+                     frame and in mm; widen them or --cone-deg",
+                ));
+            }
+        }
+        Ok(out)
+    }
+}
+
+/// A joint value in degrees or mm.
+#[must_use]
+pub fn to_file(robot: &Robot, joint: usize, value: f64) -> f64 {
+    match robot.joints[joint].link.kind {
+        JointKind::Revolute => value.to_degrees(),
+        JointKind::Prismatic => value * 1e3,
+    }
+}
+
+/// A joint value from degrees or mm.
+#[must_use]
+pub fn from_file(robot: &Robot, joint: usize, value: f64) -> f64 {
+    match robot.joints[joint].link.kind {
+        JointKind::Revolute => value.to_radians(),
+        JointKind::Prismatic => value * 1e-3,
+    }
+}
+
+impl Region {
+    /// Poses as lines of a CSV file: a column a joint, named after `prefix`,
+    /// and where the nominal target then is in the robot's frame.
+    #[must_use]
+    pub fn to_csv(robot: &Robot, prefix: &str, poses: &[Vec<f64>]) -> String {
+        let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
+        let mut names: Vec<String> = (0..robot.joints.len())
+            .map(|j| match robot.joints[j].link.kind {
+                JointKind::Revolute => format!("{prefix}{}_deg", j + 1),
+                JointKind::Prismatic => format!("{prefix}{}_mm", j + 1),
+            })
+            .collect();
+        names.extend(["nominal_x_mm", "nominal_y_mm", "nominal_z_mm"].map(str::to_owned));
+        let mut out = names.join(",") + "\n";
+        for q in poses {
+            let mut cells: Vec<String> = q
+                .iter()
+                .enumerate()
+                .map(|(j, q)| format!("{:.3}", to_file(robot, j, *q)))
+                .collect();
+            cells.extend(arm.pose(q).translation.iter().map(|x| format!("{:.3}", x * 1e3)));
+            out += &(cells.join(",") + "\n");
+        }
+        out
+    }
+}

@@ -1,0 +1,55 @@
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use truearm::JointKind;
+
+use crate::error::{Error, Result};
+use crate::files::{Measurements, Model};
+use crate::plan::Region;
+
+/// Poses are apart when a joint differs by more than this, rad (5 degrees).
+const APART_ANGLE: f64 = 5.0 * std::f64::consts::PI / 180.0;
+/// The same for a prismatic joint, m.
+const APART_LENGTH: f64 = 0.05;
+
+/// Random poses of a region to verify at, none of them near one of `used`.
+///
+/// # Errors
+/// As for [`Region::sample`], or where the used poses leave no room.
+pub fn check_poses(
+    model: &Model,
+    region: &Region,
+    used: Option<&Measurements>,
+    count: usize,
+    seed: u64,
+) -> Result<Vec<Vec<f64>>> {
+    let robot = &model.robot;
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let near = |a: &[f64], b: &[f64]| {
+        a.iter().zip(b).zip(&robot.joints).all(|((a, b), joint)| {
+            let limit = match joint.link.kind {
+                JointKind::Revolute => APART_ANGLE,
+                JointKind::Prismatic => APART_LENGTH,
+            };
+            (a - b).abs() <= limit
+        })
+    };
+    let mut out: Vec<Vec<f64>> = Vec::new();
+    for _ in 0..100 {
+        for q in region.sample(robot, count, &mut rng)? {
+            let taken = used.is_some_and(|data| data.rows.iter().any(|r| near(&r.q, &q)));
+            if out.len() < count && !taken {
+                out.push(q);
+            }
+        }
+        if out.len() == count {
+            return Ok(out);
+        }
+    }
+    Err(Error::data(
+        format!(
+            "only {} of {count} check poses are apart from those of the identification",
+            out.len()
+        ),
+        "widen the region, or ask for fewer poses",
+    ))
+}

@@ -1,0 +1,131 @@
+//! Planned poses: what they promise is what an identification from them gives.
+
+mod simulate;
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use simulate::planning::Trial;
+use simulate::robots;
+use truearm::Pose;
+use truearm_host::chain::chain;
+use truearm_host::files::Robot;
+use truearm_host::plan::{PlanOptions, Region, Sight, plan};
+
+fn robot(text: &str) -> Robot {
+    simulate::robot(text)
+}
+
+/// The long form, 50 arms and 1,000 identifications: `cargo xtask study planning`.
+#[test]
+fn twenty_planned_poses_beat_thirty_random_ones() {
+    for seed in 0..6 {
+        let trial = Trial::draw(seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(100 + seed);
+        let o = trial.simulate(200, &mut rng);
+        println!(
+            "{}: p {}, planned {:.1} um ({:.1} predicted), random {:.1}, bound {:.1}",
+            trial.robot.name,
+            trial.plan.parameters,
+            o.planned * 1e6,
+            trial.plan.worst * 1e6,
+            o.random * 1e6,
+            o.bound * 1e6
+        );
+        assert!(o.planned < o.random, "seed {seed}");
+        assert!(o.planned < 1.35 * o.bound, "seed {seed}");
+        // The prediction is what the simulation shows, to its own scatter.
+        assert!((0.85..1.12).contains(&(o.planned / trial.plan.worst)), "seed {seed}");
+    }
+}
+
+#[test]
+fn poses_stay_in_limits_box_and_sight() {
+    let robot = robot(robots::ALL[0]);
+    let sight = Sight {
+        tracker: Vector3::new(2.5, -1.0, 0.8),
+        axis: Vector3::x(),
+        cone: 40_f64.to_radians(),
+    };
+    let mut region = Region::new(&robot, None).unwrap();
+    // Corners in any order.
+    region.corners = Some([Vector3::new(0.9, 0.9, 1.2), Vector3::new(-0.9, -0.9, 0.1)]);
+    region.sight = Some(sight);
+    let options = PlanOptions { poses: 12, region, candidates: 500, target: None, seed: 3 };
+    let planned = plan(&robot, &options, &|_, _| ()).unwrap();
+    assert_eq!(planned.poses.len(), 12);
+    let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
+    for q in &planned.poses {
+        for (q, joint) in q.iter().zip(&robot.joints) {
+            let [low, high] = joint.limits.unwrap();
+            assert!((low..=high).contains(q));
+        }
+        let pose = arm.pose(q);
+        let p = pose.translation;
+        assert!(p.x.abs() <= 0.9 && p.y.abs() <= 0.9 && (0.1..=1.2).contains(&p.z), "{p}");
+        let faces = pose.rotation * Vector3::x();
+        assert!(faces.angle(&(sight.tracker - p)).to_degrees() <= 40.0 + 1e-9);
+    }
+    // The same again, and others with another seed.
+    let again = plan(&robot, &options, &|_, _| ()).unwrap();
+    assert_eq!(planned.poses, again.poses);
+    let other = plan(&robot, &PlanOptions { seed: 4, ..options }, &|_, _| ()).unwrap();
+    assert_ne!(planned.poses, other.poses);
+}
+
+#[test]
+fn it_stops_at_the_target_with_few_poses() {
+    let robot = robot(robots::ALL[1]);
+    let region = Region::new(&robot, None).unwrap();
+    let target = 1.1 * robot.sigma;
+    let options =
+        PlanOptions { poses: 80, region, candidates: 1000, target: Some(target), seed: 1 };
+    let planned = plan(&robot, &options, &|_, _| ()).unwrap();
+    let count = planned.poses.len();
+    println!(
+        "{count} poses: worst {:.1} um, bound {:.1} um",
+        planned.worst * 1e6,
+        planned.bound * 1e6
+    );
+    assert_eq!(planned.reached, Some(true));
+    assert!(planned.worst <= target && count < 80);
+    // No set of less than bound = target can; a plan needs little more.
+    let least = planned.parameters as f64 * (robot.sigma / target).powi(2);
+    assert!((count as f64) < 1.5 * least, "{count} {least}");
+    let fewer = PlanOptions { poses: count / 2, ..options };
+    assert_eq!(plan(&robot, &fewer, &|_, _| ()).unwrap().reached, Some(false));
+}
+
+#[test]
+fn what_cannot_be_planned_is_said() {
+    let robot = robot(robots::ALL[0]);
+    let region = Region::new(&robot, None).unwrap();
+    let options = |poses, candidates, region: &Region| PlanOptions {
+        poses,
+        region: region.clone(),
+        candidates,
+        target: None,
+        seed: 1,
+    };
+    let mut nowhere = region.clone();
+    nowhere.corners = Some([Vector3::repeat(4.0), Vector3::repeat(5.0)]);
+    for (options, says) in [
+        (options(8, 1000, &region), "8 poses give 24 equations for 27 parameters"),
+        (options(20, 30, &region), "20 poses out of 30 candidates"),
+        (options(0, 30, &region), "0 poses out of 30 candidates"),
+        (options(20, 1000, &nowhere), "none is in the box"),
+    ] {
+        let error = plan(&robot, &options, &|_, _| ()).unwrap_err();
+        assert!(error.to_string().contains(says), "{error}");
+        assert!(!error.help().is_empty());
+    }
+    let free = Robot::parse(Path::new("r.toml"), simulate::UR10_LIKE).unwrap();
+    let error = Region::new(&free, None).unwrap_err();
+    assert!(error.to_string().contains("no limits of joints 1, 2, 3, 4, 5, 6"), "{error}");
+    let error = Region::new(&free, Some(vec![[0.0, 1.0]])).unwrap_err();
+    assert!(error.to_string().contains("limits of 1 joints"), "{error}");
+    let error = Region::new(&free, Some(vec![[1.0, 0.0]; 6])).unwrap_err();
+    assert!(error.help().contains("lower limit first"), "{error}");
+}
