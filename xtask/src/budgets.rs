@@ -31,18 +31,19 @@ pub fn controller() -> Result<String> {
         }
         output += &ended.output;
     }
-    let (text, ram) = sizes(&image("controller"))?;
+    let (text, ram) = sizes(&image("controller"), "Reset")?;
     writeln!(output, "text controller {text}\nram controller {ram}")?;
     Ok(output)
 }
 
 /// Bytes of an image in flash (code, constants, vectors, start values) and of
-/// its static variables.
-pub fn sizes(path: &Path) -> Result<(u64, u64)> {
+/// its static variables. `entry` is the symbol it must have: without symbols no
+/// heap would be found.
+pub fn sizes(path: &Path, entry: &str) -> Result<(u64, u64)> {
     let bytes = fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
     let file = object::File::parse(&*bytes)?;
     let names: Vec<&str> = file.symbols().filter_map(|symbol| symbol.name().ok()).collect();
-    if !names.iter().any(|name| name.starts_with("Reset")) {
+    if !names.contains(&entry) {
         return Err(format!("{}: no symbols to look for a heap in", path.display()).into());
     }
     if let Some(name) = names.iter().find(|name| HEAP.iter().any(|part| name.contains(part))) {

@@ -10,7 +10,7 @@ use crate::vectors::{self, Files};
 use crate::{budgets, m7, refusals, reidentify, sigma};
 
 /// The function that does not exist, see `tests/firmware/src/bin/no_panic.rs`.
-const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
+pub const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
 
 /// The firmware's workspace. Its `.cargo/config.toml` counts only for a cargo
 /// that runs here.
@@ -66,8 +66,13 @@ pub fn build(binary: &str) -> Command {
 
 /// Cargo building an image, in a target directory of its own.
 pub fn build_in(dir: &Path, binary: &str) -> Command {
-    let mut command = cargo(&directory(), "build --release --locked --bin");
-    command.arg(binary).arg("--target-dir").arg(dir);
+    build_of(dir, &format!("--bin {binary}"))
+}
+
+/// Cargo building what these arguments select.
+pub fn build_of(dir: &Path, what: &str) -> Command {
+    let mut command = cargo(&directory(), "build --release --locked");
+    command.args(what.split(' ')).arg("--target-dir").arg(dir);
     // Would replace the flags of .cargo/config.toml, the linker script among them.
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
     command
@@ -83,7 +88,8 @@ pub fn image_in(dir: &Path, binary: &str) -> PathBuf {
     dir.join(TARGET).join("release").join(binary)
 }
 
-fn build_dir() -> PathBuf {
+/// Where the images are built.
+pub fn build_dir() -> PathBuf {
     target_dir().join("firmware")
 }
 

@@ -3,6 +3,7 @@
 
 mod board;
 mod budgets;
+mod c;
 mod ci;
 mod firmware;
 mod line;
@@ -41,6 +42,12 @@ enum Verb {
     },
     /// Instructions, text, stack and static RAM on the controller
     Budgets,
+    /// The C interface: its header, and a C program under QEMU
+    C {
+        /// Only rewrite the header from the crate
+        #[arg(long)]
+        header: bool,
+    },
     /// Parameters in an EEPROM: the store's size, and the board under QEMU
     Store,
     /// Rewrite the shipped blobs and vector files
@@ -62,6 +69,8 @@ fn main() -> ExitCode {
         Verb::Test => test::run(),
         Verb::Firmware { blob } => firmware::run(blob.as_deref()),
         Verb::Budgets => firmware::budgets(),
+        Verb::C { header: true } => c::check_header(true),
+        Verb::C { header: false } => c::run(),
         Verb::Store => qemu::ensure_tools().and_then(|()| store::run()),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),

@@ -19,10 +19,13 @@ pub fn ensure_tools() -> Result {
         if !has_target()? {
             call(Command::new("rustup").args(["target", "add", TARGET]))?;
         }
-        if !exists(QEMU) {
-            install_qemu()?;
-        }
-        Ok(())
+        ensure(
+            QEMU,
+            "qemu-system-arm",
+            "  Debian, Ubuntu  sudo apt-get install qemu-system-arm\n  \
+               Fedora          sudo dnf install qemu-system-arm-core\n  \
+               macOS           brew install qemu",
+        )
     })
 }
 
@@ -34,23 +37,22 @@ fn has_target() -> Result<bool> {
     Ok(String::from_utf8_lossy(&output.stdout).lines().any(|line| line == TARGET))
 }
 
-fn install_qemu() -> Result {
+/// Installs a program that is missing by Debian's package, as root where there
+/// is Debian; otherwise the error says how to.
+pub fn ensure(program: &str, package: &str, how: &str) -> Result {
+    if exists(program) {
+        return Ok(());
+    }
     let user = Command::new("id").arg("-u").output();
     let is_root = user.is_ok_and(|output| output.stdout.trim_ascii() == b"0");
     if !(is_root && exists("apt-get")) {
-        return Err(format!(
-            "{QEMU} is not installed. Install it:\n  \
-             Debian, Ubuntu  sudo apt-get install qemu-system-arm\n  \
-             Fedora          sudo dnf install qemu-system-arm-core\n  \
-             macOS           brew install qemu"
-        )
-        .into());
+        return Err(format!("{program} is not installed. Install it:\n{how}").into());
     }
     let apt = |arguments: &[&str]| {
         call(Command::new("apt-get").env("DEBIAN_FRONTEND", "noninteractive").args(arguments))
     };
     apt(&["update"])?;
-    apt(&["install", "-y", "--no-install-recommends", "qemu-system-arm"])
+    apt(&["install", "-y", "--no-install-recommends", package])
 }
 
 /// How an image ended.

@@ -1,0 +1,201 @@
+/*
+ * truearm from C: parameters from a slot, poses and ticks over the shipped
+ * vectors, whose hashes must be those of the Rust images, and what must be
+ * refused. The layout of the vector file is in ../../src/vectors.rs.
+ */
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "board.h"
+#include "truearm.h"
+
+#define BLOB ((const uint8_t *)0x00100000)
+#define BLOB_SIZE 4096
+#define VECTORS ((const uint8_t *)0x00200000)
+#define ANGLES 64
+#define OFF 900
+
+static _Alignas(TRUEARM_MEMORY_ALIGN) uint8_t memory[TRUEARM_MEMORY_SIZE];
+static int failed;
+
+#define EXPECT(call, result)                                                   \
+    do {                                                                       \
+        if ((call) != (result)) {                                              \
+            say("FAILED: " #call " is not " #result "\n");                     \
+            failed = 1;                                                        \
+        }                                                                      \
+    } while (0)
+
+/* CRC-64/XZ of numbers as little-endian doubles. */
+static void hash(uint64_t *crc, const float *values, int count)
+{
+    for (int i = 0; i < count; i++) {
+        union {
+            double number;
+            uint8_t bytes[8];
+        } value = {values[i]};
+        for (int byte = 0; byte < 8; byte++) {
+            *crc ^= value.bytes[byte];
+            for (int bit = 0; bit < 8; bit++)
+                *crc = *crc >> 1 ^ (*crc & 1 ? 0xC96C5795D7870F42u : 0);
+        }
+    }
+}
+
+static uint64_t word64(const uint8_t *bytes)
+{
+    uint64_t word = 0;
+    for (int i = 7; i >= 0; i--)
+        word = word << 8 | bytes[i];
+    return word;
+}
+
+static const float *pose(uint32_t index)
+{
+    return (const float *)(VECTORS + ANGLES) + TRUEARM_JOINTS * index;
+}
+
+static TruearmState state(uint32_t index)
+{
+    TruearmState state = {.payload_kg = index % 11, .temperature_c = 10 + index % 31};
+    uint32_t digits = index;
+    for (int j = 0; j < TRUEARM_JOINTS; j++, digits /= 3)
+        state.direction[j] = (float)(digits % 3) - 1;
+    return state;
+}
+
+/* Columns of the rotation, then the translation. */
+static void hash_pose(uint64_t *crc, const TruearmPose *pose)
+{
+    for (int column = 0; column < 4; column++)
+        for (int row = 0; row < 3; row++)
+            hash(crc, &pose->matrix[row][column], 1);
+}
+
+static void check(const char *name, uint64_t crc, const uint8_t *expected)
+{
+    say_hex(name, ~crc);
+    if (~crc != word64(expected)) {
+        say_hex("FAILED: Rust computed ", word64(expected));
+        failed = 1;
+    }
+}
+
+static void poses(Truearm *arm, uint32_t count)
+{
+    uint64_t crc = ~0ull;
+    for (uint32_t i = 0; i < count; i++) {
+        TruearmPose real;
+        TruearmState now = state(i);
+        EXPECT(truearm_real_pose(arm, pose(i), NULL, &real), TRUEARM_ERROR_OK);
+        hash_pose(&crc, &real);
+        EXPECT(truearm_real_pose(arm, pose(i), &now, &real), TRUEARM_ERROR_OK);
+        hash_pose(&crc, &real);
+    }
+    check("hash poses: ", crc, VECTORS + 16);
+}
+
+static void ticks(Truearm *arm, uint32_t count)
+{
+    static const uint8_t tasks[] = {TRUEARM_TASK_POSE, TRUEARM_TASK_POSITION};
+    uint64_t crc = ~0ull;
+    for (int t = 0; t < 2; t++) {
+        TruearmSettings settings;
+        EXPECT(truearm_default_settings(tasks[t], &settings), TRUEARM_ERROR_OK);
+        settings.steps = tasks[t] == TRUEARM_TASK_POSE ? 1 : 3;
+        settings.ramp_ticks = 100;
+        EXPECT(truearm_set_settings(arm, &settings, pose(0)), TRUEARM_ERROR_OK);
+        for (uint32_t i = 0; i < count; i++) {
+            TruearmTick tick;
+            TruearmState now = state(i);
+            EXPECT(truearm_set_active(arm, i < OFF), TRUEARM_ERROR_OK);
+            EXPECT(truearm_tick(arm, pose(i), &now, &tick), TRUEARM_ERROR_OK);
+            hash(&crc, tick.joints, TRUEARM_JOINTS);
+            hash(&crc, tick.position_error_m, 3);
+            hash(&crc, tick.rotation_error_rad, 3);
+            hash(&crc, &tick.damping_m2, 1);
+        }
+    }
+    check("hash ticks: ", crc, VECTORS + 32);
+}
+
+/* Every error that a mistake of the caller gives. */
+static void refusals(Truearm *arm, uint64_t robot)
+{
+    static _Alignas(8) uint8_t other[TRUEARM_MEMORY_SIZE];
+    static uint8_t damaged[1024];
+    float q[TRUEARM_JOINTS] = {0};
+    float tool[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.1f};
+    Truearm *none = NULL;
+    TruearmState now = {.temperature_c = 20};
+    TruearmTick tick;
+    TruearmPose nominal, with_tool;
+    TruearmSettings settings;
+
+    EXPECT(truearm_init(TRUEARM_VERSION + 1, other, sizeof other, &none), TRUEARM_ERROR_VERSION);
+    EXPECT(truearm_init(TRUEARM_VERSION, NULL, sizeof other, &none), TRUEARM_ERROR_NULL);
+    EXPECT(truearm_init(TRUEARM_VERSION, other, sizeof other, NULL), TRUEARM_ERROR_NULL);
+    EXPECT(truearm_init(TRUEARM_VERSION, other, sizeof other - 1, &none), TRUEARM_ERROR_MEMORY_SIZE);
+    EXPECT(truearm_init(TRUEARM_VERSION, other + 4, sizeof other, &none), TRUEARM_ERROR_ALIGNMENT);
+    EXPECT(truearm_tick((Truearm *)other, q, &now, &tick), TRUEARM_ERROR_NOT_INITIALISED);
+    EXPECT(truearm_init(TRUEARM_VERSION, other, sizeof other, &none), TRUEARM_ERROR_OK);
+    EXPECT(truearm_tick(none, q, &now, &tick), TRUEARM_ERROR_NOT_LOADED);
+
+    EXPECT(truearm_default_settings(2, &settings), TRUEARM_ERROR_BAD_SETTING);
+    EXPECT(truearm_default_settings(TRUEARM_TASK_POSE, &settings), TRUEARM_ERROR_OK);
+    EXPECT(truearm_load(none, BLOB, BLOB_SIZE, robot + 1, &settings, q), TRUEARM_ERROR_OTHER_ROBOT);
+    EXPECT(truearm_load(none, BLOB, 100, robot, &settings, q), TRUEARM_ERROR_BAD_BLOB);
+    EXPECT(truearm_load(none, NULL, 100, robot, &settings, q), TRUEARM_ERROR_NULL);
+    for (size_t i = 0; i < sizeof damaged; i++)
+        damaged[i] = BLOB[i];
+    damaged[200] ^= 1;
+    EXPECT(truearm_load(none, damaged, sizeof damaged, robot, &settings, q), TRUEARM_ERROR_BAD_BLOB);
+
+    settings.steps = 4;
+    EXPECT(truearm_set_settings(arm, &settings, q), TRUEARM_ERROR_BAD_SETTING);
+    EXPECT(truearm_set_settings(arm, (TruearmSettings *)((uintptr_t)&settings + 1), q),
+           TRUEARM_ERROR_ALIGNMENT);
+    EXPECT(truearm_tick(arm, NULL, &now, &tick), TRUEARM_ERROR_NULL);
+    EXPECT(truearm_tick(arm, q, NULL, &tick), TRUEARM_ERROR_NULL);
+    EXPECT(truearm_tick(arm, q, &now, NULL), TRUEARM_ERROR_NULL);
+    EXPECT(truearm_tick(NULL, q, &now, &tick), TRUEARM_ERROR_NULL);
+
+    EXPECT(truearm_nominal_pose(arm, q, &nominal), TRUEARM_ERROR_OK);
+    tool[0] = 2;
+    EXPECT(truearm_set_tool(arm, tool), TRUEARM_ERROR_BAD_TOOL);
+    tool[0] = 1;
+    EXPECT(truearm_set_tool(arm, tool), TRUEARM_ERROR_OK);
+    EXPECT(truearm_nominal_pose(arm, q, &with_tool), TRUEARM_ERROR_OK);
+    EXPECT(nominal.matrix[1][3] == with_tool.matrix[1][3], 0);
+    EXPECT(truearm_set_active(arm, 1), TRUEARM_ERROR_OK);
+    EXPECT(truearm_tick(arm, q, &now, &tick), TRUEARM_ERROR_OK);
+    EXPECT(tick.status, TRUEARM_STATUS_RAMPING);
+    settings.steps = 1;
+    EXPECT(truearm_set_settings(arm, &settings, q), TRUEARM_ERROR_ACTIVE);
+    EXPECT(truearm_load(arm, BLOB, BLOB_SIZE, robot, &settings, q), TRUEARM_ERROR_ACTIVE);
+    now.payload_kg = q[2] = __builtin_nanf("");
+    EXPECT(truearm_tick(arm, q, &now, &tick), TRUEARM_ERROR_OK);
+    EXPECT(tick.status, TRUEARM_STATUS_COMMAND_NOT_FINITE);
+    EXPECT(truearm_real_pose(arm, q, NULL, &nominal), TRUEARM_ERROR_NOT_FINITE);
+}
+
+int main(void)
+{
+    Truearm *arm = NULL;
+    TruearmSettings settings;
+    /* A controller knows its own; here it is the blob's, see blob/FORMAT.md. */
+    uint64_t robot = word64(BLOB + 16);
+    uint32_t count = (uint32_t)word64(VECTORS + 4);
+
+    EXPECT(truearm_init(TRUEARM_VERSION, memory, sizeof memory, &arm), TRUEARM_ERROR_OK);
+    EXPECT(truearm_default_settings(TRUEARM_TASK_POSE, &settings), TRUEARM_ERROR_OK);
+    EXPECT(truearm_load(arm, BLOB, BLOB_SIZE, robot, &settings, pose(0)), TRUEARM_ERROR_OK);
+    if (failed)
+        return 1;
+    poses(arm, count);
+    ticks(arm, count);
+    refusals(arm, robot);
+    say(failed ? "" : "ok: C gives the bits of Rust\n");
+    return failed;
+}

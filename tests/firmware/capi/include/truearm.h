@@ -1,0 +1,428 @@
+/* C interface of truearm: calibrated kinematics of a six-joint arm, single precision.
+ *
+ * Generated from tests/firmware/capi by `cargo xtask c --header`; do not edit.
+ *
+ * Units are SI: m, rad, kg, degrees Celsius. Joint values are encoder readings
+ * without theta_offset. Poses are of the tool in the nominal base frame, the one
+ * the controller commands. No function allocates, blocks or panics.
+ */
+
+#ifndef TRUEARM_H
+#define TRUEARM_H
+
+#include <stdint.h>
+#include <stddef.h>
+
+/*
+ Joints of the arm.
+ */
+#define TRUEARM_JOINTS 6
+
+/*
+ Version of this interface: changes whenever a function, a structure or the
+ memory it needs does.
+ */
+#define TRUEARM_VERSION 1
+
+/*
+ Bytes of memory that `truearm_init` needs.
+ */
+#define TRUEARM_MEMORY_SIZE 3328
+
+/*
+ Alignment of that memory.
+ */
+#define TRUEARM_MEMORY_ALIGN 8
+
+/*
+ What a function returns. 0 is success.
+ */
+enum TruearmError
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   Done.
+   */
+  TRUEARM_ERROR_OK = 0,
+  /*
+   A pointer is NULL.
+   */
+  TRUEARM_ERROR_NULL = 1,
+  /*
+   A pointer is not aligned.
+   */
+  TRUEARM_ERROR_ALIGNMENT = 2,
+  /*
+   Header and library are of different versions.
+   */
+  TRUEARM_ERROR_VERSION = 3,
+  /*
+   Less memory than TRUEARM_MEMORY_SIZE.
+   */
+  TRUEARM_ERROR_MEMORY_SIZE = 4,
+  /*
+   The memory was not prepared by `truearm_init`.
+   */
+  TRUEARM_ERROR_NOT_INITIALISED = 5,
+  /*
+   No parameters have been loaded.
+   */
+  TRUEARM_ERROR_NOT_LOADED = 6,
+  /*
+   Not possible while compensation is on or being faded out.
+   */
+  TRUEARM_ERROR_ACTIVE = 7,
+  /*
+   The bytes are no valid blob; `truearm inspect` says why.
+   */
+  TRUEARM_ERROR_BAD_BLOB = 8,
+  /*
+   A valid blob of another robot.
+   */
+  TRUEARM_ERROR_OTHER_ROBOT = 9,
+  /*
+   A blob for another number of joints.
+   */
+  TRUEARM_ERROR_OTHER_ARM = 10,
+  /*
+   A setting makes no sense, or the joints to start at are not finite.
+   */
+  TRUEARM_ERROR_BAD_SETTING = 11,
+  /*
+   The tool is no rigid transform.
+   */
+  TRUEARM_ERROR_BAD_TOOL = 12,
+  /*
+   A pose is not finite: an input is not, or is out of range.
+   */
+  TRUEARM_ERROR_NOT_FINITE = 13,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum TruearmError TruearmError;
+#else
+typedef int32_t TruearmError;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ How far a tick went.
+ */
+enum TruearmStatus
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   Switched off: the joints are the command.
+   */
+  TRUEARM_STATUS_OFF = 0,
+  /*
+   Being faded in or out.
+   */
+  TRUEARM_STATUS_RAMPING = 1,
+  /*
+   The whole correction, but for what was held back.
+   */
+  TRUEARM_STATUS_ON = 2,
+  /*
+   Refused, a command is infinite or NaN: the joints of the last tick.
+   */
+  TRUEARM_STATUS_COMMAND_NOT_FINITE = 3,
+  /*
+   Refused, the state is infinite or NaN: fading back to the command.
+   */
+  TRUEARM_STATUS_STATE_NOT_FINITE = 4,
+  /*
+   Refused, no finite pose at this command: fading back to the command.
+   */
+  TRUEARM_STATUS_OUT_OF_RANGE = 5,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum TruearmStatus TruearmStatus;
+#else
+typedef int32_t TruearmStatus;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ What compensation has to meet.
+ */
+enum TruearmTask
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   The tool point.
+   */
+  TRUEARM_TASK_POSITION = 0,
+  /*
+   Tool point and orientation.
+   */
+  TRUEARM_TASK_POSE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum TruearmTask TruearmTask;
+#else
+typedef uint8_t TruearmTask;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ One arm. Opaque: it lies in the caller's memory, is never freed and may be
+ given up by no longer using it. Not to be used by two threads or by an
+ interrupt and what it interrupts at once.
+ */
+typedef struct Truearm Truearm;
+
+/*
+ How compensation works; begin with `truearm_default_settings`.
+ */
+typedef struct TruearmSettings {
+  /*
+   Of `TruearmTask`.
+   */
+  uint8_t task;
+  /*
+   Most linearised steps a tick, 1 to 3.
+   */
+  uint8_t steps;
+  /*
+   Ticks in which compensation is faded in and out.
+   */
+  uint32_t ramp_ticks;
+  /*
+   Error below which no further step is made, m.
+   */
+  float tolerance_m;
+  /*
+   An orientation error of 1 rad counts as much as one of this length, m.
+   */
+  float rotation_length_m;
+  /*
+   Singular value of the Jacobian below which damping sets in, m per rad.
+   */
+  float singular_m;
+  /*
+   Largest correction of each joint, rad (m for a prismatic joint).
+   */
+  float max_correction[TRUEARM_JOINTS];
+  /*
+   Largest change of a correction from tick to tick, rad (m).
+   */
+  float max_change[TRUEARM_JOINTS];
+} TruearmSettings;
+
+/*
+ What the terms of an arm depend on besides the joint values.
+ */
+typedef struct TruearmState {
+  /*
+   Side from which each joint came to rest, or moves: +1 in +q, -1 in -q,
+   0 unknown.
+   */
+  float direction[TRUEARM_JOINTS];
+  /*
+   Mass at the payload point, kg.
+   */
+  float payload_kg;
+  /*
+   Temperature of the arm, degrees Celsius.
+   */
+  float temperature_c;
+} TruearmState;
+
+/*
+ What a tick did. Sets of joints are bits: joint 1 is bit 0.
+ */
+typedef struct TruearmTick {
+  /*
+   Joints to command, rad (m): always finite.
+   */
+  float joints[TRUEARM_JOINTS];
+  /*
+   How far it went.
+   */
+  TruearmStatus status;
+  /*
+   Error of the tool point that the last step found and took back, m.
+   */
+  float step_error_m[3];
+  /*
+   What is left of the error of the tool point, to first order, m.
+   */
+  float position_error_m[3];
+  /*
+   What is left of the error of the orientation, as a rotation vector, rad.
+   */
+  float rotation_error_rad[3];
+  /*
+   Damping near a singular pose, m^2; 0 away from them.
+   */
+  float damping_m2;
+  /*
+   Joints held back by max_correction.
+   */
+  uint16_t held_by_correction;
+  /*
+   Joints held back by max_change.
+   */
+  uint16_t held_by_change;
+  /*
+   Joints held back by a joint limit.
+   */
+  uint16_t held_by_limit;
+  /*
+   Linearised steps made.
+   */
+  uint8_t steps;
+  /*
+   1 within the joint ranges that the identification covered; outside of
+   them the correction is extrapolated.
+   */
+  uint8_t covered;
+  /*
+   1 if the data determined the orientation of the flange; otherwise only
+   the tool point is better than nominal.
+   */
+  uint8_t orientation_identified;
+} TruearmTick;
+
+/*
+ A pose of the tool in the nominal base frame.
+ */
+typedef struct TruearmPose {
+  /*
+   3 rows of 4: rotation, whose columns are the axes of the tool frame,
+   and the tool point, m.
+   */
+  float matrix[3][4];
+  /*
+   1 within the joint ranges that the identification covered.
+   */
+  uint8_t covered;
+} TruearmPose;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/*
+ Prepares `memory` and gives the arm in it. First call of all.
+
+ `version` must be TRUEARM_VERSION of the header the program was compiled
+ with, `size` at least TRUEARM_MEMORY_SIZE; `memory` aligned to
+ TRUEARM_MEMORY_ALIGN, kept and left alone as long as the arm is used.
+
+ # Safety
+ `memory` is NULL or `size` writable bytes, `arm` is NULL or writable.
+ */
+TruearmError truearm_init(uint32_t version,
+                          void *memory,
+                          size_t size,
+                          struct Truearm **arm);
+
+/*
+ Reads a parameter blob (as `truearm pack` writes it), checked byte by byte,
+ and starts over with its arm, switched off. What lies behind the blob is
+ ignored, so that a whole memory slot may be given; it is copied.
+
+ `robot_id` is the id of this robot, as `truearm inspect` prints it: another
+ robot's blob is refused. `joints` are where the arm stands, rad. Refused
+ while compensation is on or being faded out; on an error nothing changes.
+
+ # Safety
+ `blob` is NULL or `size` readable bytes; other pointers NULL or as typed.
+ */
+TruearmError truearm_load(struct Truearm *arm,
+                          const uint8_t *blob,
+                          size_t size,
+                          uint64_t robot_id,
+                          const struct TruearmSettings *settings,
+                          const float *joints);
+
+/*
+ The usual settings for an arm of about a metre, for a task of
+ `TruearmTask`.
+
+ # Safety
+ `settings` is NULL or writable.
+ */
+TruearmError truearm_default_settings(uint8_t task, struct TruearmSettings *settings);
+
+/*
+ Starts over with other settings, switched off; `joints` are where the arm
+ stands, rad. Refused while compensation is on or being faded out.
+
+ # Safety
+ Every pointer is NULL or as typed.
+ */
+TruearmError truearm_set_settings(struct Truearm *arm,
+                                  const struct TruearmSettings *settings,
+                                  const float *joints);
+
+/*
+ The production tool: a rigid transform from the tool frame to the flange
+ frame, 3 rows of 4 (rotation, then translation in m). Also while
+ compensation is on; what is applied goes over to it by max_change a tick.
+
+ # Safety
+ Every pointer is NULL or as typed; `tool` points to 12 floats.
+ */
+TruearmError truearm_set_tool(struct Truearm *arm, const float *tool);
+
+/*
+ Switches compensation on (any number but 0) or off from the next tick on;
+ it is faded in and out.
+
+ # Safety
+ `arm` is NULL or came from `truearm_init`.
+ */
+TruearmError truearm_set_active(struct Truearm *arm, int32_t active);
+
+/*
+ One control tick: the joints, rad, at which the real tool is where the
+ nominal model has it at `command`, rad. Returns an error for a bad pointer
+ or without parameters only; whatever the numbers, `tick` then holds finite
+ joints, and its status says whether they are compensated.
+
+ # Safety
+ Every pointer is NULL or as typed; `command` points to 6 floats.
+ */
+TruearmError truearm_tick(struct Truearm *arm,
+                          const float *command,
+                          const struct TruearmState *state,
+                          struct TruearmTick *tick);
+
+/*
+ Where the tool really is at encoder readings, rad. Without a state (NULL):
+ no payload, at the reference temperature, directions unknown.
+
+ # Safety
+ Every pointer is NULL or as typed; `encoders` points to 6 floats.
+ */
+TruearmError truearm_real_pose(struct Truearm *arm,
+                               const float *encoders,
+                               const struct TruearmState *state,
+                               struct TruearmPose *pose);
+
+/*
+ Where the tool is by the nominal model, which is the controller's own.
+
+ # Safety
+ Every pointer is NULL or as typed; `joints` points to 6 floats.
+ */
+TruearmError truearm_nominal_pose(struct Truearm *arm,
+                                  const float *joints,
+                                  struct TruearmPose *pose);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* TRUEARM_H */

@@ -1,0 +1,333 @@
+//! C interface of truearm: six joints, single precision, memory of the caller,
+//! no heap, no panic. The header `include/truearm.h` is generated from this crate
+//! (`cargo xtask c --header`) and tells a C programmer everything; a test holds
+//! the two in step.
+
+#![no_std]
+
+mod pointer;
+mod types;
+
+use core::ffi::c_void;
+use core::panic::PanicInfo;
+
+use truearm::blob::{Acceptance, Refusal};
+use truearm::{Arm6, Compensator, Pose, Scalar, State};
+
+use pointer::{handle, input, input_or, writable};
+use types::settings_of;
+pub use types::{
+    TRUEARM_JOINTS, TruearmError, TruearmPose, TruearmSettings, TruearmState, TruearmStatus,
+    TruearmTask, TruearmTick,
+};
+
+/// Version of this interface: changes whenever a function, a structure or the
+/// memory it needs does.
+pub const TRUEARM_VERSION: u32 = 1;
+/// Bytes of memory that `truearm_init` needs.
+pub const TRUEARM_MEMORY_SIZE: usize = 3328;
+/// Alignment of that memory.
+pub const TRUEARM_MEMORY_ALIGN: usize = 8;
+
+// The macros of the header against what is needed.
+const _: () = assert!(size_of::<Truearm>() <= TRUEARM_MEMORY_SIZE);
+const _: () = assert!(TRUEARM_MEMORY_SIZE < size_of::<Truearm>() + 64);
+const _: () = assert!(align_of::<Truearm>() <= TRUEARM_MEMORY_ALIGN);
+
+/// Written by `truearm_init`: "TARM" and the version.
+const INITIALISED: u64 = 0x5441_524d_0000_0000 | TRUEARM_VERSION as u64;
+
+/// One arm. Opaque: it lies in the caller's memory, is never freed and may be
+/// given up by no longer using it. Not to be used by two threads or by an
+/// interrupt and what it interrupts at once.
+pub struct Truearm {
+    initialised: u64,
+    /// Whether the last tick was one without compensation.
+    idle: bool,
+    compensator: Option<Compensator<f32, TRUEARM_JOINTS>>,
+}
+
+type Result<T = ()> = core::result::Result<T, TruearmError>;
+
+fn code(result: Result) -> TruearmError {
+    match result {
+        Ok(()) => TruearmError::Ok,
+        Err(error) => error,
+    }
+}
+
+impl Truearm {
+    fn arm(&self) -> Result<&Arm6<f32>> {
+        Ok(self.compensator.as_ref().ok_or(TruearmError::NotLoaded)?.arm())
+    }
+
+    /// A new compensator, switched off; nothing changes on an error.
+    fn start(
+        &mut self,
+        arm: Arm6<f32>,
+        settings: &TruearmSettings,
+        joints: &[f32; TRUEARM_JOINTS],
+    ) -> Result {
+        let settings = settings_of(settings)?;
+        let compensator =
+            Compensator::new(arm, settings, joints).map_err(|_| TruearmError::BadSetting)?;
+        self.compensator = Some(compensator);
+        self.idle = true;
+        Ok(())
+    }
+
+    fn at_rest(&self) -> Result {
+        if self.idle { Ok(()) } else { Err(TruearmError::Active) }
+    }
+}
+
+/// Prepares `memory` and gives the arm in it. First call of all.
+///
+/// `version` must be TRUEARM_VERSION of the header the program was compiled
+/// with, `size` at least TRUEARM_MEMORY_SIZE; `memory` aligned to
+/// TRUEARM_MEMORY_ALIGN, kept and left alone as long as the arm is used.
+///
+/// # Safety
+/// `memory` is NULL or `size` writable bytes, `arm` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_init(
+    version: u32,
+    memory: *mut c_void,
+    size: usize,
+    arm: *mut *mut Truearm,
+) -> TruearmError {
+    code((|| {
+        if version != TRUEARM_VERSION {
+            return Err(TruearmError::Version);
+        }
+        writable(arm)?;
+        if memory.is_null() {
+            return Err(TruearmError::Null);
+        }
+        if size < TRUEARM_MEMORY_SIZE {
+            return Err(TruearmError::MemorySize);
+        }
+        if !memory.addr().is_multiple_of(TRUEARM_MEMORY_ALIGN) {
+            return Err(TruearmError::Alignment);
+        }
+        let place = memory.cast::<Truearm>();
+        let empty = Truearm { initialised: INITIALISED, idle: true, compensator: None };
+        // SAFETY: the caller's promise; size and alignment have been checked.
+        unsafe {
+            place.write(empty);
+            arm.write(place);
+        }
+        Ok(())
+    })())
+}
+
+/// Reads a parameter blob (as `truearm pack` writes it), checked byte by byte,
+/// and starts over with its arm, switched off. What lies behind the blob is
+/// ignored, so that a whole memory slot may be given; it is copied.
+///
+/// `robot_id` is the id of this robot, as `truearm inspect` prints it: another
+/// robot's blob is refused. `joints` are where the arm stands, rad. Refused
+/// while compensation is on or being faded out; on an error nothing changes.
+///
+/// # Safety
+/// `blob` is NULL or `size` readable bytes; other pointers NULL or as typed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_load(
+    arm: *mut Truearm,
+    blob: *const u8,
+    size: usize,
+    robot_id: u64,
+    settings: *const TruearmSettings,
+    joints: *const f32,
+) -> TruearmError {
+    code((|| {
+        // SAFETY: the caller's promise.
+        let (this, settings, joints) = unsafe {
+            (handle(arm)?, input(settings)?, input(joints.cast::<[f32; TRUEARM_JOINTS]>())?)
+        };
+        if blob.is_null() {
+            return Err(TruearmError::Null);
+        }
+        this.at_rest()?;
+        // SAFETY: the caller's promise; bytes need no alignment.
+        let bytes = unsafe { core::slice::from_raw_parts(blob, size) };
+        let blob = Acceptance::of(robot_id).check(bytes).map_err(|refusal| match refusal {
+            Refusal::WrongRobot { .. } => TruearmError::OtherRobot,
+            _ => TruearmError::BadBlob,
+        })?;
+        let parameters = blob.parameters().map_err(|_| TruearmError::OtherArm)?;
+        this.start(Arm6::new(&parameters), &settings, &joints)
+    })())
+}
+
+/// The usual settings for an arm of about a metre, for a task of
+/// `TruearmTask`.
+///
+/// # Safety
+/// `settings` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_default_settings(
+    task: u8,
+    settings: *mut TruearmSettings,
+) -> TruearmError {
+    code((|| {
+        writable(settings)?;
+        let usual = types::usual(task)?;
+        // SAFETY: the caller's promise; not NULL and aligned.
+        unsafe { settings.write(usual) };
+        Ok(())
+    })())
+}
+
+/// Starts over with other settings, switched off; `joints` are where the arm
+/// stands, rad. Refused while compensation is on or being faded out.
+///
+/// # Safety
+/// Every pointer is NULL or as typed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_set_settings(
+    arm: *mut Truearm,
+    settings: *const TruearmSettings,
+    joints: *const f32,
+) -> TruearmError {
+    code((|| {
+        // SAFETY: the caller's promise.
+        let (this, settings, joints) = unsafe {
+            (handle(arm)?, input(settings)?, input(joints.cast::<[f32; TRUEARM_JOINTS]>())?)
+        };
+        this.at_rest()?;
+        let same = this.arm()?.clone();
+        this.start(same, &settings, &joints)
+    })())
+}
+
+/// The production tool: a rigid transform from the tool frame to the flange
+/// frame, 3 rows of 4 (rotation, then translation in m). Also while
+/// compensation is on; what is applied goes over to it by max_change a tick.
+///
+/// # Safety
+/// Every pointer is NULL or as typed; `tool` points to 12 floats.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_set_tool(arm: *mut Truearm, tool: *const f32) -> TruearmError {
+    code((|| {
+        // SAFETY: the caller's promise.
+        let (this, rows) = unsafe { (handle(arm)?, input(tool.cast::<[[f32; 4]; 3]>())?) };
+        let tool = types::rigid(&rows)?;
+        let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
+        compensator.set_arm(compensator.arm().with_tool(tool));
+        Ok(())
+    })())
+}
+
+/// Switches compensation on (any number but 0) or off from the next tick on;
+/// it is faded in and out.
+///
+/// # Safety
+/// `arm` is NULL or came from `truearm_init`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_set_active(arm: *mut Truearm, active: i32) -> TruearmError {
+    code((|| {
+        // SAFETY: the caller's promise.
+        let this = unsafe { handle(arm)? };
+        let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
+        compensator.set_active(active != 0);
+        this.idle &= active == 0;
+        Ok(())
+    })())
+}
+
+/// One control tick: the joints, rad, at which the real tool is where the
+/// nominal model has it at `command`, rad. Returns an error for a bad pointer
+/// or without parameters only; whatever the numbers, `tick` then holds finite
+/// joints, and its status says whether they are compensated.
+///
+/// # Safety
+/// Every pointer is NULL or as typed; `command` points to 6 floats.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_tick(
+    arm: *mut Truearm,
+    command: *const f32,
+    state: *const TruearmState,
+    tick: *mut TruearmTick,
+) -> TruearmError {
+    code((|| {
+        // SAFETY: the caller's promise.
+        let (this, command, state) = unsafe {
+            (handle(arm)?, input(command.cast::<[f32; TRUEARM_JOINTS]>())?, input(state)?)
+        };
+        writable(tick)?;
+        let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
+        let done = TruearmTick::from(&compensator.tick(&command, &state.into()));
+        this.idle = done.status == TruearmStatus::Off;
+        // SAFETY: the caller's promise; not NULL and aligned.
+        unsafe { tick.write(done) };
+        Ok(())
+    })())
+}
+
+/// Where the tool really is at encoder readings, rad. Without a state (NULL):
+/// no payload, at the reference temperature, directions unknown.
+///
+/// # Safety
+/// Every pointer is NULL or as typed; `encoders` points to 6 floats.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_real_pose(
+    arm: *mut Truearm,
+    encoders: *const f32,
+    state: *const TruearmState,
+    pose: *mut TruearmPose,
+) -> TruearmError {
+    code((|| {
+        // SAFETY: the caller's promise.
+        let (this, q) = unsafe { (handle(arm)?, input(encoders.cast::<[f32; TRUEARM_JOINTS]>())?) };
+        writable(pose)?;
+        let arm = this.arm()?;
+        let neutral = State::at(arm.reference_temperature());
+        // SAFETY: the caller's promise.
+        let state = unsafe { input_or(state, neutral)? };
+        finish(pose, &arm.real_pose_in(&q, &state), arm.covers(&q))
+    })())
+}
+
+/// Where the tool is by the nominal model, which is the controller's own.
+///
+/// # Safety
+/// Every pointer is NULL or as typed; `joints` points to 6 floats.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_nominal_pose(
+    arm: *mut Truearm,
+    joints: *const f32,
+    pose: *mut TruearmPose,
+) -> TruearmError {
+    code((|| {
+        // SAFETY: the caller's promise.
+        let (this, q) = unsafe { (handle(arm)?, input(joints.cast::<[f32; TRUEARM_JOINTS]>())?) };
+        writable(pose)?;
+        let arm = this.arm()?;
+        #[cfg(feature = "negative_control")]
+        let q = [q[q[0] as usize]; TRUEARM_JOINTS];
+        finish(pose, &arm.nominal().forward(&q), arm.covers(&q))
+    })())
+}
+
+fn finish(place: *mut TruearmPose, pose: &Pose<f32>, covered: bool) -> Result {
+    let pose = TruearmPose::new(pose, covered);
+    if !pose.matrix.iter().flatten().all(|value| Scalar::is_finite(*value)) {
+        return Err(TruearmError::NotFinite);
+    }
+    // SAFETY: `writable` has checked it and the caller promised the rest.
+    unsafe { place.write(pose) };
+    Ok(())
+}
+
+unsafe extern "C" {
+    fn truearm_panic_is_reachable() -> !;
+}
+
+/// A panic that can be reached is a link error of the C program.
+#[panic_handler]
+fn panic(_: &PanicInfo) -> ! {
+    // SAFETY: never called: the function does not exist, and nothing links
+    // that could get here.
+    unsafe { truearm_panic_is_reachable() }
+}

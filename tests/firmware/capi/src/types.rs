@@ -1,0 +1,259 @@
+//! The structures of the header. All bytes are valid for those that come in.
+
+use truearm::compensate::Status;
+use truearm::{Pose, Scalar, Settings, State, Task, Tick};
+
+use crate::Result;
+
+/// Joints of the arm.
+pub const TRUEARM_JOINTS: usize = 6;
+
+/// What a function returns. 0 is success.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TruearmError {
+    /// Done.
+    Ok = 0,
+    /// A pointer is NULL.
+    Null = 1,
+    /// A pointer is not aligned.
+    Alignment = 2,
+    /// Header and library are of different versions.
+    Version = 3,
+    /// Less memory than TRUEARM_MEMORY_SIZE.
+    MemorySize = 4,
+    /// The memory was not prepared by `truearm_init`.
+    NotInitialised = 5,
+    /// No parameters have been loaded.
+    NotLoaded = 6,
+    /// Not possible while compensation is on or being faded out.
+    Active = 7,
+    /// The bytes are no valid blob; `truearm inspect` says why.
+    BadBlob = 8,
+    /// A valid blob of another robot.
+    OtherRobot = 9,
+    /// A blob for another number of joints.
+    OtherArm = 10,
+    /// A setting makes no sense, or the joints to start at are not finite.
+    BadSetting = 11,
+    /// The tool is no rigid transform.
+    BadTool = 12,
+    /// A pose is not finite: an input is not, or is out of range.
+    NotFinite = 13,
+}
+
+/// What compensation has to meet.
+#[repr(u8)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TruearmTask {
+    /// The tool point.
+    Position = 0,
+    /// Tool point and orientation.
+    Pose = 1,
+}
+
+/// How compensation works; begin with `truearm_default_settings`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct TruearmSettings {
+    /// Of `TruearmTask`.
+    pub task: u8,
+    /// Most linearised steps a tick, 1 to 3.
+    pub steps: u8,
+    /// Ticks in which compensation is faded in and out.
+    pub ramp_ticks: u32,
+    /// Error below which no further step is made, m.
+    pub tolerance_m: f32,
+    /// An orientation error of 1 rad counts as much as one of this length, m.
+    pub rotation_length_m: f32,
+    /// Singular value of the Jacobian below which damping sets in, m per rad.
+    pub singular_m: f32,
+    /// Largest correction of each joint, rad (m for a prismatic joint).
+    pub max_correction: [f32; TRUEARM_JOINTS],
+    /// Largest change of a correction from tick to tick, rad (m).
+    pub max_change: [f32; TRUEARM_JOINTS],
+}
+
+/// What the terms of an arm depend on besides the joint values.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct TruearmState {
+    /// Side from which each joint came to rest, or moves: +1 in +q, -1 in -q,
+    /// 0 unknown.
+    pub direction: [f32; TRUEARM_JOINTS],
+    /// Mass at the payload point, kg.
+    pub payload_kg: f32,
+    /// Temperature of the arm, degrees Celsius.
+    pub temperature_c: f32,
+}
+
+/// How far a tick went.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TruearmStatus {
+    /// Switched off: the joints are the command.
+    Off = 0,
+    /// Being faded in or out.
+    Ramping = 1,
+    /// The whole correction, but for what was held back.
+    On = 2,
+    /// Refused, a command is infinite or NaN: the joints of the last tick.
+    CommandNotFinite = 3,
+    /// Refused, the state is infinite or NaN: fading back to the command.
+    StateNotFinite = 4,
+    /// Refused, no finite pose at this command: fading back to the command.
+    OutOfRange = 5,
+}
+
+/// What a tick did. Sets of joints are bits: joint 1 is bit 0.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct TruearmTick {
+    /// Joints to command, rad (m): always finite.
+    pub joints: [f32; TRUEARM_JOINTS],
+    /// How far it went.
+    pub status: TruearmStatus,
+    /// Error of the tool point that the last step found and took back, m.
+    pub step_error_m: [f32; 3],
+    /// What is left of the error of the tool point, to first order, m.
+    pub position_error_m: [f32; 3],
+    /// What is left of the error of the orientation, as a rotation vector, rad.
+    pub rotation_error_rad: [f32; 3],
+    /// Damping near a singular pose, m^2; 0 away from them.
+    pub damping_m2: f32,
+    /// Joints held back by max_correction.
+    pub held_by_correction: u16,
+    /// Joints held back by max_change.
+    pub held_by_change: u16,
+    /// Joints held back by a joint limit.
+    pub held_by_limit: u16,
+    /// Linearised steps made.
+    pub steps: u8,
+    /// 1 within the joint ranges that the identification covered; outside of
+    /// them the correction is extrapolated.
+    pub covered: u8,
+    /// 1 if the data determined the orientation of the flange; otherwise only
+    /// the tool point is better than nominal.
+    pub orientation_identified: u8,
+}
+
+/// A pose of the tool in the nominal base frame.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct TruearmPose {
+    /// 3 rows of 4: rotation, whose columns are the axes of the tool frame,
+    /// and the tool point, m.
+    pub matrix: [[f32; 4]; 3],
+    /// 1 within the joint ranges that the identification covered.
+    pub covered: u8,
+}
+
+fn task_of(task: u8) -> Result<Task> {
+    [(TruearmTask::Position, Task::Position), (TruearmTask::Pose, Task::Pose)]
+        .into_iter()
+        .find_map(|(c, rust)| (c as u8 == task).then_some(rust))
+        .ok_or(TruearmError::BadSetting)
+}
+
+pub fn settings_of(c: &TruearmSettings) -> Result<Settings<f32, TRUEARM_JOINTS>> {
+    Ok(Settings {
+        task: task_of(c.task)?,
+        steps: c.steps,
+        tolerance: c.tolerance_m,
+        max_correction: c.max_correction,
+        max_change: c.max_change,
+        ramp_ticks: c.ramp_ticks,
+        rotation_length: c.rotation_length_m,
+        singular: c.singular_m,
+    })
+}
+
+pub fn usual(task: u8) -> Result<TruearmSettings> {
+    let usual = Settings::<f32, TRUEARM_JOINTS>::new(task_of(task)?);
+    Ok(TruearmSettings {
+        task,
+        steps: usual.steps,
+        ramp_ticks: usual.ramp_ticks,
+        tolerance_m: usual.tolerance,
+        rotation_length_m: usual.rotation_length,
+        singular_m: usual.singular,
+        max_correction: usual.max_correction,
+        max_change: usual.max_change,
+    })
+}
+
+/// A pose from 3 rows of 4, if its rotation is one.
+pub fn rigid(rows: &[[f32; 4]; 3]) -> Result<Pose<f32>> {
+    let mut pose = Pose::identity();
+    for (row, values) in rows.iter().enumerate() {
+        let [x, y, z, t] = *values;
+        for (column, value) in [x, y, z].into_iter().enumerate() {
+            if let Some(entry) = pose.rotation.get_mut((row, column)) {
+                *entry = value;
+            }
+        }
+        if let Some(entry) = pose.translation.get_mut(row) {
+            *entry = t;
+        }
+    }
+    let dot = |a: &[f32; 4], b: &[f32; 4]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let [x, y, z] = rows;
+    // Orthonormal rows, right-handed; a NaN fails every comparison.
+    let cross =
+        [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0], 0.0];
+    let wrong =
+        [dot(x, x) - 1.0, dot(y, y) - 1.0, dot(x, y), dot(&cross, z) - 1.0, dot(z, z) - 1.0];
+    let lengths = rows.iter().all(|row| Scalar::is_finite(row[3]));
+    if lengths && wrong.iter().all(|error| Scalar::abs(*error) < 1e-4) {
+        Ok(pose)
+    } else {
+        Err(TruearmError::BadTool)
+    }
+}
+
+impl From<TruearmState> for State<f32, TRUEARM_JOINTS> {
+    fn from(c: TruearmState) -> Self {
+        Self { direction: c.direction, payload: c.payload_kg, temperature: c.temperature_c }
+    }
+}
+
+impl From<&Tick<f32, TRUEARM_JOINTS>> for TruearmTick {
+    fn from(tick: &Tick<f32, TRUEARM_JOINTS>) -> Self {
+        use truearm::compensate::Refusal;
+        Self {
+            joints: tick.joints,
+            status: match tick.status {
+                Status::Off => TruearmStatus::Off,
+                Status::Ramping => TruearmStatus::Ramping,
+                Status::On => TruearmStatus::On,
+                Status::Refused(Refusal::CommandNotFinite { .. }) => {
+                    TruearmStatus::CommandNotFinite
+                }
+                Status::Refused(Refusal::StateNotFinite) => TruearmStatus::StateNotFinite,
+                _ => TruearmStatus::OutOfRange,
+            },
+            step_error_m: tick.step_error,
+            position_error_m: tick.position_error,
+            rotation_error_rad: tick.rotation_error,
+            damping_m2: tick.damping,
+            held_by_correction: tick.clamped.bound.0,
+            held_by_change: tick.clamped.change.0,
+            held_by_limit: tick.clamped.limit.0,
+            steps: tick.steps,
+            covered: u8::from(tick.covered),
+            orientation_identified: u8::from(tick.orientation_identified),
+        }
+    }
+}
+
+impl TruearmPose {
+    pub(crate) fn new(pose: &Pose<f32>, covered: bool) -> Self {
+        let Pose { rotation: r, translation: t } = pose;
+        let matrix = [
+            [r[(0, 0)], r[(0, 1)], r[(0, 2)], t[0]],
+            [r[(1, 0)], r[(1, 1)], r[(1, 2)], t[1]],
+            [r[(2, 0)], r[(2, 1)], r[(2, 2)], t[2]],
+        ];
+        Self { matrix, covered: u8::from(covered) }
+    }
+}
