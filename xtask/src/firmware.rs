@@ -71,7 +71,12 @@ pub fn build_in(dir: &Path, binary: &str) -> Command {
 
 /// Cargo building what these arguments select.
 pub fn build_of(dir: &Path, what: &str) -> Command {
-    let mut command = cargo(&directory(), "build --release --locked");
+    build_with("build", dir, what)
+}
+
+/// The same by another verb of cargo.
+pub fn build_with(verb: &str, dir: &Path, what: &str) -> Command {
+    let mut command = cargo(&directory(), &format!("{verb} --release --locked"));
     command.args(what.split(' ')).arg("--target-dir").arg(dir);
     // Would replace the flags of .cargo/config.toml, the linker script among them.
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
