@@ -21,27 +21,15 @@ const STANDSTILL: f32 = 1e-3;
 
 type Joints = [f32; 6];
 
-/// What the loop does with its parameters.
-enum Mode {
-    Compensated(Compensator<f32, 6>),
-    /// As before calibration, and why.
-    Nominal(BlobRefusal),
-}
-
-fn load(slot: &[u8], start: &Joints) -> Mode {
-    let loaded = Acceptance::of(ROBOT_ID).check(slot).and_then(|blob| Ok(blob.parameters()?));
-    match loaded {
-        Ok(parameters) => {
-            let tool = Pose::translation(0.0, 0.0, 0.15);
-            let arm = Arm6::new(&parameters).with_tool(tool);
-            // Orientation that the data did not determine is not corrected.
-            let task = if arm.orientation_identified() { Task::Pose } else { Task::Position };
-            let settings = Settings { ramp_ticks: 500, ..Settings::new(task) };
-            let compensator = Compensator::new(arm, settings, start);
-            Mode::Compensated(compensator.expect("settings above are valid"))
-        }
-        Err(refusal) => Mode::Nominal(refusal),
-    }
+/// Without valid parameters the loop runs on nominal kinematics, as before the
+/// calibration, and says why.
+fn load(slot: &[u8], start: &Joints) -> Result<Compensator<f32, 6>, BlobRefusal> {
+    let parameters = Acceptance::of(ROBOT_ID).check(slot)?.parameters()?;
+    let arm = Arm6::new(&parameters).with_tool(Pose::translation(0.0, 0.0, 0.15));
+    // Orientation that the data did not determine is not corrected.
+    let task = if arm.orientation_identified() { Task::Pose } else { Task::Position };
+    let settings = Settings { ramp_ticks: 500, ..Settings::new(task) };
+    Ok(Compensator::new(arm, settings, start).expect("settings above are valid"))
 }
 
 /// The controller's knowledge of the arm, updated from its own motion.
@@ -115,15 +103,14 @@ fn command(time: f32) -> Joints {
 }
 
 fn main() {
-    match load(&[0xff; 4096], &command(0.0)) {
-        Mode::Nominal(refusal) => println!("slot A: {refusal}; slot B:"),
-        Mode::Compensated(_) => unreachable!("no blob"),
+    if let Err(refusal) = load(&[0xff; 4096], &command(0.0)) {
+        println!("slot A: {refusal}");
     }
     let mut compensator = match load(SLOT, &command(0.0)) {
-        Mode::Compensated(compensator) => compensator,
-        Mode::Nominal(refusal) => return println!("nominal kinematics: {refusal}"),
+        Ok(compensator) => compensator,
+        Err(refusal) => return println!("slot B: {refusal}; nominal kinematics"),
     };
-    println!("{} terms", compensator.arm().terms().len());
+    println!("slot B: {} terms", compensator.arm().terms().len());
     println!("time, s  status    tool error, mm: command  compensated   largest change, mrad/tick");
 
     let mut observer = Observer::new(command(0.0), 24.0);

@@ -34,6 +34,7 @@ impl Counter {
 
     /// Instructions of the longest single call of `work` over `inputs`, to
     /// within one SysTick, 40 instructions.
+    #[allow(dead_code, reason = "only the first image looks for it")]
     pub fn longest<I>(&mut self, inputs: impl Iterator<Item = I>, work: impl Fn(&I)) -> u64 {
         let ticks = inputs.map(|input| self.ticks(1, &[input], &work)).max();
         ticks.unwrap_or(0) * INSTRUCTIONS_PER_TICK

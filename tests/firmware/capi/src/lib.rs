@@ -75,10 +75,20 @@ impl Truearm {
         self.idle = true;
         Ok(())
     }
+}
 
-    fn at_rest(&self) -> Result {
-        if self.idle { Ok(()) } else { Err(TruearmError::Active) }
-    }
+/// What starting over needs: an arm that is at rest, settings and joints.
+///
+/// # Safety
+/// Every pointer is NULL or as typed.
+unsafe fn at_rest<'a>(
+    arm: *mut Truearm,
+    settings: *const TruearmSettings,
+    joints: *const f32,
+) -> Result<(&'a mut Truearm, TruearmSettings, [f32; TRUEARM_JOINTS])> {
+    // SAFETY: the caller's promise.
+    let all = unsafe { (handle(arm)?, input(settings)?, input(joints.cast())?) };
+    if all.0.idle { Ok(all) } else { Err(TruearmError::Active) }
 }
 
 /// Prepares `memory` and gives the arm in it. First call of all.
@@ -142,13 +152,10 @@ pub unsafe extern "C" fn truearm_load(
 ) -> TruearmError {
     code((|| {
         // SAFETY: the caller's promise.
-        let (this, settings, joints) = unsafe {
-            (handle(arm)?, input(settings)?, input(joints.cast::<[f32; TRUEARM_JOINTS]>())?)
-        };
+        let (this, settings, joints) = unsafe { at_rest(arm, settings, joints)? };
         if blob.is_null() {
             return Err(TruearmError::Null);
         }
-        this.at_rest()?;
         // SAFETY: the caller's promise; bytes need no alignment.
         let bytes = unsafe { core::slice::from_raw_parts(blob, size) };
         let blob = Acceptance::of(robot_id).check(bytes).map_err(|refusal| match refusal {
@@ -192,10 +199,7 @@ pub unsafe extern "C" fn truearm_set_settings(
 ) -> TruearmError {
     code((|| {
         // SAFETY: the caller's promise.
-        let (this, settings, joints) = unsafe {
-            (handle(arm)?, input(settings)?, input(joints.cast::<[f32; TRUEARM_JOINTS]>())?)
-        };
-        this.at_rest()?;
+        let (this, settings, joints) = unsafe { at_rest(arm, settings, joints)? };
         let same = this.arm()?.clone();
         this.start(same, &settings, &joints)
     })())
