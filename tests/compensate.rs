@@ -274,6 +274,20 @@ fn switching_on_while_moving_makes_no_step() {
 }
 
 #[test]
+fn without_a_ramp_it_is_on_and_off_at_once() {
+    let p = parameters::<f64, 6>(&ur10());
+    let mut compensator = compensator(&p, Settings { ramp_ticks: 0, ..at_once(Task::Pose) });
+    let command = [0.1, -1.2, 1.6, -1.2, -1.57, 0.0];
+    let on = compensator.tick(&command, &state());
+    assert_eq!(on.status, Status::On);
+    assert_ne!(on.joints, command);
+    compensator.set_active(false);
+    let off = compensator.tick(&command, &state());
+    assert_eq!(off.joints, command);
+    assert_eq!(compensator.tick(&command, &state()).status, Status::Off);
+}
+
+#[test]
 fn a_jump_of_the_state_is_spread_over_ticks() {
     let p = parameters::<f64, 6>(&ur10());
     let mut settings = at_once(Task::Pose);

@@ -215,7 +215,13 @@ impl<T: Scalar, const N: usize> Compensator<T, N> {
         } else {
             self.ramp = self.ramp.saturating_sub(1);
         }
-        let share = if self.ramp >= ticks { T::ONE } else { smooth(self.ramp, ticks) };
+        let share = if self.active && self.ramp >= ticks {
+            T::ONE
+        } else if self.ramp == 0 {
+            T::ZERO
+        } else {
+            smooth(self.ramp, ticks)
+        };
         let mut clamped = Clamped::default();
         let corrections = self.correction.iter().zip(&self.settings.max_change);
         let commands = command.iter().zip(&self.limits);
