@@ -1,21 +1,27 @@
 use super::medium::{MAX_WORD, Medium, Slot};
 use super::open::Store;
-use super::report::{StoreError, Stored, WriteError};
+use super::report::{Progress, StoreError, Stored, WriteError};
 use crate::blob::Blob;
 
 /// Bytes of a mark at the end of a slot.
 const MARK: usize = 8;
 
-/// So many programmed bits of `DONE` prove that writing it has begun. Not all of
-/// them: what a cut left may read differently tomorrow, and a blob that was
-/// returned as finished must not be unfinished then. Not a single one: a word
-/// that was hardly touched may read as blank tomorrow.
+/// So many programmed bits of `DONE` prove that writing it has begun, and so that
+/// the commit word was finished. Not a single one: a blank word that was hardly
+/// touched may read so once.
 const BEGUN_BITS: u32 = 4;
+
+/// So many wrong bits of `DONE` are no reason to write: a cut may leave a few
+/// that read differently from time to time, and cells may age. A `DONE` that is
+/// this close to whole never reads with less than [`BEGUN_BITS`] later.
+const WRONG_BITS: u32 = 2;
 
 /// What the store writes at the end of a slot, in the order of writing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Mark {
+pub(super) enum Mark {
     Begun,
+    /// In place of `Begun`: what is written is a copy of the other slot.
+    Copying,
     Done,
 }
 
@@ -23,6 +29,7 @@ impl Mark {
     const fn tag(self) -> [u8; 4] {
         match self {
             Self::Begun => *b"BEGN",
+            Self::Copying => *b"COPY",
             Self::Done => *b"DONE",
         }
     }
@@ -59,7 +66,7 @@ impl<M: Medium> Store<M> {
         }
         let target = self.live.map_or(Slot::A, |(slot, _)| slot.other());
         let bytes = bytes.get(..blob.size()).unwrap_or(bytes);
-        self.write(target, bytes).map_err(StoreError::Write)?;
+        self.write(target, Mark::Begun, bytes).map_err(StoreError::Write)?;
         self.live = Some((target, blob.sequence()));
         Ok(Stored::Written(target))
     }
@@ -73,13 +80,18 @@ impl<M: Medium> Store<M> {
     }
 
     /// Writes a blob, of which nothing counts until the first word is written.
-    pub(super) fn write(&mut self, slot: Slot, bytes: &[u8]) -> Result<(), WriteError> {
+    pub(super) fn write(
+        &mut self,
+        slot: Slot,
+        begin: Mark,
+        bytes: &[u8],
+    ) -> Result<(), WriteError> {
         let room = self.room();
         if bytes.len() > room {
             return Err(WriteError::TooLong { needed: bytes.len(), room });
         }
         self.medium.erase(slot).map_err(WriteError::Fault)?;
-        self.write_mark(slot, Mark::Begun, bytes)?;
+        self.write_mark(slot, begin, bytes)?;
         self.program(slot, bytes, M::WORD)?;
         self.verify(slot, bytes, M::WORD)?;
         let (first, _) = bytes.split_at_checked(M::WORD).unwrap_or((bytes, &[]));
@@ -88,13 +100,22 @@ impl<M: Medium> Store<M> {
         self.write_mark(slot, Mark::Done, bytes)
     }
 
-    /// Whether a store to this slot has begun and not got as far as `DONE`: the
-    /// last four bytes of its blob, if so.
-    pub(super) fn unfinished(&mut self, slot: Slot) -> Option<[u8; 4]> {
-        let [a, b, c, d, blob @ ..] = self.read_mark(slot, Mark::Begun)?;
+    /// How far the last store to this slot got, and the last four bytes of its
+    /// blob; `None` where no store has begun.
+    pub(super) fn progress(&mut self, slot: Slot) -> Option<(Progress, [u8; 4])> {
+        let begin @ [a, b, c, d, blob @ ..] = self.read_mark(slot, Mark::Begun)?;
         let done = self.read_mark(slot, Mark::Done)?;
         let programmed: u32 = done.iter().map(|byte| byte.count_zeros()).sum();
-        ([a, b, c, d] == Mark::Begun.tag() && programmed < BEGUN_BITS).then_some(blob)
+        let pairs = done.iter().zip(Mark::Done.of(&begin));
+        let wrong: u32 = pairs.map(|(is, right)| (is ^ right).count_ones()).sum();
+        let progress = match [a, b, c, d] {
+            tag if tag != Mark::Begun.tag() && tag != Mark::Copying.tag() => return None,
+            _ if wrong <= WRONG_BITS => Progress::Done,
+            _ if programmed >= BEGUN_BITS => Progress::Ending,
+            tag if tag == Mark::Copying.tag() => Progress::Copying,
+            _ => Progress::Committing,
+        };
+        Some((progress, blob))
     }
 
     fn write_mark(&mut self, slot: Slot, mark: Mark, bytes: &[u8]) -> Result<(), WriteError> {
@@ -120,7 +141,7 @@ impl<M: Medium> Store<M> {
 
     fn mark_offset(&self, mark: Mark) -> usize {
         let room = self.room();
-        if mark == Mark::Begun { room } else { room + Self::MARK_WORD }
+        if mark == Mark::Done { room + Self::MARK_WORD } else { room }
     }
 
     const MARK_WORD: usize = if M::WORD > MARK { M::WORD } else { MARK };
