@@ -10,7 +10,7 @@
 //! |---|---|---|
 //! | 0 | first write word of the blob: the commit | 3 |
 //! | one word | rest of the blob, padded with 0xff to whole words | 2 |
-//! | slot size - 2 k | `BEGN` or `COPY`, last four bytes of the blob | 1 |
+//! | slot size - 2 k | `BEGN` or `CPY` and a number, last four bytes of the blob | 1 |
 //! | slot size - k | `DONE`, last four bytes of the blob | 4 |
 //!
 //! with k = 8 or the word, whichever is longer.
@@ -27,9 +27,10 @@
 //! the other slot has an older blob to fall back to, otherwise to the other
 //! slot, for what is the only blob may have been in use. A `DONE` with more than
 //! two wrong bits may read as none tomorrow, so such a blob, which is solid, is
-//! copied to the other slot as well. A copy begins with `COPY` in place of
-//! `BEGN`: of a blob and its unfinished copy, the copy is the one to give up.
-//! Only then does `open` return.
+//! copied to the other slot as well. A copy begins with `CPY` and the number of
+//! copies in place of `BEGN`: an unfinished copy is given up for its original,
+//! and a solid copy is preferred to its original, which may have been erased in
+//! part since. Only when all this is done does `open` return.
 //!
 //! What `open` returned is final: from then on there is that blob or one that
 //! was stored after it. Everything else is left as it is: blobs of another

@@ -1,6 +1,6 @@
 use super::medium::{MAX_WORD, Medium, Slot};
 use super::report::{Opened, Progress, Rejection, Settled, SlotState, Source, WriteError};
-use super::write::Mark;
+use super::write::{Mark, Marks};
 use crate::blob::{Acceptance, Blob, DecodeError, Refusal};
 
 /// How often a slot is read until two readings agree.
@@ -36,9 +36,7 @@ impl<M: Medium> Store<M> {
             // The buffer may hold the other slot, and a torn one may have changed.
             let again = store.examine(slot, buffer);
             match again {
-                SlotState::Valid { sequence, progress } => {
-                    chosen = Some((slot, sequence, progress))
-                }
+                SlotState::Valid { .. } => chosen = Some((slot, again)),
                 _ => slot.replace(&mut states, SlotState::Rejected(Rejection::Unstable)),
             }
         }
@@ -47,7 +45,7 @@ impl<M: Medium> Store<M> {
         store.live = live;
         let source = match chosen {
             None => Source::Nominal(states),
-            Some((slot, ..)) => match slot.other().of(states) {
+            Some((slot, _)) => match slot.other().of(states) {
                 SlotState::Rejected(rejected) => Source::LastGood { slot, rejected },
                 _ => Source::Newest(slot),
             },
@@ -78,11 +76,13 @@ impl<M: Medium> Store<M> {
             Ok(blob) => {
                 let sequence = blob.sequence();
                 let blob = bytes.get(..blob.size()).unwrap_or(bytes);
-                let progress = match self.progress(slot) {
-                    Some((progress, last)) if Some(&last) == blob.last_chunk() => progress,
-                    _ => Progress::Done,
-                };
-                SlotState::Valid { sequence, progress }
+                let last = blob.last_chunk();
+                match self.marks(slot).filter(|marks| Some(&marks.last) == last) {
+                    Some(Marks { progress, copies, .. }) => {
+                        SlotState::Valid { sequence, progress, copies }
+                    }
+                    None => SlotState::Valid { sequence, progress: Progress::Done, copies: 0 },
+                }
             }
             Err(Refusal::Damaged(DecodeError::NotABlob)) if self.is_blank(slot) => SlotState::Blank,
             Err(refusal) => SlotState::Rejected(Rejection::Blob(refusal)),
@@ -117,30 +117,28 @@ impl<M: Medium> Store<M> {
     /// then, and its sequence number. Its bytes are in the buffer.
     fn settle(
         &mut self,
-        chosen: Option<(Slot, u32, Progress)>,
+        chosen: Option<(Slot, SlotState)>,
         states: &[SlotState; 2],
         buffer: &[u8],
     ) -> (Option<(Slot, u32)>, Settled) {
-        let live = chosen.map(|(slot, sequence, _)| (slot, sequence));
-        match chosen {
-            None | Some((.., Progress::Done)) => (live, self.undo(states)),
-            Some((slot, sequence, progress)) => {
-                // Unless an older blob is left if this one is lost, it must not
-                // be touched.
-                let older =
-                    |state| matches!(state, SlotState::Valid { sequence: n, .. } if n < sequence);
-                let (target, begin) =
-                    if progress == Progress::Ending || !older(slot.other().of(*states)) {
-                        (slot.other(), Mark::Copying)
-                    } else {
-                        (slot, Mark::Begun)
-                    };
-                let size = Blob::check(buffer).map_or(0, |blob| blob.size());
-                match self.write(target, begin, buffer.get(..size).unwrap_or(&[])) {
-                    Ok(()) => (Some((target, sequence)), Settled::Rewritten),
-                    Err(error) => (live, Settled::Failed(error)),
-                }
-            }
+        let Some((slot, SlotState::Valid { sequence, progress, copies })) = chosen else {
+            return (None, self.undo(states));
+        };
+        let live = Some((slot, sequence));
+        if progress == Progress::Done {
+            return (live, self.undo(states));
+        }
+        let older = matches!(slot.other().of(*states), SlotState::Valid { sequence: n, .. } if n < sequence);
+        let (target, copies) = if progress == Progress::Committing && older {
+            (slot, copies)
+        } else {
+            // It is solid, or nothing is left if it is lost.
+            (slot.other(), copies.saturating_add(1))
+        };
+        let size = Blob::check(buffer).map_or(0, |blob| blob.size());
+        match self.write(target, Mark::Begun { copies }, buffer.get(..size).unwrap_or(&[])) {
+            Ok(()) => (Some((target, sequence)), Settled::Rewritten),
+            Err(error) => (live, Settled::Failed(error)),
         }
     }
 
@@ -149,8 +147,8 @@ impl<M: Medium> Store<M> {
         let mut settled = Settled::Already;
         for slot in [Slot::A, Slot::B] {
             let rejected = matches!(slot.of(*states), SlotState::Rejected(_));
-            let begun = |(progress, _)| progress < Progress::Ending;
-            if rejected && self.progress(slot).is_some_and(begun) {
+            let begun = |marks: Marks| marks.progress == Progress::Committing;
+            if rejected && self.marks(slot).is_some_and(begun) {
                 settled = match self.medium.erase(slot) {
                     Ok(()) => Settled::Erased,
                     Err(fault) => return Settled::Failed(WriteError::Fault(fault)),
@@ -161,11 +159,15 @@ impl<M: Medium> Store<M> {
     }
 }
 
-/// The slot of the newest valid blob; of two alike the one whose store got
-/// farther.
+/// The slot of the newest valid blob. Of two alike a solid one; of two solid
+/// ones the copy, for its original may have been erased since, in part; of two
+/// others the original.
 fn newest(states: &[SlotState; 2]) -> Option<Slot> {
     let key = |state| match state {
-        SlotState::Valid { sequence, progress } => Some((sequence, progress)),
+        SlotState::Valid { sequence, progress: Progress::Committing, copies } => {
+            Some((sequence, false, u8::MAX - copies))
+        }
+        SlotState::Valid { sequence, copies, .. } => Some((sequence, true, copies)),
         _ => None,
     };
     let [a, b] = states.map(key);

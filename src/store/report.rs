@@ -43,17 +43,17 @@ pub enum SlotState {
         sequence: u32,
         /// How far its store got.
         progress: Progress,
+        /// How often it went from slot to slot since it was stored.
+        copies: u8,
     },
     /// Something that cannot be used.
     Rejected(Rejection),
 }
 
 /// How far the store of a valid blob got.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
-    /// A copy of the other slot, whose commit may be torn; the other is solid.
-    Copying,
     /// Its commit may be torn.
     Committing,
     /// Its commit is solid, the mark that says so is torn.

@@ -19,17 +19,18 @@ const WRONG_BITS: u32 = 2;
 /// What the store writes at the end of a slot, in the order of writing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mark {
-    Begun,
-    /// In place of `Begun`: what is written is a copy of the other slot.
-    Copying,
+    /// With the number of times that the blob went to the other slot.
+    Begun {
+        copies: u8,
+    },
     Done,
 }
 
 impl Mark {
     const fn tag(self) -> [u8; 4] {
         match self {
-            Self::Begun => *b"BEGN",
-            Self::Copying => *b"COPY",
+            Self::Begun { copies: 0 } => *b"BEGN",
+            Self::Begun { copies } => [b'C', b'P', b'Y', copies],
             Self::Done => *b"DONE",
         }
     }
@@ -41,6 +42,15 @@ impl Mark {
         let [e, f, g, h] = bytes.last_chunk().copied().unwrap_or_default();
         [a, b, c, d, e, f, g, h]
     }
+}
+
+/// What stands in the marks of a slot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Marks {
+    pub progress: Progress,
+    pub copies: u8,
+    /// Last bytes of the blob that they belong to.
+    pub last: [u8; 4],
 }
 
 impl<M: Medium> Store<M> {
@@ -66,7 +76,7 @@ impl<M: Medium> Store<M> {
         }
         let target = self.live.map_or(Slot::A, |(slot, _)| slot.other());
         let bytes = bytes.get(..blob.size()).unwrap_or(bytes);
-        self.write(target, Mark::Begun, bytes).map_err(StoreError::Write)?;
+        self.write(target, Mark::Begun { copies: 0 }, bytes).map_err(StoreError::Write)?;
         self.live = Some((target, blob.sequence()));
         Ok(Stored::Written(target))
     }
@@ -100,50 +110,52 @@ impl<M: Medium> Store<M> {
         self.write_mark(slot, Mark::Done, bytes)
     }
 
-    /// How far the last store to this slot got, and the last four bytes of its
-    /// blob; `None` where no store has begun.
-    pub(super) fn progress(&mut self, slot: Slot) -> Option<(Progress, [u8; 4])> {
-        let begin @ [a, b, c, d, blob @ ..] = self.read_mark(slot, Mark::Begun)?;
-        let done = self.read_mark(slot, Mark::Done)?;
+    /// What the marks of a slot say; `None` where no store has begun.
+    pub(super) fn marks(&mut self, slot: Slot) -> Option<Marks> {
+        let begun = self.read_mark(slot, Self::BEGUN)?;
+        let [a, b, c, d, last @ ..] = begun;
+        let copies = match [a, b, c, d] {
+            [b'B', b'E', b'G', b'N'] => 0,
+            [b'C', b'P', b'Y', copies] => copies,
+            _ => return None,
+        };
+        let done = self.read_mark(slot, Self::DONE)?;
         let programmed: u32 = done.iter().map(|byte| byte.count_zeros()).sum();
-        let pairs = done.iter().zip(Mark::Done.of(&begin));
+        let pairs = done.iter().zip(Mark::Done.of(&begun));
         let wrong: u32 = pairs.map(|(is, right)| (is ^ right).count_ones()).sum();
-        let progress = match [a, b, c, d] {
-            tag if tag != Mark::Begun.tag() && tag != Mark::Copying.tag() => return None,
-            _ if wrong <= WRONG_BITS => Progress::Done,
-            _ if programmed >= BEGUN_BITS => Progress::Ending,
-            tag if tag == Mark::Copying.tag() => Progress::Copying,
+        let progress = match (wrong, programmed) {
+            (..=WRONG_BITS, _) => Progress::Done,
+            (_, BEGUN_BITS..) => Progress::Ending,
             _ => Progress::Committing,
         };
-        Some((progress, blob))
+        Some(Marks { progress, copies, last })
     }
 
     fn write_mark(&mut self, slot: Slot, mark: Mark, bytes: &[u8]) -> Result<(), WriteError> {
-        let offset = self.mark_offset(mark);
+        let place = if mark == Mark::Done { Self::DONE } else { Self::BEGUN };
+        let offset = self.room() + place;
         let mut padded = [0xff; MAX_WORD];
         padded.iter_mut().zip(mark.of(bytes)).for_each(|(to, byte)| *to = byte);
         let word = padded.get(..Self::MARK_WORD).unwrap_or(&[]);
         self.medium.program(slot, offset, word).map_err(WriteError::Fault)?;
-        if self.read_mark(slot, mark) == Some(mark.of(bytes)) {
+        if self.read_mark(slot, place) == Some(mark.of(bytes)) {
             Ok(())
         } else {
             Err(WriteError::ReadBack(slot))
         }
     }
 
-    fn read_mark(&mut self, slot: Slot, mark: Mark) -> Option<[u8; MARK]> {
-        let offset = self.mark_offset(mark);
+    fn read_mark(&mut self, slot: Slot, place: usize) -> Option<[u8; MARK]> {
+        let offset = self.room() + place;
         let mut padded = [0; MAX_WORD];
         let word = padded.get_mut(..Self::MARK_WORD)?;
         self.medium.read(slot, offset, word).ok()?;
         word.first_chunk().copied()
     }
 
-    fn mark_offset(&self, mark: Mark) -> usize {
-        let room = self.room();
-        if mark == Mark::Done { room + Self::MARK_WORD } else { room }
-    }
-
+    /// Places of the marks, behind the room for a blob.
+    const BEGUN: usize = 0;
+    const DONE: usize = Self::MARK_WORD;
     const MARK_WORD: usize = if M::WORD > MARK { M::WORD } else { MARK };
 
     /// Bytes of a slot before its marks.
