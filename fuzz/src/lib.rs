@@ -3,6 +3,8 @@
 #[path = "../../tests/store/bench/mod.rs"]
 mod bench;
 
+use std::sync::LazyLock;
+
 use truearm::blob::{Blob, encode};
 use truearm::{Arm, ArmParameters};
 
@@ -49,33 +51,49 @@ fn use_as<const N: usize>(blob: &Blob) {
 /// which part and from which start, every four more are one power-up. Or a
 /// memory with damage.
 pub fn store(data: &[u8]) {
-    let Some(([part, start, seed], rest)) = data.split_first_chunk() else { return };
-    let start = Start::ALL[usize::from(*start) % Start::ALL.len()];
-    match part % 6 {
-        0 => history::<NorPart<1, 64>>(start, *seed, rest),
-        1 => history::<NorPart<4, 128>>(start, *seed, rest),
-        2 => history::<NorPart<8, 512>>(start, *seed, rest),
-        3 => history::<NorPart<32, 256>>(start, *seed, rest),
-        4 => history::<EepromPart<8>>(start, *seed, rest),
-        _ => history::<EepromPart<32>>(start, *seed, rest),
-    }
+    let Some(([bench, seed], rest)) = data.split_first_chunk() else { return };
+    BENCHES[usize::from(*bench) % BENCHES.len()].try_out(*seed, rest);
+}
+
+/// Of every part from every start; building them takes longer than using them.
+static BENCHES: LazyLock<Vec<Box<dyn TryOut>>> = LazyLock::new(|| {
+    let benches = [
+        from_all_starts::<NorPart<1, 64>>(),
+        from_all_starts::<NorPart<4, 128>>(),
+        from_all_starts::<NorPart<8, 512>>(),
+        from_all_starts::<NorPart<32, 256>>(),
+        from_all_starts::<EepromPart<8>>(),
+        from_all_starts::<EepromPart<32>>(),
+    ];
+    benches.into_iter().flatten().collect()
+});
+
+fn from_all_starts<P: Part + Send + Sync + 'static>() -> [Box<dyn TryOut>; Start::ALL.len()] {
+    Start::ALL.map(|start| -> Box<dyn TryOut> {
+        Box::new(Bench::<P>::new(start, Blobs::small(LONGEST + 4)))
+    })
 }
 
 /// Most power-ups of a history.
 const LONGEST: u32 = 12;
 
-fn history<P: Part>(start: Start, seed: u8, data: &[u8]) {
-    let bench = Bench::<P>::new(start, Blobs::small(LONGEST + 4));
-    if seed & 1 == 1 {
-        let Some(([low, high], damage)) = data.split_first_chunk() else { return };
-        return bench.damaged(usize::from(u16::from_le_bytes([*low, *high])), damage);
+trait TryOut: Send + Sync {
+    fn try_out(&self, seed: u8, data: &[u8]);
+}
+
+impl<P: Part + Send + Sync> TryOut for Bench<P> {
+    fn try_out(&self, seed: u8, data: &[u8]) {
+        if seed & 1 == 1 {
+            let Some(([low, high], damage)) = data.split_first_chunk() else { return };
+            return self.damaged(usize::from(u16::from_le_bytes([*low, *high])), damage);
+        }
+        let mut history = self.history(u64::from(seed));
+        for [low, high, tear, what] in data.as_chunks().0.iter().take(LONGEST as usize) {
+            let at = usize::from(u16::from_le_bytes([*low, *high])) % 512;
+            let tear = Tear::ALL[usize::from(*tear) % Tear::ALL.len()];
+            history.power_up((what & 1 == 0).then_some(Cut { at, tear }), what & 2 == 0);
+        }
+        history.power_up(None, true);
+        history.power_up(None, false);
     }
-    let mut history = bench.history(u64::from(seed));
-    for [low, high, tear, what] in data.as_chunks().0.iter().take(LONGEST as usize) {
-        let at = usize::from(u16::from_le_bytes([*low, *high])) % 512;
-        let tear = Tear::ALL[usize::from(*tear) % Tear::ALL.len()];
-        history.power_up((what & 1 == 0).then_some(Cut { at, tear }), what & 2 == 0);
-    }
-    history.power_up(None, true);
-    history.power_up(None, false);
 }

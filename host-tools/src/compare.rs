@@ -10,6 +10,7 @@ use truearm::{Arm, ArmParameters, JointKind, LinkParameter, State};
 use crate::chain::with_joints;
 use crate::describe::term_columns;
 use crate::error::{Error, Result};
+use crate::files::term_unit;
 
 /// Temperatures drawn: so far from the reference temperature, K.
 const WARMTH: f64 = 10.0;
@@ -154,7 +155,8 @@ fn parameters<const N: usize>(a: &ArmParameters<f64, N>, b: &ArmParameters<f64, 
         false => "nominal",
     };
     out.text("flange orientation", [orientation(a), orientation(b)]);
-    terms(&mut out.text, &a.terms, &b.terms);
+    let kinds = a.nominal.map(|link| link.kind);
+    terms(&mut out.text, &a.terms, &b.terms, &kinds);
     if out.little > 0 {
         out.text += &format!("{} more moved by less than {VISIBLE:e} of these units\n", out.little);
     }
@@ -165,7 +167,7 @@ fn parameters<const N: usize>(a: &ArmParameters<f64, N>, b: &ArmParameters<f64, 
     out.text
 }
 
-fn terms(out: &mut String, a: &[Term<f64>], b: &[Term<f64>]) {
+fn terms(out: &mut String, a: &[Term<f64>], b: &[Term<f64>], kinds: &[JointKind]) {
     let same = |x: &Term<f64>, y: &Term<f64>| {
         Term { coefficient: 0.0, ..*x } == Term { coefficient: 0.0, ..*y }
     };
@@ -183,14 +185,19 @@ fn terms(out: &mut String, a: &[Term<f64>], b: &[Term<f64>]) {
                 let (from, to) = (x.coefficient, b[k].coefficient);
                 if from != to {
                     let by = to - from;
-                    *out += &format!("term {}: {from:.6e} -> {to:.6e} ({by:+.3e}, SI)\n", name(x));
+                    let (name, unit) = (name(x), term_unit(x, kinds));
+                    *out += &format!("term {name}: {from:.6e} -> {to:.6e} ({by:+.3e}) {unit}\n");
                 }
             }
-            None => *out += &format!("term {}: gone, was {:.6e} (SI)\n", name(x), x.coefficient),
+            None => {
+                let unit = term_unit(x, kinds);
+                *out += &format!("term {}: gone, was {:.6e} {unit}\n", name(x), x.coefficient);
+            }
         }
     }
     for (y, _) in b.iter().zip(found).filter(|(_, found)| !found) {
-        *out += &format!("term {}: new, {:.6e} (SI)\n", name(y), y.coefficient);
+        let unit = term_unit(y, kinds);
+        *out += &format!("term {}: new, {:.6e} {unit}\n", name(y), y.coefficient);
     }
 }
 

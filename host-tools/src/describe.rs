@@ -6,6 +6,7 @@ use truearm::effects::{Effect, Term};
 use truearm::{ArmParameters, JointKind};
 
 use crate::chain::with_joints;
+use crate::files::term_unit;
 
 /// A blob in words, every field with its unit. `given` is how many bytes it was
 /// found in.
@@ -110,7 +111,8 @@ fn fields<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
             text += &format!("{:<4} {:>11.4}   {}\n", i + 1, shown(*mass), vector(com, 1e3));
         }
     }
-    text += &terms(&p.terms);
+    let kinds = p.nominal.map(|link| link.kind);
+    text += &terms(&p.terms, &kinds);
     text += &uncertainty(blob, p);
     text
 }
@@ -148,25 +150,28 @@ fn uncertainty<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String
             factors.iter().enumerate().map(|(k, f)| format!(" {:>10.4}", sigma[9 + 5 * i + k] * f));
         text += &format!("{:7}{}\n", i + 1, cells.collect::<String>());
     }
-    for (i, _) in p.terms.iter().enumerate() {
-        text += &format!("term {:<3} {:.3e} (SI)\n", i + 1, sigma[9 + 5 * N + i]);
+    let kinds = p.nominal.map(|link| link.kind);
+    for (i, term) in p.terms.iter().enumerate() {
+        let unit = term_unit(term, &kinds);
+        text += &format!("term {:<3} {:.3e} {unit}\n", i + 1, sigma[9 + 5 * N + i]);
     }
     text
 }
 
 /// The terms, a line each.
-fn terms(terms: &[Term<f64>]) -> String {
+fn terms(terms: &[Term<f64>], kinds: &[JointKind]) -> String {
     let mut text = match terms {
         [] => String::new(),
-        _ => "\nterm  effect                   joint  component     order    coefficient (SI)\n"
+        _ => "\nterm  effect                   joint  component     order     coefficient\n"
             .to_owned(),
     };
     for (i, t) in terms.iter().enumerate() {
         let (joint, component, order) = term_columns(t);
         let (name, coefficient) = (t.effect.name(), t.coefficient);
         let line = format!(
-            "{:<5} {name:24} {joint:6} {component:10} {order:>8} {coefficient:>16.6e}",
-            i + 1
+            "{:<5} {name:24} {joint:6} {component:10} {order:>8} {coefficient:>16.6e} {}",
+            i + 1,
+            term_unit(t, kinds)
         );
         text += &line;
         text.push('\n');

@@ -1,6 +1,6 @@
 //! What a refusal of a blob means to the one who has to do something about it.
 
-use truearm::blob::{DecodeError, Flaw, Refusal};
+use truearm::blob::{DecodeError, Flaw, MAGIC, Refusal};
 
 /// What a refusal means and what to do about it.
 #[must_use]
@@ -25,7 +25,8 @@ pub fn explain(bytes: &[u8], refusal: &Refusal) -> String {
 
 fn explain_damage(bytes: &[u8], error: &DecodeError) -> String {
     let text = match error {
-        DecodeError::NotABlob => match bytes {
+        DecodeError::Truncated { .. } if bytes.is_empty() => "the file is empty",
+        _ if !bytes.starts_with(&MAGIC) => match bytes {
             [b':', ..] => "it looks like Intel HEX; give the file of --format bin",
             [b'U', b'F', b'2', b'\n', ..] => "it looks like UF2; give the file of --format bin",
             [0x7f, b'E', b'L', b'F', ..] => {

@@ -260,10 +260,7 @@ fn bad_input_is_named() {
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     for format in ["ihex", "uf2", "elf"] {
         let message = pack(&format!("--format {format}"));
-        assert!(
-            message.contains("carries an address") && message.contains("--slot a"),
-            "{message}"
-        );
+        assert!(message.contains("carry an address") && message.contains("--slot a"), "{message}");
     }
     let message = pack("--slot a --memory none.x");
     assert!(message.contains("none.x: there is no such file"), "{message}");
@@ -341,6 +338,8 @@ fn inspect_explains_refusals() {
         (packed(&folder, "--format uf2 --slot a"), "does not begin with TARM", "looks like UF2"),
         (packed(&folder, "--format elf --slot a"), "does not begin with TARM", "looks like ELF"),
         (good[..99].to_vec(), "99 bytes where 104 are needed", "the end is missing"),
+        (b"TARX".to_vec(), "4 bytes where 104 are needed", "give a file written by"),
+        (Vec::new(), "0 bytes where 104 are needed", "the file is empty"),
         (changed(4, &[2], true), "layout 2 was a draft", "pack the model again"),
         (changed(4, &[9], true), "layout 9 is newer", "update this program"),
         (changed(6, &[99], true), "99 joints", "contradicts itself"),
@@ -394,7 +393,7 @@ fn diff_says_what_moved_and_how_far() {
         "+0.057296 deg",
         "joint 4 correction a",
         "+0.250000 mm",
-        "term joint-gain 2: new, 1.000000e-4 (SI)",
+        "term joint-gain 2: new, 1.000000e-4 rad/rad",
         "within the joint limits, 10000 poses",
         "within what both identifications covered, 10000 poses",
     ] {

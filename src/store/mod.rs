@@ -10,7 +10,7 @@
 //! |---|---|---|
 //! | 0 | first write word of the blob: the commit | 3 |
 //! | one word | rest of the blob, padded with 0xff to whole words | 2 |
-//! | slot size - 2 k | `BEGN`, last four bytes of the blob | 1 |
+//! | slot size - 2 k | `BEGN` or `CPY` and a number, last four bytes of the blob | 1 |
 //! | slot size - k | `DONE`, last four bytes of the blob | 4 |
 //!
 //! with k = 8 or the word, whichever is longer.
@@ -19,16 +19,23 @@
 //! A program operation that the power cut short can leave cells which read
 //! right today and wrong tomorrow. A checksum cannot see that, and neither can
 //! reading twice. `DONE` can: it is begun only when the commit word is finished,
-//! so where a few of its bits are programmed, the commit is solid. `BEGN` is
+//! so where four of its bits are programmed, the commit is solid. `BEGN` is
 //! finished before the commit word is begun: a valid blob without `BEGN` was
-//! written by a programmer and is solid too. What has `BEGN` and nothing of
-//! `DONE` is an unfinished store. [`Store::open`] finishes it if it reads as a
-//! valid blob and is the newest, by writing it anew from memory, and erases it
-//! otherwise; only then does it return.
+//! written by a programmer and is solid too. What has `BEGN` and no `DONE` is
+//! an unfinished store. [`Store::open`] erases it unless it reads as a valid
+//! blob and is the newest. Then it writes that anew from memory: in place where
+//! the other slot has an older blob to fall back to, otherwise to the other
+//! slot, for what is the only blob may have been in use. A `DONE` with more than
+//! two wrong bits may read as none tomorrow, so such a blob, which is solid, is
+//! copied to the other slot as well. A copy begins with `CPY` and the number of
+//! copies in place of `BEGN`: an unfinished copy is given up for its original,
+//! and a solid copy is preferred to its original, which may have been erased in
+//! part since. Only when all this is done does `open` return.
 //!
 //! What `open` returned is final: from then on there is that blob or one that
 //! was stored after it. Everything else is left as it is: blobs of another
-//! robot or of a newer layout, damaged ones, and whatever a programmer wrote.
+//! robot or of a newer layout, damaged ones, and whatever a programmer wrote,
+//! until a slot is needed for a store or a copy.
 //!
 //! # When the power fails
 //! `n` is the blob in use, in slot A; `n+1` is being stored.
@@ -40,15 +47,23 @@
 //! | the payload is written or read back | n | no magic | erases B, returns n |
 //! | the commit word is written | n | torn, reads valid twice | writes B anew, returns n+1 |
 //! | the same | n | torn, reads otherwise | erases B, returns n |
-//! | `DONE` is written | n | n+1, `DONE` torn | returns n+1; below four programmed bits it writes B anew first |
+//! | `DONE` is written, few bits are wrong | n | n+1 | returns n+1 |
+//! | the same, many bits are wrong | n | n+1, solid | copies it to A, returns n+1 |
+//! | the same, hardly a bit is programmed | n | n+1, solid | writes B anew, returns n+1 |
 //! | the store has returned | n | n+1 | returns n+1 |
 //! | `open` writes B anew or erases it | n | as in a store | as above: n+1 or n |
+//! | `open` copies B to A | as in a store | n+1, solid | returns n+1, with or without a copy |
 //!
-//! Without a blob in use, read "nominal" for n. Two things are asked of a
-//! memory. An erase that is cut may leave anything, except that the front of a
-//! block stays whole while its end reads erased. A word that is cut may leave
-//! any bits, also such as read differently from time to time, but a `DONE` that
-//! reads with four programmed bits or more does not read with fewer later.
+//! Without a blob in use, read "nominal" for n; n+1 is then written to A, and
+//! what reads valid after a cut is copied to B.
+//!
+//! What is asked of a memory, and why it can be had:
+//!
+//! | asked | without it | why it holds |
+//! |---|---|---|
+//! | a cut word spoils no other word | anything could be lost | that is what a write word, or an EEPROM's page, is; give the larger one if the part's ECC word is larger |
+//! | an erase that is cut may leave anything, but does not leave the front of a block whole while its end reads erased | a torn blob could lose its `BEGN` and pass for a programmer's | all cells of a block fade together, and blocks and pages are erased from the front |
+//! | a `DONE` that read with two wrong bits or fewer does not read with fewer than four programmed ones later | a blob that was returned could be taken for unfinished, rewritten in place, and a cut then leave the older one | in words of up to four bytes only the last word of `DONE` can be torn, the others are solid; in a longer word some 34 undecided bits would have to fall one way almost all at once, and later all the other way |
 //!
 //! The newest valid slot is never erased or written by [`Store::store`].
 //! Storing what is stored already (sequence, time of creation, tag and
@@ -65,4 +80,6 @@ pub use bytes::ByteSlots;
 pub use medium::{Fault, FaultKind, GeometryError, MAX_WORD, Medium, Operation, Slot};
 pub use nor::NorSlots;
 pub use open::Store;
-pub use report::{Opened, Rejection, Settled, SlotState, Source, StoreError, Stored, WriteError};
+pub use report::{
+    Opened, Progress, Rejection, Settled, SlotState, Source, StoreError, Stored, WriteError,
+};

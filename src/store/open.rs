@@ -1,5 +1,6 @@
 use super::medium::{MAX_WORD, Medium, Slot};
-use super::report::{Opened, Rejection, Settled, SlotState, Source, WriteError};
+use super::report::{Opened, Progress, Rejection, Settled, SlotState, Source, WriteError};
+use super::write::{Mark, Marks};
 use crate::blob::{Acceptance, Blob, DecodeError, Refusal};
 
 /// How often a slot is read until two readings agree.
@@ -35,16 +36,14 @@ impl<M: Medium> Store<M> {
             // The buffer may hold the other slot, and a torn one may have changed.
             let again = store.examine(slot, buffer);
             match again {
-                SlotState::Valid { sequence, finished } => {
-                    chosen = Some((slot, sequence, finished))
-                }
+                SlotState::Valid { .. } => chosen = Some((slot, again)),
                 _ => slot.replace(&mut states, SlotState::Rejected(Rejection::Unstable)),
             }
         }
-        let settled = store.settle(chosen, &states, buffer);
+        let (live, settled) = store.settle(chosen, &states, buffer);
         store.settled = !matches!(settled, Settled::Failed(_));
-        store.live = chosen.map(|(slot, sequence, _)| (slot, sequence));
-        let source = match store.live {
+        store.live = live;
+        let source = match chosen {
             None => Source::Nominal(states),
             Some((slot, _)) => match slot.other().of(states) {
                 SlotState::Rejected(rejected) => Source::LastGood { slot, rejected },
@@ -77,8 +76,13 @@ impl<M: Medium> Store<M> {
             Ok(blob) => {
                 let sequence = blob.sequence();
                 let blob = bytes.get(..blob.size()).unwrap_or(bytes);
-                let finished = self.unfinished(slot).as_ref() != blob.last_chunk();
-                SlotState::Valid { sequence, finished }
+                let last = blob.last_chunk();
+                match self.marks(slot).filter(|marks| Some(&marks.last) == last) {
+                    Some(Marks { progress, copies, .. }) => {
+                        SlotState::Valid { sequence, progress, copies }
+                    }
+                    None => SlotState::Valid { sequence, progress: Progress::Done, copies: 0 },
+                }
             }
             Err(Refusal::Damaged(DecodeError::NotABlob)) if self.is_blank(slot) => SlotState::Blank,
             Err(refusal) => SlotState::Rejected(Rejection::Blob(refusal)),
@@ -109,41 +113,61 @@ impl<M: Medium> Store<M> {
         true
     }
 
-    /// Ends or undoes what a store left unfinished. The bytes of the chosen
-    /// slot are in the buffer.
+    /// Ends or undoes what a store left unfinished; where the chosen blob is
+    /// then, and its sequence number. Its bytes are in the buffer.
     fn settle(
         &mut self,
-        chosen: Option<(Slot, u32, bool)>,
+        chosen: Option<(Slot, SlotState)>,
         states: &[SlotState; 2],
         buffer: &[u8],
-    ) -> Settled {
+    ) -> (Option<(Slot, u32)>, Settled) {
+        let Some((slot, SlotState::Valid { sequence, progress, copies })) = chosen else {
+            return (None, self.undo(states));
+        };
+        let live = Some((slot, sequence));
+        if progress == Progress::Done {
+            return (live, self.undo(states));
+        }
+        let older = matches!(slot.other().of(*states), SlotState::Valid { sequence: n, .. } if n < sequence);
+        let (target, copies) = if progress == Progress::Committing && older {
+            (slot, copies)
+        } else {
+            // It is solid, or nothing is left if it is lost.
+            (slot.other(), copies.saturating_add(1))
+        };
+        let size = Blob::check(buffer).map_or(0, |blob| blob.size());
+        match self.write(target, Mark::Begun { copies }, buffer.get(..size).unwrap_or(&[])) {
+            Ok(()) => (Some((target, sequence)), Settled::Rewritten),
+            Err(error) => (live, Settled::Failed(error)),
+        }
+    }
+
+    /// Erases what a store began and holds no valid blob.
+    fn undo(&mut self, states: &[SlotState; 2]) -> Settled {
         let mut settled = Settled::Already;
         for slot in [Slot::A, Slot::B] {
-            let done = if let Some((_, _, false)) = chosen.filter(|chosen| chosen.0 == slot) {
-                let size = Blob::check(buffer).map_or(0, |blob| blob.size());
-                let done = self.write(slot, buffer.get(..size).unwrap_or(&[]));
-                done.map(|()| Settled::Rewritten)
-            } else if matches!(slot.of(*states), SlotState::Rejected(_))
-                && self.unfinished(slot).is_some()
-            {
-                let done = self.medium.erase(slot);
-                done.map(|()| Settled::Erased).map_err(WriteError::Fault)
-            } else {
-                continue;
-            };
-            match done {
-                Ok(done) => settled = done,
-                Err(error) => return Settled::Failed(error),
+            let rejected = matches!(slot.of(*states), SlotState::Rejected(_));
+            let begun = |marks: Marks| marks.progress == Progress::Committing;
+            if rejected && self.marks(slot).is_some_and(begun) {
+                settled = match self.medium.erase(slot) {
+                    Ok(()) => Settled::Erased,
+                    Err(fault) => return Settled::Failed(WriteError::Fault(fault)),
+                };
             }
         }
         settled
     }
 }
 
-/// The slot of the newest valid blob; of two alike the finished one.
+/// The slot of the newest valid blob. Of two alike a solid one; of two solid
+/// ones the copy, for its original may have been erased since, in part; of two
+/// others the original.
 fn newest(states: &[SlotState; 2]) -> Option<Slot> {
     let key = |state| match state {
-        SlotState::Valid { sequence, finished } => Some((sequence, finished)),
+        SlotState::Valid { sequence, progress: Progress::Committing, copies } => {
+            Some((sequence, false, u8::MAX - copies))
+        }
+        SlotState::Valid { sequence, copies, .. } => Some((sequence, true, copies)),
         _ => None,
     };
     let [a, b] = states.map(key);

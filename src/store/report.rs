@@ -41,11 +41,25 @@ pub enum SlotState {
     Valid {
         /// Its sequence number.
         sequence: u32,
-        /// Whether its store ended, or a programmer wrote it.
-        finished: bool,
+        /// How far its store got.
+        progress: Progress,
+        /// How often it went from slot to slot since it was stored.
+        copies: u8,
     },
     /// Something that cannot be used.
     Rejected(Rejection),
+}
+
+/// How far the store of a valid blob got.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Progress {
+    /// Its commit may be torn.
+    Committing,
+    /// Its commit is solid, the mark that says so is torn.
+    Ending,
+    /// It ended, or a programmer wrote it.
+    Done,
 }
 
 /// Why the contents of a slot were rejected.
@@ -80,7 +94,8 @@ impl core::error::Error for Rejection {}
 pub enum Settled {
     /// Nothing was needed.
     Already,
-    /// The blob's store had not ended: it was written anew.
+    /// The blob's store had not ended: it was written anew, to its own slot or
+    /// to the other one.
     Rewritten,
     /// A store that had not ended was undone: its slot was erased.
     Erased,

@@ -1,28 +1,36 @@
 use super::medium::{MAX_WORD, Medium, Slot};
 use super::open::Store;
-use super::report::{StoreError, Stored, WriteError};
+use super::report::{Progress, StoreError, Stored, WriteError};
 use crate::blob::Blob;
 
 /// Bytes of a mark at the end of a slot.
 const MARK: usize = 8;
 
-/// So many programmed bits of `DONE` prove that writing it has begun. Not all of
-/// them: what a cut left may read differently tomorrow, and a blob that was
-/// returned as finished must not be unfinished then. Not a single one: a word
-/// that was hardly touched may read as blank tomorrow.
+/// So many programmed bits of `DONE` prove that writing it has begun, and so that
+/// the commit word was finished. Not a single one: a blank word that was hardly
+/// touched may read so once.
 const BEGUN_BITS: u32 = 4;
+
+/// So many wrong bits of `DONE` are no reason to write: a cut may leave a few
+/// that read differently from time to time, and cells may age. A `DONE` that is
+/// this close to whole never reads with less than [`BEGUN_BITS`] later.
+const WRONG_BITS: u32 = 2;
 
 /// What the store writes at the end of a slot, in the order of writing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Mark {
-    Begun,
+pub(super) enum Mark {
+    /// With the number of times that the blob went to the other slot.
+    Begun {
+        copies: u8,
+    },
     Done,
 }
 
 impl Mark {
     const fn tag(self) -> [u8; 4] {
         match self {
-            Self::Begun => *b"BEGN",
+            Self::Begun { copies: 0 } => *b"BEGN",
+            Self::Begun { copies } => [b'C', b'P', b'Y', copies],
             Self::Done => *b"DONE",
         }
     }
@@ -34,6 +42,15 @@ impl Mark {
         let [e, f, g, h] = bytes.last_chunk().copied().unwrap_or_default();
         [a, b, c, d, e, f, g, h]
     }
+}
+
+/// What stands in the marks of a slot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Marks {
+    pub progress: Progress,
+    pub copies: u8,
+    /// Last bytes of the blob that they belong to.
+    pub last: [u8; 4],
 }
 
 impl<M: Medium> Store<M> {
@@ -59,7 +76,7 @@ impl<M: Medium> Store<M> {
         }
         let target = self.live.map_or(Slot::A, |(slot, _)| slot.other());
         let bytes = bytes.get(..blob.size()).unwrap_or(bytes);
-        self.write(target, bytes).map_err(StoreError::Write)?;
+        self.write(target, Mark::Begun { copies: 0 }, bytes).map_err(StoreError::Write)?;
         self.live = Some((target, blob.sequence()));
         Ok(Stored::Written(target))
     }
@@ -73,13 +90,18 @@ impl<M: Medium> Store<M> {
     }
 
     /// Writes a blob, of which nothing counts until the first word is written.
-    pub(super) fn write(&mut self, slot: Slot, bytes: &[u8]) -> Result<(), WriteError> {
+    pub(super) fn write(
+        &mut self,
+        slot: Slot,
+        begin: Mark,
+        bytes: &[u8],
+    ) -> Result<(), WriteError> {
         let room = self.room();
         if bytes.len() > room {
             return Err(WriteError::TooLong { needed: bytes.len(), room });
         }
         self.medium.erase(slot).map_err(WriteError::Fault)?;
-        self.write_mark(slot, Mark::Begun, bytes)?;
+        self.write_mark(slot, begin, bytes)?;
         self.program(slot, bytes, M::WORD)?;
         self.verify(slot, bytes, M::WORD)?;
         let (first, _) = bytes.split_at_checked(M::WORD).unwrap_or((bytes, &[]));
@@ -88,41 +110,52 @@ impl<M: Medium> Store<M> {
         self.write_mark(slot, Mark::Done, bytes)
     }
 
-    /// Whether a store to this slot has begun and not got as far as `DONE`: the
-    /// last four bytes of its blob, if so.
-    pub(super) fn unfinished(&mut self, slot: Slot) -> Option<[u8; 4]> {
-        let [a, b, c, d, blob @ ..] = self.read_mark(slot, Mark::Begun)?;
-        let done = self.read_mark(slot, Mark::Done)?;
+    /// What the marks of a slot say; `None` where no store has begun.
+    pub(super) fn marks(&mut self, slot: Slot) -> Option<Marks> {
+        let begun = self.read_mark(slot, Self::BEGUN)?;
+        let [a, b, c, d, last @ ..] = begun;
+        let copies = match [a, b, c, d] {
+            [b'B', b'E', b'G', b'N'] => 0,
+            [b'C', b'P', b'Y', copies] => copies,
+            _ => return None,
+        };
+        let done = self.read_mark(slot, Self::DONE)?;
         let programmed: u32 = done.iter().map(|byte| byte.count_zeros()).sum();
-        ([a, b, c, d] == Mark::Begun.tag() && programmed < BEGUN_BITS).then_some(blob)
+        let pairs = done.iter().zip(Mark::Done.of(&begun));
+        let wrong: u32 = pairs.map(|(is, right)| (is ^ right).count_ones()).sum();
+        let progress = match (wrong, programmed) {
+            (..=WRONG_BITS, _) => Progress::Done,
+            (_, BEGUN_BITS..) => Progress::Ending,
+            _ => Progress::Committing,
+        };
+        Some(Marks { progress, copies, last })
     }
 
     fn write_mark(&mut self, slot: Slot, mark: Mark, bytes: &[u8]) -> Result<(), WriteError> {
-        let offset = self.mark_offset(mark);
+        let place = if mark == Mark::Done { Self::DONE } else { Self::BEGUN };
+        let offset = self.room() + place;
         let mut padded = [0xff; MAX_WORD];
         padded.iter_mut().zip(mark.of(bytes)).for_each(|(to, byte)| *to = byte);
         let word = padded.get(..Self::MARK_WORD).unwrap_or(&[]);
         self.medium.program(slot, offset, word).map_err(WriteError::Fault)?;
-        if self.read_mark(slot, mark) == Some(mark.of(bytes)) {
+        if self.read_mark(slot, place) == Some(mark.of(bytes)) {
             Ok(())
         } else {
             Err(WriteError::ReadBack(slot))
         }
     }
 
-    fn read_mark(&mut self, slot: Slot, mark: Mark) -> Option<[u8; MARK]> {
-        let offset = self.mark_offset(mark);
+    fn read_mark(&mut self, slot: Slot, place: usize) -> Option<[u8; MARK]> {
+        let offset = self.room() + place;
         let mut padded = [0; MAX_WORD];
         let word = padded.get_mut(..Self::MARK_WORD)?;
         self.medium.read(slot, offset, word).ok()?;
         word.first_chunk().copied()
     }
 
-    fn mark_offset(&self, mark: Mark) -> usize {
-        let room = self.room();
-        if mark == Mark::Begun { room } else { room + Self::MARK_WORD }
-    }
-
+    /// Places of the marks, behind the room for a blob.
+    const BEGUN: usize = 0;
+    const DONE: usize = Self::MARK_WORD;
     const MARK_WORD: usize = if M::WORD > MARK { M::WORD } else { MARK };
 
     /// Bytes of a slot before its marks.

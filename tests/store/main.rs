@@ -61,3 +61,38 @@ fn a_finished_store_stays_finished() {
         history.power_up(None, false);
     }
 }
+
+/// Found by fuzzing: a `DONE` of which the first byte reads at random may look
+/// begun at one power-up and not begun at the next.
+#[test]
+fn a_store_that_looked_finished_stays_finished() {
+    let bench = Bench::<NorPart<1, 64>>::new(Start::StoredTwice, Blobs::small(8));
+    let (commit, done) = (196, 197);
+    for seed in 0..500 {
+        let mut history = bench.history(seed);
+        history.power_up(Some(Cut { at: done, tear: Tear::Floating }), true);
+        for _ in 0..4 {
+            history.power_up(Some(Cut { at: commit, tear: Tear::Floating }), true);
+        }
+        history.power_up(None, false);
+    }
+}
+
+/// Found by fuzzing: a `DONE` of which the last byte reads at random looks whole
+/// at times. Its blob was copied; then the copy was in use, and the original
+/// half erased.
+#[test]
+fn a_copy_in_use_is_preferred_to_its_original() {
+    let bench = Bench::<NorPart<1, 64>>::new(Start::StoredTwice, Blobs::small(9));
+    let last_of_done = 204;
+    for seed in 0..1000 {
+        let mut history = bench.history(seed);
+        history.power_up(Some(Cut { at: last_of_done, tear: Tear::Floating }), true);
+        for _ in 0..3 {
+            history.power_up(None, false);
+            history.power_up(Some(Cut { at: 0, tear: Tear::Disturbed }), true);
+            history.power_up(Some(Cut { at: 0, tear: Tear::Not }), true);
+        }
+        history.power_up(None, false);
+    }
+}

@@ -152,12 +152,12 @@ impl Running {
         }
     }
 
-    /// Until the image has printed something.
-    pub fn wait_for_a_word(&mut self) -> Result {
+    /// Until the image has printed this text so often.
+    pub fn wait_for(&mut self, text: &str, times: usize) -> Result {
         let start = Instant::now();
-        while fs::metadata(&self.output)?.len() == 0 {
+        while fs::read_to_string(&self.output)?.matches(text).count() < times {
             if start.elapsed() > LIMIT || self.child.try_wait()?.is_some() {
-                return Err("the image says nothing".into());
+                return Err(format!("the image does not say `{text}`").into());
             }
             thread::sleep(Duration::from_millis(1));
         }

@@ -66,8 +66,8 @@ enum Slot {
 }
 
 fn family(text: &str) -> std::result::Result<u32, String> {
-    let digits = text.strip_prefix("0x").ok_or("it begins with 0x")?;
-    u32::from_str_radix(digits, 16).map_err(|e| e.to_string())
+    let digits = text.strip_prefix("0x").and_then(|digits| u32::from_str_radix(digits, 16).ok());
+    digits.ok_or_else(|| "an id is 0x and up to eight hexadecimal digits".to_owned())
 }
 
 impl Pack {
@@ -108,7 +108,7 @@ impl Pack {
         let blob = Blob::check(bytes).map_err(|e| refused(Path::new(""), bytes, &e.into()))?;
         let slot = slot.ok_or_else(|| {
             Error::data(
-                "this format carries an address",
+                "ihex, uf2 and elf carry an address",
                 "say for which slot with --slot a or --slot b",
             )
         });

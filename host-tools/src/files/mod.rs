@@ -15,6 +15,7 @@ pub use commanded::Commanded;
 pub use key::read_key;
 pub use measurements::{Measurements, Row};
 pub use model::{Model, Provenance};
+pub(crate) use model_terms::unit as term_unit;
 pub use robot::{Joint, LinkMass, Robot};
 
 use std::io::Write;

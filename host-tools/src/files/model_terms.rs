@@ -51,7 +51,7 @@ fn components(effect: Effect) -> Option<[&'static str; 2]> {
 }
 
 /// Unit of a coefficient for these joints.
-fn unit(term: &Term<f64>, kinds: &[JointKind]) -> String {
+pub(crate) fn unit(term: &Term<f64>, kinds: &[JointKind]) -> String {
     let linear = |joint: u8| kinds.get(usize::from(joint)) == Some(&JointKind::Prismatic);
     let of = |joint| if linear(joint) { "m" } else { "rad" };
     match term.effect {

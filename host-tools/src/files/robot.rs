@@ -277,7 +277,8 @@ impl Checker<'_> {
     fn angle(&mut self, key: &str, value: &Spanned<f64>) -> Result<f64> {
         let (offset, value) = (value.span().start, *value.get_ref());
         self.finite(offset, key, &[value])?;
-        if value.abs() > 360.0 {
+        // As a blob holds them, which has room for a little more than a turn.
+        if value.to_radians().abs() as f32 > 6.3 {
             return Err(self.at(
                 offset,
                 format!("{key} = {value}"),
@@ -338,9 +339,15 @@ impl Checker<'_> {
             Some(value) => {
                 let [low, high] = *value.get_ref();
                 self.finite(value.span().start, "limits", &[low, high])?;
-                if low >= high {
+                if low > high {
                     let message = format!("limits [{low}, {high}]");
                     return Err(self.at(value.span().start, message, "give the lower limit first"));
+                }
+                if low == high {
+                    let line = Place::offset(self.text, value.span().start).line.unwrap_or(0);
+                    self.warn(format!(
+                        "line {line}: limits [{low}, {high}] let the joint not move"
+                    ));
                 }
                 Some([low * factor, high * factor])
             }

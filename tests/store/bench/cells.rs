@@ -59,6 +59,8 @@ pub type Shared = Rc<RefCell<Cells>>;
 pub struct Cells {
     pub bytes: Vec<u8>,
     floating: Vec<u8>,
+    /// Whether any bit ever did.
+    unsteady: bool,
     /// Of each byte, whether it may not be programmed before it is erased.
     written: Vec<bool>,
     dice: ChaCha8Rng,
@@ -73,6 +75,7 @@ impl Cells {
         Self {
             bytes: vec![0xff; size],
             floating: vec![0; size],
+            unsteady: false,
             written: vec![false; size],
             dice: ChaCha8Rng::seed_from_u64(0),
             cut: None,
@@ -104,6 +107,10 @@ impl Cells {
     fn read(&mut self, start: usize, out: &mut [u8]) -> Result<(), NorFlashErrorKind> {
         if self.dead {
             return Err(NorFlashErrorKind::Other);
+        }
+        if !self.unsteady {
+            out.copy_from_slice(&self.bytes[start..][..out.len()]);
+            return Ok(());
         }
         let cells = self.bytes[start..].iter().zip(&self.floating[start..]);
         for (to, (byte, floating)) in out.iter_mut().zip(cells) {
@@ -140,6 +147,7 @@ impl Cells {
     }
 
     fn tear(&mut self, start: usize, new: &[u8], tear: Tear) {
+        self.unsteady |= matches!(tear, Tear::Floating | Tear::Weak | Tear::Disturbed);
         let old = self.bytes[start..start + new.len()].to_vec();
         let middle = self.dice.random_range(0..=new.len());
         // An erase block, longer than any word here, is not erased from its end.

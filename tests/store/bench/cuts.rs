@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use truearm::blob::Blob;
 use truearm::store::{Medium, Store};
 
-use super::cells::{Cells, Cut, Part, Tear};
+use super::cells::{Cells, Cut, Part, Shared, Tear};
 use super::samples;
 
 /// What stands in the slots before.
@@ -31,6 +31,10 @@ pub enum Start {
 impl Start {
     pub const ALL: [Self; 5] =
         [Self::Empty, Self::Programmed, Self::Stored, Self::StoredTwice, Self::ProgrammedOver];
+}
+
+fn shared(cells: Cells) -> Shared {
+    Rc::new(RefCell::new(cells))
 }
 
 /// Blobs by sequence number from 1 on.
@@ -139,16 +143,16 @@ impl<P: Part> Bench<P> {
     }
 
     fn prepare(&mut self, sequence: u32) {
-        let mut cells = self.start.clone();
+        let cells = shared(self.start.clone());
         let mut allowed = self.old.clone();
-        self.session(&mut cells, None, Some(sequence), &mut allowed);
-        (self.start, self.old) = (cells, allowed);
+        self.session(&cells, None, Some(sequence), &mut allowed);
+        (self.start, self.old) = (cells.borrow().clone(), allowed);
     }
 
     /// Power-ups and stores in any order, from the start.
     pub fn history(&self, seed: u64) -> History<'_, P> {
-        let mut cells = self.start.clone();
-        cells.seed(seed);
+        let cells = shared(self.start.clone());
+        cells.borrow_mut().seed(seed);
         History { bench: self, cells, allowed: self.old.clone(), next: 3 }
     }
 
@@ -159,12 +163,12 @@ impl<P: Part> Bench<P> {
         for (byte, flips) in cells.bytes.iter_mut().skip(from).zip(damage) {
             *byte ^= flips;
         }
-        let shared = Rc::new(RefCell::new(cells));
+        let cells = shared(cells);
         let newest = self.blobs.0.last().expect("blobs");
         for found in [None, Some(Blob::check(newest))] {
-            shared.borrow_mut().power_up(None);
+            cells.borrow_mut().power_up(None);
             let mut buffer = vec![0; self.slot_size];
-            let slots = P::mount(&shared, self.slot_size);
+            let slots = P::mount(&cells, self.slot_size);
             let (mut store, opened) = Store::open(slots, &mut buffer, samples::mine());
             if let Some(found) = found {
                 assert_eq!(opened.blob, found.ok());
@@ -177,9 +181,9 @@ impl<P: Part> Bench<P> {
 
     /// Operations of an uncut open and store.
     pub fn operations(&self) -> usize {
-        let mut cells = self.start.clone();
-        self.session(&mut cells, None, Some(3), &mut self.old.clone());
-        cells.operations
+        let cells = shared(self.start.clone());
+        self.session(&cells, None, Some(3), &mut self.old.clone());
+        cells.borrow().operations
     }
 
     /// Cuts the first store at operation `at` in every way, alone and followed
@@ -218,18 +222,18 @@ impl<P: Part> Bench<P> {
     /// Returns the operations of the second power-up and store.
     fn run(&self, first: Cut, second: Option<Cut>, next: u32, seed: u64) -> usize {
         let _tell = Tell { part: P::NAME, from: self.from, first, second, next };
-        let mut cells = self.start.clone();
-        cells.seed(seed);
+        let cells = shared(self.start.clone());
+        cells.borrow_mut().seed(seed);
         let mut allowed = self.old.clone();
-        self.session(&mut cells, Some(first), Some(3), &mut allowed);
-        self.session(&mut cells, second, Some(next), &mut allowed);
-        let operations = cells.operations;
+        self.session(&cells, Some(first), Some(3), &mut allowed);
+        self.session(&cells, second, Some(next), &mut allowed);
+        let operations = cells.borrow().operations;
         for _ in 0..3 {
-            self.session(&mut cells, None, None, &mut allowed);
+            self.session(&cells, None, None, &mut allowed);
         }
-        self.session(&mut cells, None, Some(4), &mut allowed);
+        self.session(&cells, None, Some(4), &mut allowed);
         assert_eq!(allowed, [Some(4)], "a whole store");
-        self.session(&mut cells, None, None, &mut allowed);
+        self.session(&cells, None, None, &mut allowed);
         operations
     }
 
@@ -237,18 +241,17 @@ impl<P: Part> Bench<P> {
     /// `allowed`: what may be found; what was returned, until a store begins.
     fn session(
         &self,
-        cells: &mut Cells,
+        cells: &Shared,
         cut: Option<Cut>,
         sequence: Option<u32>,
         allowed: &mut Vec<Option<u32>>,
     ) {
-        cells.power_up(cut);
-        let shared = Rc::new(RefCell::new(std::mem::replace(cells, Cells::blank(0))));
+        cells.borrow_mut().power_up(cut);
         let mut buffer = vec![0; self.slot_size];
-        let slots = P::mount(&shared, self.slot_size);
+        let slots = P::mount(cells, self.slot_size);
         let (mut store, opened) = Store::open(slots, &mut buffer, samples::mine());
         // A machine without power tells nobody what it found.
-        let alive = !shared.borrow().dead;
+        let alive = !cells.borrow().dead;
         if alive {
             let found = opened.blob.map(|blob| {
                 let sequence = blob.sequence();
@@ -264,18 +267,16 @@ impl<P: Part> Bench<P> {
             }
             match store.store(self.blobs.get(sequence)) {
                 Ok(_) => *allowed = vec![Some(sequence)],
-                Err(error) => assert!(shared.borrow().dead, "{error}"),
+                Err(error) => assert!(cells.borrow().dead, "{error}"),
             }
         }
-        drop(store);
-        *cells = Rc::into_inner(shared).expect("the store is gone").into_inner();
     }
 }
 
 /// Power-ups, stores and power cuts, one after the other.
 pub struct History<'b, P> {
     bench: &'b Bench<P>,
-    cells: Cells,
+    cells: Shared,
     allowed: Vec<Option<u32>>,
     next: u32,
 }
@@ -285,6 +286,6 @@ impl<P: Part> History<'_, P> {
     pub fn power_up(&mut self, cut: Option<Cut>, store: bool) {
         let sequence = store.then_some(self.next);
         self.next += u32::from(store);
-        self.bench.session(&mut self.cells, cut, sequence, &mut self.allowed);
+        self.bench.session(&self.cells, cut, sequence, &mut self.allowed);
     }
 }
