@@ -11,6 +11,7 @@ use crate::scalar::Scalar;
 /// Everything a controller has to know of an identified arm, SI units; what a
 /// parameter blob carries.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ArmParameters<T, const N: usize> {
     /// Hash of the robot's model name and serial, see [`crate::blob::robot_id`].
     pub robot_id: u64,
@@ -24,10 +25,13 @@ pub struct ArmParameters<T, const N: usize> {
     pub corrections: [MdhParameters<T>; N],
     /// Small rigid transform from the identified to the commanded (nominal
     /// base) frame: translation, m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub base_translation: Vector3<T>,
     /// The same: rotation vector, rad.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub base_rotation: Vector3<T>,
     /// Default tool point in the identified flange frame, m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub tool: Vector3<T>,
     /// What the arm does beyond rigid geometry.
     pub terms: Vec<Term<T>, MAX_TERMS>,
@@ -52,6 +56,7 @@ pub struct ArmParameters<T, const N: usize> {
 
 /// What an arm's terms depend on besides the joint values.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct State<T, const N: usize> {
     /// Side from which each joint came to rest: +1 moving in +q, -1 moving in
     /// -q, 0 if unknown.

@@ -8,6 +8,7 @@ use crate::scalar::Scalar;
 
 /// One measured tool point.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CheckPoint<T, const N: usize> {
     /// Encoder readings, rad or m.
     pub q: [T; N],
@@ -15,6 +16,7 @@ pub struct CheckPoint<T, const N: usize> {
     pub state: State<T, N>,
     /// The measured tool point, m: in the commanded frame, or in that of a
     /// tracker whose place is unknown.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub point: Vector3<T>,
 }
 

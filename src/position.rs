@@ -8,6 +8,7 @@ use crate::scalar::Scalar;
 
 /// Where the tool really is.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RealPosition<T> {
     /// Tool pose in the commanded frame, the nominal base.
     pub pose: Pose<T>,

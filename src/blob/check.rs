@@ -21,6 +21,21 @@ pub struct Blob<'a> {
     pub(super) signed: &'a [u8],
 }
 
+/// What it is, not its bytes.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Blob<'_> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "Blob {{ robot_id: {=u64:016x}, sequence: {=u32}, joints: {=usize}, terms: {=usize} }}",
+            self.robot_id(),
+            self.sequence(),
+            self.joints(),
+            self.terms()
+        );
+    }
+}
+
 /// Reads fixed-size pieces from the front; `None` past the end.
 pub(super) struct Reader<'a>(pub &'a [u8]);
 

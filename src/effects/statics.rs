@@ -5,19 +5,24 @@ use crate::scalar::Scalar;
 
 /// Masses that load an arm; SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Masses<T, const N: usize> {
     /// Gravity in the frame of the chain's base, m/s^2.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub gravity: Vector3<T>,
     /// Mass of each link, kg.
     pub mass: [T; N],
     /// Centre of mass of each link in its own frame (behind its joint), m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub com: [Vector3<T>; N],
     /// Centre of mass of the payload in the last frame, m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub payload_com: Vector3<T>,
 }
 
 /// What gravity does to an arm at one pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Load<T, const N: usize> {
     /// Generalised force of gravity on each joint, positive in +q: N m, or N
     /// for a prismatic joint.

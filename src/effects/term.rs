@@ -8,6 +8,7 @@ use crate::scalar::Scalar;
 /// coefficient of it means; to add an effect, add a variant and its row in
 /// [`Effect::NAMES`], [`Term::basis`] and the table of `FORMAT.md`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Effect {
     /// A joint turns under its gravity torque: rad per N m.
     JointCompliance,
@@ -101,6 +102,7 @@ impl Effect {
 
 /// One term of an arm's model: linear in its coefficient.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Term<T> {
     /// Which effect.
     pub effect: Effect,
@@ -204,6 +206,7 @@ pub(super) fn side_of_gap<T: Scalar>(friction: T, torque: T, direction: T) -> T 
 
 /// What all terms together do to an arm at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bending<T, const N: usize> {
     /// Added to each joint value, rad or m.
     pub joints: [T; N],

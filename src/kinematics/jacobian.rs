@@ -9,10 +9,13 @@ use crate::scalar::Scalar;
 
 /// Velocity of the tool for one joint moving at 1 rad/s or 1 m/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Twist<T> {
     /// Of the tool point, m per rad or m per m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub linear: Vector3<T>,
     /// Of the tool frame, rad per rad or rad per m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub angular: Vector3<T>,
 }
 
@@ -25,6 +28,7 @@ impl<T: Scalar> Twist<T> {
 
 /// Tool pose and geometric Jacobian, both in the frame of the chain's base pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Jacobian<T, const N: usize> {
     /// Pose of the tool.
     pub pose: Pose<T>,
@@ -35,16 +39,22 @@ pub struct Jacobian<T, const N: usize> {
 /// Derivatives of the tool point with respect to the five MD-H parameters of a
 /// link: m per rad for the angles, m per m for the lengths.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LinkColumns<T> {
     /// With respect to alpha.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub alpha: Vector3<T>,
     /// With respect to a.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub a: Vector3<T>,
     /// With respect to theta.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub theta: Vector3<T>,
     /// With respect to d.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub d: Vector3<T>,
     /// With respect to beta.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub beta: Vector3<T>,
 }
 
@@ -66,17 +76,22 @@ impl<T: Scalar> LinkColumns<T> {
 /// the frame the base is given in (paper Eq. 4, 5, 7; the paper's Eq. 6 adds
 /// the links' transforms where the derivative of a product is needed).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct IdentificationJacobian<T, const N: usize> {
     /// The tool point, m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub point: Vector3<T>,
     /// To the MD-H parameters of each link.
     pub links: [LinkColumns<T>; N],
     /// To a rotation of the base about the x, y, z axes of the outer frame
     /// through the base origin, `R -> exp(w) R`, m per rad.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub base_rotation: [Vector3<T>; 3],
     /// To a translation of the base along the outer x, y, z, m per m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub base_translation: [Vector3<T>; 3],
     /// To the tool point's coordinates in the last frame, m per m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub tool: [Vector3<T>; 3],
 }
 

@@ -2,6 +2,7 @@ use crate::scalar::Scalar;
 
 /// What a joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum JointKind {
     /// Turns about its z axis; the joint value is an angle in rad.
     #[default]
@@ -51,6 +52,7 @@ impl LinkParameter {
 
 /// The five numbers of one MD-H link, SI units: a nominal link or a correction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MdhParameters<T> {
     /// Link twist alpha_{i-1} about x, rad.
     pub alpha: T,
@@ -99,6 +101,7 @@ impl<T: Scalar> MdhParameters<T> {
 /// `s_alpha c_beta s_t - c_alpha s_beta`, and row 3, column 4 reads
 /// `d s_alpha` where it gives `d c_alpha`. truearm builds from Eq. 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Link<T> {
     /// Revolute or prismatic.
     pub kind: JointKind,

@@ -11,6 +11,17 @@ pub struct Pose<T> {
     pub translation: Vector3<T>,
 }
 
+/// By hand, so that no number is made into text on the controller, as a derived
+/// one would by nalgebra's `Debug`. The rotation's columns, one after the other.
+#[cfg(feature = "defmt")]
+impl<T: defmt::Format> defmt::Format for Pose<T> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let [translation] = &self.translation.data.0;
+        let columns = &self.rotation.data.0;
+        defmt::write!(f, "Pose {{ rotation: {}, translation: {} }}", columns, translation);
+    }
+}
+
 impl<T: Scalar> Pose<T> {
     /// The transform that moves nothing.
     #[must_use]

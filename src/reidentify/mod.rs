@@ -83,6 +83,7 @@ impl Unknown {
 
 /// What to identify anew, and how well the points are measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reidentify<T, const P: usize> {
     /// The parameters; each once.
     pub unknowns: [Unknown; P],
@@ -94,6 +95,7 @@ pub struct Reidentify<T, const P: usize> {
 
 /// The outcome of [`Reidentify::run`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reidentified<T, const N: usize, const P: usize> {
     /// To be stored: corrections and tool changed, `sequence` one higher.
     pub parameters: ArmParameters<T, N>,

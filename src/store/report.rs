@@ -5,6 +5,7 @@ use crate::blob::{Blob, Refusal};
 
 /// What [`super::Store::open`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Opened<'b> {
     /// The parameters to use; `None`: the nominal ones.
     pub blob: Option<Blob<'b>>,

@@ -9,4 +9,8 @@ fn main() {
     std::fs::copy(source, out.join("memory.x")).expect("memory.x at the repository's root");
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rerun-if-changed={source}");
+    if std::env::var_os("CARGO_FEATURE_LOG").is_some() {
+        // Keeps the format strings in the file and off the controller.
+        println!("cargo:rustc-link-arg-bin=log=-Tdefmt.x");
+    }
 }
