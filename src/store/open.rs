@@ -128,8 +128,11 @@ impl<M: Medium> Store<M> {
         if progress == Progress::Done {
             return (live, self.undo(states));
         }
-        let older = matches!(slot.other().of(*states), SlotState::Valid { sequence: n, .. } if n < sequence);
-        let (target, copies) = if progress == Progress::Committing && older {
+        let fallback = match slot.other().of(*states) {
+            SlotState::Valid { sequence: older, .. } => older < sequence,
+            _ => false,
+        };
+        let (target, copies) = if progress == Progress::Committing && fallback {
             (slot, copies)
         } else {
             // It is solid, or nothing is left if it is lost.
