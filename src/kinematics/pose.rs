@@ -11,14 +11,13 @@ pub struct Pose<T> {
     pub translation: Vector3<T>,
 }
 
-/// By hand, so that no number is made into text on the controller, as a derived
-/// one would by nalgebra's `Debug`. The rotation's columns, one after the other.
+/// As `Debug` has it, with the rotation column by column. A derived one would
+/// make text of the numbers on the controller, by nalgebra's `Debug`.
 #[cfg(feature = "defmt")]
 impl<T: defmt::Format> defmt::Format for Pose<T> {
     fn format(&self, f: defmt::Formatter<'_>) {
-        let [translation] = &self.translation.data.0;
-        let columns = &self.rotation.data.0;
-        defmt::write!(f, "Pose {{ rotation: {}, translation: {} }}", columns, translation);
+        let (rotation, translation) = (&self.rotation.data.0, &self.translation.data.0);
+        defmt::write!(f, "Pose {{ rotation: {}, translation: {} }}", rotation, translation);
     }
 }
 

@@ -7,6 +7,7 @@ mod c;
 mod ci;
 mod firmware;
 mod line;
+mod log;
 mod m7;
 mod qemu;
 mod refusals;
@@ -48,6 +49,8 @@ enum Verb {
         #[arg(long)]
         header: bool,
     },
+    /// Log frames of the controller, decoded
+    Log,
     /// Parameters in an EEPROM: the store's size, and the board under QEMU
     Store,
     /// Rewrite the shipped blobs and vector files
@@ -71,6 +74,7 @@ fn main() -> ExitCode {
         Verb::Budgets => firmware::budgets(),
         Verb::C { header: true } => c::check_header(true),
         Verb::C { header: false } => c::run(),
+        Verb::Log => qemu::ensure_tools().and_then(|()| log::check()),
         Verb::Store => qemu::ensure_tools().and_then(|()| store::run()),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),

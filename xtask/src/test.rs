@@ -1,17 +1,19 @@
 //! `cargo xtask test`: everything that is tested, on the host and under QEMU.
 
 use crate::run::{Result, call, cargo, root, step};
-use crate::{c, firmware, line, qemu, store};
+use crate::{c, firmware, line, log, qemu, store};
 
 pub fn run() -> Result {
     qemu::ensure_tools()?;
     step("host tests", || call(&mut cargo(&root(), "test --workspace")))?;
     firmware::run(None)?;
+    step("defmt log", log::check)?;
     c::run()?;
     line::run()?;
     store::run()?;
     eprintln!(
         "\nok: host tests; firmware: image, proof of no panic, bits and budgets under QEMU; \
+         log frames decoded; \
          the C interface; \
          the line from tracker file to controller; \
          parameters that survive in an EEPROM"
