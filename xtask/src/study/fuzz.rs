@@ -3,6 +3,7 @@
 
 use clap::Args;
 
+use crate::qemu;
 use crate::run::{Result, call, cargo, root, step, target_dir};
 
 /// What cargo-fuzz would switch on, but for the tracing of compares: it costs
@@ -33,6 +34,14 @@ pub fn run(arguments: &[String]) -> Result {
     let host = host()?;
     let built = target_dir().join("fuzz");
     step("build of the fuzz targets", || {
+        // libFuzzer is C++ that its crate compiles.
+        qemu::ensure(
+            "c++",
+            "g++",
+            "  Debian, Ubuntu  sudo apt-get install g++\n  \
+               Fedora          sudo dnf install gcc-c++\n  \
+               macOS           xcode-select --install",
+        )?;
         let mut build = cargo(&root().join("fuzz"), "build --release --locked --target");
         build.arg(&host).arg("--target-dir").arg(&built);
         // With a target named, build scripts go without.
