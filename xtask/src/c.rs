@@ -1,6 +1,6 @@
-//! `cargo xtask c`: the C interface. Its header is generated and compared, a C
-//! program is linked with it and run on the board, and with a panic built in
-//! that program must not link.
+//! `cargo xtask c`: the C library. Its header is generated and compared, its own
+//! tests are run, a C program is linked with it and run on the host and on the
+//! board, and with a panic built in that program must not link.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,51 +8,96 @@ use std::process::{Command, Output};
 
 use cbindgen::{Builder, Config};
 
-use crate::firmware::{PANIC_SYMBOL, build_dir, build_of, directory, qemu_command};
+use crate::budgets;
+use crate::firmware::{PANIC_SYMBOL, directory as firmware, qemu_command};
 use crate::qemu::{self, TARGET};
-use crate::run::{Result, call, root, step};
-use crate::vectors::{shipped, shipped_terms};
-use crate::{budgets, vectors::Files};
+use crate::run::{Result, call, cargo, root, step, target_dir};
+use crate::vectors::{Files, shipped, shipped_terms};
 
-const GCC: &str = "arm-none-eabi-gcc";
-const FLAGS: &str = "-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -std=c11 -O2 \
-    -Wall -Wextra -Wpedantic -Werror -ffunction-sections -ffreestanding -nostdlib -Wl,--gc-sections";
+/// Of every compiler.
+const FLAGS: &str = "-std=c11 -O2 -Wall -Wextra -Wpedantic -Werror -Wl,--gc-sections";
+/// What the program says of itself when it has found nothing.
+const GOOD: &str = "ok: C gives the bits of Rust";
+
+/// Where a C program runs.
+struct Platform {
+    gcc: &'static str,
+    flags: &'static str,
+    /// The source beside `check.c`.
+    start: &'static str,
+    /// What rustc calls it, if it is not the host.
+    target: Option<&'static str>,
+}
+
+const HOST: Platform = Platform {
+    gcc: "gcc",
+    flags: "-fsanitize=address,undefined -fno-sanitize-recover=all",
+    start: "host.c",
+    target: None,
+};
+const BOARD: Platform = Platform {
+    gcc: "arm-none-eabi-gcc",
+    flags: "-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -ffunction-sections \
+            -ffreestanding -nostdlib",
+    start: "board.c",
+    target: Some(TARGET),
+};
+
+/// The library's workspace.
+pub fn directory() -> PathBuf {
+    root().join("capi")
+}
 
 pub fn run() -> Result {
     qemu::ensure_tools()?;
+    ensure_compilers()?;
+    step("C header in step with the crate", || check_header(false))?;
+    step("C library from Rust", || call(cargo_in("test --locked").arg("--quiet")))?;
+    for (platform, name) in [(&HOST, "on the host"), (&BOARD, "on the controller")] {
+        step(&format!("C program {name}"), || platform.check())?;
+        step(&format!("C program {name} with a panic built in"), || platform.must_not_link())?;
+    }
+    Ok(())
+}
+
+/// The library's tests under Miri, which finds undefined behaviour; not where
+/// Miri cannot be had.
+pub fn miri() -> Result {
+    step("C library under Miri", || {
+        // Does nothing where they are.
+        let mut install = Command::new("rustup");
+        install.args(["component", "add", "miri", "rust-src", "--toolchain", "nightly"]);
+        if let Err(why) = call(&mut install) {
+            eprintln!("SKIPPED, nothing is known of undefined behaviour: {why}");
+            return Ok(());
+        }
+        let mut test = Command::new("rustup");
+        test.args(["run", "nightly", "cargo", "miri", "test", "--locked", "--quiet"]);
+        test.current_dir(directory()).arg("--target-dir").arg(build_dir());
+        call(&mut test)
+    })
+}
+
+fn ensure_compilers() -> Result {
     qemu::ensure(
-        GCC,
+        HOST.gcc,
+        "gcc libc6-dev",
+        "  Debian, Ubuntu  sudo apt-get install gcc libc6-dev\n  \
+           Fedora          sudo dnf install gcc libasan libubsan\n  \
+           macOS           xcode-select --install",
+    )?;
+    qemu::ensure(
+        BOARD.gcc,
         "gcc-arm-none-eabi",
         "  Debian, Ubuntu  sudo apt-get install gcc-arm-none-eabi\n  \
            Fedora          sudo dnf install arm-none-eabi-gcc-cs\n  \
            macOS           brew install arm-none-eabi-gcc",
-    )?;
-    step("C header in step with the crate", || check_header(false))?;
-    step("C program on the controller", || {
-        let program = link(&[])?;
-        if !program.1.status.success() {
-            return Err(String::from_utf8_lossy(&program.1.stderr).into());
-        }
-        run_on(&program.0, &shipped())?;
-        run_on(&program.0, &shipped_terms())?;
-        let (text, ram) = budgets::sizes(&program.0, "reset")?;
-        println!("C program: {text} bytes of text, {ram} of static RAM");
-        Ok(())
-    })?;
-    step("C program with a panic built in", || {
-        let (_, output) = link(&["--features", "negative_control"])?;
-        let message = String::from_utf8_lossy(&output.stderr);
-        if output.status.success() || !message.contains(PANIC_SYMBOL) {
-            return Err(format!("it must not link for want of {PANIC_SYMBOL}:\n{message}").into());
-        }
-        eprintln!("it does not link ({PANIC_SYMBOL})");
-        Ok(())
-    })
+    )
 }
 
 /// Compares the committed header with a generated one, or rewrites it.
 pub fn check_header(rewrite: bool) -> Result {
-    let dir = directory().join("capi");
+    let dir = directory();
     let config = Config::from_file(dir.join("cbindgen.toml"))?;
     let mut builder = Builder::new().with_config(config);
     for file in ["types.rs", "lib.rs"] {
@@ -71,27 +116,78 @@ pub fn check_header(rewrite: bool) -> Result {
     }
 }
 
-/// Builds the library with these arguments and links the program with it.
-fn link(arguments: &[&str]) -> Result<(PathBuf, Output)> {
-    let dir = build_dir();
-    call(build_of(&dir, "--package truearm-capi").args(arguments))?;
-    let program = dir.join("c.elf");
-    let source = directory().join("capi");
-    let mut gcc = Command::new(GCC);
-    gcc.args(FLAGS.split_whitespace()).arg("-I").arg(source.join("include"));
-    gcc.arg("-L").arg(root()).arg("-T").arg(source.join("c/board.ld"));
-    gcc.args(["main.c", "board.c"].map(|file| source.join("c").join(file)));
-    gcc.arg(dir.join(TARGET).join("release/libtruearm_capi.a"));
-    gcc.args(["-lgcc", "-o"]).arg(&program);
-    let output = gcc.output().map_err(|error| format!("{GCC}: {error}"))?;
-    Ok((program, output))
+fn build_dir() -> PathBuf {
+    target_dir().join("capi")
 }
 
-fn run_on(program: &Path, files: &Files) -> Result {
-    let ended = qemu::run(&qemu_command(program, files)?, &directory())?;
-    if ended.success && ended.output.contains("ok: C gives the bits of Rust") {
+fn cargo_in(arguments: &str) -> Command {
+    let mut command = cargo(&directory(), arguments);
+    command.arg("--target-dir").arg(build_dir());
+    command
+}
+
+impl Platform {
+    /// The program on the shipped arm, without terms and with them.
+    fn check(&self) -> Result {
+        let (program, output) = self.link(&[])?;
+        if !output.status.success() {
+            return Err(String::from_utf8_lossy(&output.stderr).into());
+        }
+        for files in [shipped(), shipped_terms()] {
+            self.run(&program, &files)?;
+        }
+        if self.target.is_some() {
+            let (text, ram) = budgets::sizes(&program, "reset")?;
+            println!("C program: {text} bytes of text, {ram} of static RAM");
+        }
         Ok(())
-    } else {
-        Err("the C program found a fault".into())
+    }
+
+    fn must_not_link(&self) -> Result {
+        let (_, output) = self.link(&["--features", "negative_control"])?;
+        let message = String::from_utf8_lossy(&output.stderr);
+        if output.status.success() || !message.contains(PANIC_SYMBOL) {
+            return Err(format!("it must not link for want of {PANIC_SYMBOL}:\n{message}").into());
+        }
+        eprintln!("it does not link ({PANIC_SYMBOL})");
+        Ok(())
+    }
+
+    /// Builds the library with these arguments and links the program with it.
+    fn link(&self, arguments: &[&str]) -> Result<(PathBuf, Output)> {
+        let mut library = cargo_in("build --release --locked");
+        library.args(arguments);
+        let mut built = build_dir();
+        if let Some(target) = self.target {
+            library.args(["--target", target]);
+            built.push(target);
+        }
+        call(&mut library)?;
+        let program = built.join("c.elf");
+        let source = directory();
+        let mut gcc = Command::new(self.gcc);
+        gcc.args(FLAGS.split_whitespace()).args(self.flags.split_whitespace());
+        gcc.arg("-I").arg(source.join("include"));
+        gcc.args(["check.c", self.start].map(|file| source.join("c").join(file)));
+        gcc.arg(built.join("release/libtruearm_capi.a"));
+        if self.target.is_some() {
+            gcc.arg("-L").arg(root()).arg("-T").arg(source.join("c/board.ld")).arg("-lgcc");
+        }
+        let output = gcc.arg("-o").arg(&program).output();
+        Ok((program, output.map_err(|error| format!("{}: {error}", self.gcc))?))
+    }
+
+    fn run(&self, program: &Path, files: &Files) -> Result {
+        let command = if self.target.is_some() {
+            qemu_command(program, files)?
+        } else {
+            [program, &files.blob, &files.vectors].map(|path| path.display().to_string()).into()
+        };
+        let ended = qemu::run(&command, &firmware())?;
+        if ended.success && ended.output.contains(GOOD) {
+            Ok(())
+        } else {
+            Err("the C program found a fault".into())
+        }
     }
 }

@@ -3,11 +3,15 @@
 use crate::firmware::directory;
 use crate::run::{Result, call, cargo, root, step};
 use crate::study::fuzz;
-use crate::{qemu, test};
+use crate::{c, qemu, test};
 
 pub fn run() -> Result {
     qemu::ensure_tools()?;
-    let places = [("the workspace", root()), ("the firmware", directory())];
+    let places = [
+        ("the workspace", root()),
+        ("the firmware", directory()),
+        ("the C library", c::directory()),
+    ];
     for (name, dir) in &places {
         step(&format!("format of {name}"), || call(&mut cargo(dir, "fmt --all --check")))?;
     }
@@ -17,6 +21,7 @@ pub fn run() -> Result {
         })?;
     }
     test::run()?;
+    c::miri()?;
     // Of each target: half a minute for both.
     fuzz::run(&["-max_total_time=15".to_owned()])
 }

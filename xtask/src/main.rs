@@ -43,7 +43,7 @@ enum Verb {
     },
     /// Instructions, text, stack and static RAM on the controller
     Budgets,
-    /// The C interface: its header, and a C program under QEMU
+    /// The C library: its header, and a C program on the host and under QEMU
     C {
         /// Only rewrite the header from the crate
         #[arg(long)]

@@ -38,9 +38,9 @@ fn has_target() -> Result<bool> {
     Ok(String::from_utf8_lossy(&output.stdout).lines().any(|line| line == TARGET))
 }
 
-/// Installs a program that is missing by Debian's package, as root where there
+/// Installs a program that is missing by Debian's packages, as root where there
 /// is Debian; otherwise the error says how to.
-pub fn ensure(program: &str, package: &str, how: &str) -> Result {
+pub fn ensure(program: &str, packages: &str, how: &str) -> Result {
     if exists(program) {
         return Ok(());
     }
@@ -53,7 +53,8 @@ pub fn ensure(program: &str, package: &str, how: &str) -> Result {
         call(Command::new("apt-get").env("DEBIAN_FRONTEND", "noninteractive").args(arguments))
     };
     apt(&["update"])?;
-    apt(&["install", "-y", "--no-install-recommends", package])
+    let install = ["install", "-y", "--no-install-recommends"];
+    apt(&install.into_iter().chain(packages.split_whitespace()).collect::<Vec<_>>())
 }
 
 /// How an image ended.

@@ -14,7 +14,7 @@ pub fn run() -> Result {
     eprintln!(
         "\nok: host tests; firmware: image, proof of no panic, bits and budgets under QEMU; \
          log frames decoded; \
-         the C interface; \
+         the C library; \
          the line from tracker file to controller; \
          parameters that survive in an EEPROM"
     );

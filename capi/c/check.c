@@ -1,22 +1,18 @@
 /*
  * truearm from C: parameters from a slot, poses and ticks over the shipped
  * vectors, whose hashes must be those of the Rust images, and what must be
- * refused. The layout of the vector file is in ../../src/vectors.rs.
+ * refused. The layout of the vector file is in tests/firmware/src/vectors.rs.
  */
 
-#include <stddef.h>
-#include <stdint.h>
-
-#include "board.h"
+#include "check.h"
 #include "truearm.h"
 
-#define BLOB ((const uint8_t *)0x00100000)
-#define BLOB_SIZE 4096
-#define VECTORS ((const uint8_t *)0x00200000)
 #define ANGLES 64
 #define OFF 900
 
 static _Alignas(TRUEARM_MEMORY_ALIGN) uint8_t memory[TRUEARM_MEMORY_SIZE];
+static const uint8_t *blob, *vectors;
+static size_t blob_size;
 static int failed;
 
 #define EXPECT(call, result)                                                   \
@@ -43,6 +39,17 @@ static void hash(uint64_t *crc, const float *values, int count)
     }
 }
 
+void say_hex(const char *name, uint64_t value)
+{
+    char text[18];
+    for (int i = 0; i < 16; i++)
+        text[i] = "0123456789abcdef"[value >> (60 - 4 * i) & 15];
+    text[16] = '\n';
+    text[17] = 0;
+    say(name);
+    say(text);
+}
+
 static uint64_t word64(const uint8_t *bytes)
 {
     uint64_t word = 0;
@@ -53,7 +60,7 @@ static uint64_t word64(const uint8_t *bytes)
 
 static const float *pose(uint32_t index)
 {
-    return (const float *)(VECTORS + ANGLES) + TRUEARM_JOINTS * index;
+    return (const float *)(vectors + ANGLES) + TRUEARM_JOINTS * index;
 }
 
 static TruearmState state(uint32_t index)
@@ -73,7 +80,7 @@ static void hash_pose(uint64_t *crc, const TruearmPose *pose)
             hash(crc, &pose->matrix[row][column], 1);
 }
 
-static void check(const char *name, uint64_t crc, const uint8_t *expected)
+static void compare(const char *name, uint64_t crc, const uint8_t *expected)
 {
     say_hex(name, ~crc);
     if (~crc != word64(expected)) {
@@ -93,7 +100,7 @@ static void poses(Truearm *arm, uint32_t count)
         EXPECT(truearm_real_pose(arm, pose(i), &now, &real), TRUEARM_ERROR_OK);
         hash_pose(&crc, &real);
     }
-    check("hash poses: ", crc, VECTORS + 16);
+    compare("hash poses: ", crc, vectors + 16);
 }
 
 static void ticks(Truearm *arm, uint32_t count)
@@ -117,7 +124,7 @@ static void ticks(Truearm *arm, uint32_t count)
             hash(&crc, &tick.damping_m2, 1);
         }
     }
-    check("hash ticks: ", crc, VECTORS + 32);
+    compare("hash ticks: ", crc, vectors + 32);
 }
 
 /* Every error that a mistake of the caller gives. */
@@ -144,11 +151,11 @@ static void refusals(Truearm *arm, uint64_t robot)
 
     EXPECT(truearm_default_settings(2, &settings), TRUEARM_ERROR_BAD_SETTING);
     EXPECT(truearm_default_settings(TRUEARM_TASK_POSE, &settings), TRUEARM_ERROR_OK);
-    EXPECT(truearm_load(none, BLOB, BLOB_SIZE, robot + 1, &settings, q), TRUEARM_ERROR_OTHER_ROBOT);
-    EXPECT(truearm_load(none, BLOB, 100, robot, &settings, q), TRUEARM_ERROR_BAD_BLOB);
+    EXPECT(truearm_load(none, blob, blob_size, robot + 1, &settings, q), TRUEARM_ERROR_OTHER_ROBOT);
+    EXPECT(truearm_load(none, blob, 100, robot, &settings, q), TRUEARM_ERROR_BAD_BLOB);
     EXPECT(truearm_load(none, NULL, 100, robot, &settings, q), TRUEARM_ERROR_NULL);
     for (size_t i = 0; i < sizeof damaged; i++)
-        damaged[i] = BLOB[i];
+        damaged[i] = blob[i];
     damaged[200] ^= 1;
     EXPECT(truearm_load(none, damaged, sizeof damaged, robot, &settings, q), TRUEARM_ERROR_BAD_BLOB);
 
@@ -173,24 +180,27 @@ static void refusals(Truearm *arm, uint64_t robot)
     EXPECT(tick.status, TRUEARM_STATUS_RAMPING);
     settings.steps = 1;
     EXPECT(truearm_set_settings(arm, &settings, q), TRUEARM_ERROR_ACTIVE);
-    EXPECT(truearm_load(arm, BLOB, BLOB_SIZE, robot, &settings, q), TRUEARM_ERROR_ACTIVE);
+    EXPECT(truearm_load(arm, blob, blob_size, robot, &settings, q), TRUEARM_ERROR_ACTIVE);
     now.payload_kg = q[2] = __builtin_nanf("");
     EXPECT(truearm_tick(arm, q, &now, &tick), TRUEARM_ERROR_OK);
     EXPECT(tick.status, TRUEARM_STATUS_COMMAND_NOT_FINITE);
     EXPECT(truearm_real_pose(arm, q, NULL, &nominal), TRUEARM_ERROR_NOT_FINITE);
 }
 
-int main(void)
+int check(const uint8_t *slot, size_t size, const uint8_t *expected)
 {
     Truearm *arm = NULL;
     TruearmSettings settings;
+    blob = slot;
+    blob_size = size;
+    vectors = expected;
     /* A controller knows its own; here it is the blob's, see blob/FORMAT.md. */
-    uint64_t robot = word64(BLOB + 16);
-    uint32_t count = (uint32_t)word64(VECTORS + 4);
+    uint64_t robot = word64(blob + 16);
+    uint32_t count = (uint32_t)word64(vectors + 4);
 
     EXPECT(truearm_init(TRUEARM_VERSION, memory, sizeof memory, &arm), TRUEARM_ERROR_OK);
     EXPECT(truearm_default_settings(TRUEARM_TASK_POSE, &settings), TRUEARM_ERROR_OK);
-    EXPECT(truearm_load(arm, BLOB, BLOB_SIZE, robot, &settings, pose(0)), TRUEARM_ERROR_OK);
+    EXPECT(truearm_load(arm, blob, blob_size, robot, &settings, pose(0)), TRUEARM_ERROR_OK);
     if (failed)
         return 1;
     poses(arm, count);

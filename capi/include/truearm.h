@@ -1,6 +1,6 @@
 /* C interface of truearm: calibrated kinematics of a six-joint arm, single precision.
  *
- * Generated from tests/firmware/capi by `cargo xtask c --header`; do not edit.
+ * Generated from capi by `cargo xtask c --header`; do not edit.
  *
  * Units are SI: m, rad, kg, degrees Celsius. Joint values are encoder readings
  * without theta_offset. Poses are of the tool in the nominal base frame, the one
