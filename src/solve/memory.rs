@@ -2,10 +2,10 @@
 ///
 /// | parameters | `f32`: state, workspace | `f64`: state, workspace |
 /// |---|---|---|
-/// | 10 | 1,588, 2,724 | 3,164, 4,936 |
-/// | 20 | 5,548, 7,324 | 11,084, 14,136 |
-/// | 30 | 11,908, 14,324 | 23,804, 28,136 |
-/// | 40 | 20,668, 23,724 | 41,324, 46,936 |
+/// | 10 | 1,604, 2,736 | 3,192, 4,960 |
+/// | 20 | 5,564, 7,336 | 11,112, 14,160 |
+/// | 30 | 11,924, 14,336 | 23,832, 28,160 |
+/// | 40 | 20,684, 23,736 | 41,352, 46,960 |
 ///
 /// What fits: 64 KB of RAM hold 40 parameters in `f32` or 34 in `f64`, 32 KB
 /// hold 33 or 23, see [`most_parameters`].
@@ -16,7 +16,7 @@ pub struct Memory {
     pub state: usize,
     /// On the stack while lambda is chosen or a solution of all points computed;
     /// measured for 30 parameters in `f32` by the image in tests/firmware:
-    /// 8,668 and 13,036 bytes. A point takes 596.
+    /// 8,576 and 9,004 bytes. A point takes 668.
     pub workspace: usize,
 }
 
@@ -26,8 +26,8 @@ impl Memory {
     pub const fn of(parameters: usize, scalar_bytes: usize) -> Self {
         let p = parameters;
         Self {
-            state: (3 * (p * p + 3 * p + 1) + 1) * scalar_bytes + 12,
-            workspace: (3 * (p * p + 3 * p + 1) + 16 * p) * scalar_bytes + 512,
+            state: (3 * (p * p + 3 * p + 2) + 1) * scalar_bytes + 16,
+            workspace: (3 * (p * p + 3 * p + 2) + 16 * p) * scalar_bytes + 512,
         }
     }
 

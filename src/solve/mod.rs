@@ -63,7 +63,10 @@ pub enum SolveError {
     },
     /// A row or the result holds an infinity or a NaN.
     NotFinite,
-    /// The forgetting factor is not in (0, 1].
+    /// The squares of all rows have a sum beyond what this type of number can
+    /// work with: 1e30 in `f32`, 1e300 in `f64`.
+    Overflow,
+    /// The forgetting factor is not in (0, 1], or so small that its inverse overflows.
     BadForgetting,
 }
 
@@ -72,9 +75,12 @@ impl core::fmt::Display for SolveError {
         match self {
             Self::BadLambda => f.write_str("lambda must be zero or positive"),
             Self::BadScale { parameter } => {
-                write!(f, "the scale of parameter {parameter} must be positive")
+                write!(f, "the scale of parameter {} must be positive", parameter + 1)
             }
             Self::NotFinite => f.write_str("a measurement or the result is not finite"),
+            Self::Overflow => {
+                f.write_str("the measurements are too large to be squared and summed")
+            }
             Self::BadForgetting => f.write_str("the forgetting factor must be above 0, at most 1"),
         }
     }
@@ -90,6 +96,22 @@ fn check<T: Scalar, const P: usize>(lambda: T, scale: &[T; P]) -> Result<(), Sol
     match scale.iter().position(|s| s.partial_cmp(&T::ZERO) != Some(Ordering::Greater)) {
         Some(parameter) => Err(SolveError::BadScale { parameter }),
         None => Ok(()),
+    }
+}
+
+/// Most that squares may sum up to. Products of two numbers that such a sum and
+/// the least weights bound still fit.
+fn room<T: Scalar>() -> T {
+    T::MAX * T::from_f32(1e-8)
+}
+
+/// Why a row was refused: of finite numbers and a good weight it was too large.
+#[cold]
+fn refusal<'a, T: Scalar>(mut row: impl Iterator<Item = &'a T>, good_weight: bool) -> SolveError {
+    if good_weight && row.all(|v| v.is_finite()) {
+        SolveError::Overflow
+    } else {
+        SolveError::NotFinite
     }
 }
 

@@ -1,4 +1,6 @@
-use super::{Solution, SolveError, check};
+use core::cmp::Ordering;
+
+use super::{Solution, SolveError, check, noise, refusal, room};
 use crate::scalar::Scalar;
 
 /// `U'U`, `U'S` and `S'S`, accumulated row by row; memory P^2.
@@ -8,11 +10,13 @@ pub struct NormalEquations<T, const P: usize> {
     gram: [[T; P]; P],
     moment: [T; P],
     square: T,
+    /// Sum of the squares of all rows and right-hand sides.
+    size: T,
 }
 
 impl<T: Scalar, const P: usize> Default for NormalEquations<T, P> {
     fn default() -> Self {
-        Self { gram: [[T::ZERO; P]; P], moment: [T::ZERO; P], square: T::ZERO }
+        Self { gram: [[T::ZERO; P]; P], moment: [T::ZERO; P], square: T::ZERO, size: T::ZERO }
     }
 }
 
@@ -25,96 +29,123 @@ impl<T: Scalar, const P: usize> NormalEquations<T, P> {
 
     /// Adds the equation `row . x = rhs`; P^2/2 multiply-adds. Divide both by
     /// the standard deviation of `rhs` to weight.
-    pub fn push(&mut self, row: &[T; P], rhs: T) {
-        for i in 0..P {
-            for j in 0..=i {
-                self.gram[i][j] += row[i] * row[j];
+    ///
+    /// # Errors
+    /// [`SolveError::NotFinite`] for a value that is none, [`SolveError::Overflow`]
+    /// where the squares of all rows have a sum that does not fit; nothing has been
+    /// added then.
+    pub fn push(&mut self, row: &[T; P], rhs: T) -> Result<(), SolveError> {
+        let size = row.iter().fold(self.size + rhs * rhs, |sum, a| sum + *a * *a);
+        if size.partial_cmp(&room()).is_none_or(Ordering::is_gt) {
+            return Err(refusal(row.iter().chain([&rhs]), true));
+        }
+        self.size = size;
+        for (i, ((gram, moment), a)) in
+            self.gram.iter_mut().zip(&mut self.moment).zip(row).enumerate()
+        {
+            for (gram, b) in gram.iter_mut().zip(row).take(i + 1) {
+                *gram += *a * *b;
             }
-            self.moment[i] += row[i] * rhs;
+            *moment += *a * rhs;
         }
         self.square += rhs * rhs;
+        Ok(())
     }
 
     /// Minimises `|U x - S|^2 + lambda |x / scale|^2` by square-root-free
-    /// Cholesky of the scaled equations; P^3/6 multiply-adds.
+    /// Cholesky; P^3/6 multiply-adds. An infinite scale leaves a parameter free of
+    /// the penalty.
     ///
     /// A pivot below `16 P EPSILON` of its diagonal carries no information; the
     /// direction is dropped and counted. `residual_square` is formed by
     /// cancellation and good to about `EPSILON * S'S`.
     ///
     /// # Errors
-    /// A negative lambda, a scale that is not positive, or rows that were not
-    /// finite.
+    /// A negative lambda, a scale that is not positive, or an overflow.
     pub fn solve(&self, lambda: T, scale: &[T; P]) -> Result<Solution<T, P>, SolveError> {
         check(lambda, scale)?;
-        // L below the diagonal, D on it.
+        // Scaling rows and columns would change no pivot's share of its diagonal.
         let mut l = self.gram;
-        let mut y = self.moment;
-        let mut dropped = 0;
-        let tolerance = super::noise::<T, P>();
-        let mut inverse = [T::ZERO; P];
-        for i in 0..P {
-            for j in 0..=i {
-                l[i][j] = l[i][j] * scale[i] * scale[j];
-            }
-            l[i][i] += lambda;
-            y[i] *= scale[i];
-        }
-        for i in 0..P {
-            let diagonal = l[i][i];
-            for j in 0..i {
-                let mut sum = l[i][j];
-                for k in 0..j {
-                    sum -= l[i][k] * l[j][k] * l[k][k];
-                }
-                l[i][j] = sum * inverse[j];
-            }
-            let mut pivot = diagonal;
-            for k in 0..i {
-                pivot -= l[i][k] * l[i][k] * l[k][k];
-            }
-            l[i][i] = pivot;
-            if pivot > tolerance * diagonal {
-                inverse[i] = T::ONE / pivot;
-            } else {
-                dropped += 1;
-                l[i][i] = T::ZERO;
+        for (k, (row, scale)) in l.iter_mut().zip(scale).enumerate() {
+            if let Some(diagonal) = row.get_mut(k) {
+                let penalty = T::ONE / *scale;
+                *diagonal += lambda * penalty * penalty;
             }
         }
-        for i in 0..P {
-            for k in 0..i {
-                let step = l[i][k] * y[k];
-                y[i] -= step;
-            }
-        }
-        for i in (0..P).rev() {
-            y[i] *= inverse[i];
-            // For a dropped direction the column is zero: y stays zero.
-            for k in i + 1..P {
-                let step = l[k][i] * y[k];
-                y[i] -= step;
-            }
-        }
-        let mut x = y;
+        let mut x = self.moment;
+        let dropped = factorise_and_solve(&mut l, &mut x);
+        let residual_square = self.residual_square(&x);
         let mut norm_square = T::ZERO;
-        for i in 0..P {
-            x[i] *= scale[i];
-            norm_square += y[i] * y[i];
-        }
-        let mut residual_square = self.square;
-        for i in 0..P {
-            let mut gram_x = T::ZERO;
-            for j in 0..P {
-                gram_x += (if j <= i { self.gram[i][j] } else { self.gram[j][i] }) * x[j];
-            }
-            residual_square += x[i] * (gram_x - self.moment[i] - self.moment[i]);
-        }
-        if residual_square < T::ZERO {
-            residual_square = T::ZERO;
+        for (x, scale) in x.iter().zip(scale) {
+            norm_square += (*x / *scale) * (*x / *scale);
         }
         if !(residual_square.is_finite() && norm_square.is_finite()) {
             return Err(SolveError::NotFinite);
         }
         Ok(Solution { x, residual_square, norm_square, lambda, dropped })
     }
+
+    fn residual_square(&self, x: &[T; P]) -> T {
+        let two = T::ONE + T::ONE;
+        let mut sum = self.square;
+        for (i, ((gram, moment), own)) in self.gram.iter().zip(&self.moment).zip(x).enumerate() {
+            // The lower triangle twice but for its diagonal.
+            let mut part = -(two * *moment);
+            for (j, (gram, other)) in gram.iter().zip(x).take(i + 1).enumerate() {
+                part += if j < i { two * *gram * *other } else { *gram * *other };
+            }
+            sum += *own * part;
+        }
+        // Not by a comparison that makes zero of what is no number.
+        if sum < T::ZERO { T::ZERO } else { sum }
+    }
+}
+
+/// `L D L'` in place of the lower triangle, L below the diagonal and 1 / D on it
+/// (0 for a dropped direction), and the solution in place of `x`; how many
+/// directions were dropped.
+fn factorise_and_solve<T: Scalar, const P: usize>(l: &mut [[T; P]; P], x: &mut [T; P]) -> usize {
+    let tolerance = noise::<T, P>();
+    let mut dropped = 0;
+    for i in 0..P {
+        let Some((done, rest)) = l.split_at_mut_checked(i) else { break };
+        let Some(row) = rest.first_mut() else { break };
+        // L D first, one element after the other.
+        for (j, other) in done.iter().enumerate() {
+            let known = row.iter().zip(other).take(j);
+            let sum = known.fold(T::ZERO, |sum, (a, b)| sum + *a * *b);
+            if let Some(element) = row.get_mut(j) {
+                *element -= sum;
+            }
+        }
+        let mut taken = T::ZERO;
+        for (j, (element, other)) in row.iter_mut().zip(done.iter()).enumerate() {
+            let inverse = other.get(j).copied().unwrap_or(T::ZERO);
+            let scaled = *element * inverse;
+            taken += *element * scaled;
+            *element = scaled;
+        }
+        if let Some(diagonal) = row.get_mut(i) {
+            let pivot = *diagonal - taken;
+            let kept = pivot > tolerance * *diagonal;
+            dropped += usize::from(!kept);
+            *diagonal = if kept { T::ONE / pivot } else { T::ZERO };
+        }
+        // Forward substitution of this row.
+        let sum = row.iter().zip(x.iter()).take(i).fold(T::ZERO, |sum, (l, y)| sum + *l * *y);
+        if let Some(y) = x.get_mut(i) {
+            *y -= sum;
+        }
+    }
+    for (k, (x, row)) in x.iter_mut().zip(l.iter()).enumerate() {
+        *x *= row.get(k).copied().unwrap_or(T::ZERO);
+    }
+    for (row, i) in l.iter().rev().zip((0..P).rev()) {
+        // Final: the rows below have taken theirs. A dropped one has a column of zeros.
+        let own = x.get(i).copied().unwrap_or(T::ZERO);
+        for (x, l) in x.iter_mut().zip(row).take(i) {
+            *x -= *l * own;
+        }
+    }
+    dropped
 }

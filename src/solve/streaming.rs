@@ -23,6 +23,8 @@ pub struct StreamingTikhonov<T, const P: usize> {
     forgetting: T,
     every: u32,
     points: u32,
+    /// Points since the last one that judges.
+    since: u32,
     recent_points: u32,
 }
 
@@ -47,9 +49,10 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
     /// they fade with a time constant of `1 / (1 - forgetting)` points.
     ///
     /// # Errors
-    /// [`SolveError::BadForgetting`] unless `forgetting` lies in (0, 1].
+    /// [`SolveError::BadForgetting`] unless `forgetting` lies in (0, 1] and has a
+    /// finite inverse.
     pub fn new(every: u32, forgetting: T) -> Result<Self, SolveError> {
-        if !(forgetting > T::ZERO && forgetting <= T::ONE) {
+        if !((T::ONE / forgetting).is_finite() && forgetting > T::ZERO && forgetting <= T::ONE) {
             return Err(SolveError::BadForgetting);
         }
         let none = Triangle::new();
@@ -60,6 +63,7 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
             forgetting,
             every,
             points: 0,
+            since: 0,
             recent_points: 0,
         })
     }
@@ -68,14 +72,14 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
     /// whether it was held out. Once in 512 points about `P^3` operations more.
     ///
     /// # Errors
-    /// [`SolveError::NotFinite`]; no point has been added then.
+    /// As for [`Triangle::push_weighted`]; no point has been added then.
     pub fn push<const M: usize>(
         &mut self,
         columns: &[[T; M]; P],
         rhs: &[T; M],
     ) -> Result<bool, SolveError> {
-        let count = self.points.wrapping_add(1);
-        let judges = count.checked_rem(self.every) == Some(0);
+        let since = self.since.saturating_add(1);
+        let judges = since == self.every;
         if !judges && self.recent_points >= BLOCK {
             self.settle()?;
         }
@@ -89,7 +93,8 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
             }
         }
         self.recent_points += u32::from(!judges);
-        self.points = count;
+        self.points = self.points.saturating_add(1);
+        self.since = if judges { 0 } else { since };
         Ok(judges)
     }
 
@@ -103,7 +108,7 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
         Ok(())
     }
 
-    /// Points seen.
+    /// Points seen, at most `u32::MAX`.
     #[must_use]
     pub fn points(&self) -> u32 {
         self.points
@@ -113,7 +118,7 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
     /// is why it is for now and then, not for every point.
     ///
     /// # Errors
-    /// [`SolveError::NotFinite`] where the sum overflows.
+    /// [`SolveError::Overflow`]; all is then as before.
     pub fn fitted(&mut self) -> Result<&Triangle<T, P>, SolveError> {
         self.settle()?;
         Ok(&self.settled)
@@ -128,7 +133,7 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
     /// Triangle of all points, for the last solve once lambda is chosen.
     ///
     /// # Errors
-    /// [`SolveError::NotFinite`] where the sum overflows.
+    /// [`SolveError::Overflow`]; all is then as before.
     pub fn all(&mut self) -> Result<Triangle<T, P>, SolveError> {
         self.settle()?;
         let mut all = self.settled;

@@ -1,4 +1,4 @@
-use super::{Solution, SolveError, check, noise};
+use super::{Solution, SolveError, check, noise, refusal, room};
 use crate::scalar::Scalar;
 
 /// Squares below this are zero: their inverse would overflow an `f32`.
@@ -6,14 +6,18 @@ const TINY: f32 = 1e-37;
 
 /// The triangular factor of all rows seen so far, in square-root-free form:
 /// `R = D^(1/2) U` with a unit diagonal, `Q'S = D^(1/2) c`, and what of `S` no
-/// solution reaches. Memory `P^2 + 3 P + 1` numbers, whatever the number of rows.
+/// solution reaches. Memory `P^2 + 3 P + 2` numbers, whatever the number of rows.
 ///
 /// Rows are folded in by Gentleman's square-root-free Givens rotations (W. M.
 /// Gentleman, *Least squares computations by Givens transformations without
 /// square roots*, IMA J. Appl. Math. 12, 1973), M rows in one pass: 4 M
 /// operations an element against 4 M + 6 of a Householder reflection, and no
 /// root. Where a rotation turns by more than 45 degrees the two-multiplication
-/// form would cancel; there the three-multiplication form is taken.
+/// form would cancel, and the weight of what is left of the row could underflow
+/// while its elements overflow; there row and pivot change roles, at two
+/// multiplications more. No weight then falls below half of the least of the row's
+/// and the pivots', and nothing overflows as long as the squares of all rows have a
+/// sum that fits: see [`SolveError::Overflow`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Triangle<T, const P: usize> {
     /// Row k from the first element right of its diagonal: `U[k][k + 1 + i]`.
@@ -24,12 +28,14 @@ pub struct Triangle<T, const P: usize> {
     /// from the rounding noise of a dependent column.
     length: [T; P],
     pub(super) outside: T,
+    /// Sum of the squares of all rows and right-hand sides: bounds every number above.
+    size: T,
 }
 
 impl<T: Scalar, const P: usize> Default for Triangle<T, P> {
     fn default() -> Self {
         let none = [T::ZERO; P];
-        Self { u: [none; P], d: none, c: none, length: none, outside: T::ZERO }
+        Self { u: [none; P], d: none, c: none, length: none, outside: T::ZERO, size: T::ZERO }
     }
 }
 
@@ -43,8 +49,8 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     /// Forgets all rows, in place.
     pub fn clear(&mut self) {
         let rows = self.u.iter_mut().flatten().chain(&mut self.d).chain(&mut self.c);
-        rows.chain(&mut self.length).for_each(|value| *value = T::ZERO);
-        self.outside = T::ZERO;
+        let all = rows.chain(&mut self.length).chain([&mut self.outside, &mut self.size]);
+        all.for_each(|value| *value = T::ZERO);
     }
 
     /// Folds M equations `sum_k columns[k][m] x[k] = rhs[m]` in, given as the
@@ -53,8 +59,9 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     /// both sides by the standard deviation of `rhs` to weight.
     ///
     /// # Errors
-    /// [`SolveError::NotFinite`] where a value is not finite or its square
-    /// overflows; the triangle is then unchanged.
+    /// [`SolveError::NotFinite`] for a value that is none, [`SolveError::Overflow`]
+    /// where the squares of all rows have a sum that does not fit; the triangle is
+    /// then unchanged.
     #[inline]
     pub fn push<const M: usize>(
         &mut self,
@@ -67,7 +74,8 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     /// The same with a weight, `1 / sigma^2`.
     ///
     /// # Errors
-    /// As for [`Self::push`]; also for a weight that is negative or not finite.
+    /// As for [`Self::push`]; also [`SolveError::NotFinite`] for a weight that is
+    /// negative or not finite.
     #[inline]
     pub fn push_weighted<const M: usize>(
         &mut self,
@@ -77,9 +85,12 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     ) -> Result<(), SolveError> {
         let squares = columns.each_ref().map(square);
         let sum = squares.iter().fold(square(rhs), |sum, s| sum + *s);
-        if !(weight * sum).is_finite() || weight < T::ZERO {
-            return Err(SolveError::NotFinite);
+        let size = self.size + weight * sum;
+        if !(size <= room() && weight >= T::ZERO) {
+            let all = columns.as_flattened().iter().chain(rhs);
+            return Err(refusal(all.chain([&weight]), weight >= T::ZERO));
         }
+        self.size = size;
         for (length, square) in self.length.iter_mut().zip(&squares) {
             *length += weight * *square;
         }
@@ -99,28 +110,31 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
         let (cs, last_c) = self.c.as_chunks_mut::<2>();
         let mut rest = columns.as_mut_slice();
         for (([u, v], [du, dv]), [cu, cv]) in us.iter_mut().zip(ds).zip(cs) {
-            let ([x, y, tail @ ..], [head, u @ ..]) = (rest, u.as_mut_slice()) else { return };
-            let first = Turn::new(du, &mut weights, x);
-            first.apply(head, y);
-            first.apply(cu, &mut rhs);
-            let second = Turn::new(dv, &mut weights, y);
-            second.apply(cv, &mut rhs);
-            let elements = u.iter_mut().zip(v.iter_mut()).zip(tail.iter_mut());
+            let ([x, behind @ ..], [head, tail_u @ ..]) = (rest, u.as_mut_slice()) else { return };
+            let [y, ..] = behind else { return };
+            let first = Turn::new(*du, &weights, x);
+            let (mut turned_head, mut turned_y) = (*head, *y);
+            first.apply(&mut turned_head, &mut turned_y);
+            let second = Turn::new(*dv, &first.weights, &turned_y);
             if first.gentle && second.gentle {
-                for ((u, v), a) in elements {
-                    first.apply_gently(u, a);
-                    second.apply_gently(v, a);
-                }
-            } else {
-                for ((u, v), a) in elements {
+                (*head, *du, *dv, weights) = (turned_head, first.d, second.d, second.weights);
+                first.apply(cu, &mut rhs);
+                second.apply(cv, &mut rhs);
+                let [_, tail @ ..] = behind else { return };
+                for ((u, v), a) in tail_u.iter_mut().zip(v.iter_mut()).zip(tail.iter_mut()) {
                     first.apply(u, a);
                     second.apply(v, a);
                 }
+                rest = tail;
+            } else {
+                turn_far(du, (u, cu), x, (behind, &mut rhs), &mut weights);
+                let [y, tail @ ..] = behind else { return };
+                turn_far(dv, (v, cv), y, (tail, &mut rhs), &mut weights);
+                rest = tail;
             }
-            rest = tail;
         }
-        if let ([_], [d], [c], [x]) = (last_u, last_d, last_c, rest) {
-            Turn::new(d, &mut weights, x).apply(c, &mut rhs);
+        if let ([u], [d], [c], [x]) = (last_u, last_d, last_c, rest) {
+            turn_far(d, (u, c), x, (&mut [], &mut rhs), &mut weights);
         }
         for (s, weight) in rhs.iter().zip(&weights) {
             self.outside += *weight * *s * *s;
@@ -130,18 +144,26 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     /// Folds in all rows that another triangle has seen.
     ///
     /// # Errors
-    /// [`SolveError::NotFinite`] where the sum overflows.
+    /// [`SolveError::Overflow`]; the triangle is then unchanged.
     pub fn absorb(&mut self, other: &Self) -> Result<(), SolveError> {
+        let size = self.size + other.size;
+        if size > room() {
+            return Err(SolveError::Overflow);
+        }
+        self.size = size;
+        for (length, of_other) in self.length.iter_mut().zip(&other.length) {
+            *length += *of_other;
+        }
         for (k, ((u, d), c)) in other.u.iter().zip(&other.d).zip(&other.c).enumerate() {
             let mut columns = [[T::ZERO]; P];
             let right = core::iter::once(T::ONE).chain(u.iter().copied());
             for (column, u) in columns.iter_mut().skip(k).zip(right) {
                 *column = [u];
             }
-            self.push_weighted(&columns, &[*c], *d)?;
+            self.fold(columns, [*c], [*d]);
         }
         self.outside += other.outside;
-        if self.outside.is_finite() { Ok(()) } else { Err(SolveError::NotFinite) }
+        Ok(())
     }
 
     /// Weighs everything seen so far by `factor`, between 0 and 1: with one
@@ -155,6 +177,7 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
             }
         }
         self.outside *= factor;
+        self.size *= factor;
     }
 
     /// `|U x - S|^2` for any `x`: rows of one triangle judge the solution of
@@ -206,7 +229,8 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     /// # Errors
     /// A negative lambda, a scale that is not positive, or an overflow.
     pub fn solve(&self, lambda: T, scale: &[T; P]) -> Result<Solution<T, P>, SolveError> {
-        let augmented = self.augmented(lambda, scale)?;
+        let mut augmented = *self;
+        augmented.penalise(lambda, scale)?;
         let mut x = augmented.c;
         let dropped = augmented.back_substitute(&mut x);
         let residual_square = self.residual_square(&x);
@@ -228,7 +252,8 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     /// # Errors
     /// As for [`Self::solve`].
     pub fn variances(&self, lambda: T, scale: &[T; P]) -> Result<[T; P], SolveError> {
-        let augmented = self.augmented(lambda, scale)?;
+        let mut augmented = *self;
+        augmented.penalise(lambda, scale)?;
         let mut variances = [T::ZERO; P];
         for (j, d) in augmented.d.iter().enumerate() {
             if augmented.is_dropped(j) {
@@ -249,26 +274,27 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
         Ok(variances)
     }
 
-    fn augmented(&self, lambda: T, scale: &[T; P]) -> Result<Self, SolveError> {
+    /// Folds the rows `sqrt(lambda) / scale` in.
+    #[inline(never)]
+    fn penalise(&mut self, lambda: T, scale: &[T; P]) -> Result<(), SolveError> {
         check(lambda, scale)?;
-        let mut augmented = *self;
         if lambda > T::ZERO {
             for (k, scale) in scale.iter().enumerate().filter(|(_, s)| s.is_finite()) {
                 let mut columns = [[T::ZERO]; P];
                 if let Some(column) = columns.get_mut(k) {
                     *column = [T::ONE / *scale];
                 }
-                augmented.push_weighted(&columns, &[T::ZERO], lambda)?;
+                self.push_weighted(&columns, &[T::ZERO], lambda)?;
             }
         }
-        Ok(augmented)
+        Ok(())
     }
 
     /// Solves `U x = x` in place, parameters without information zero; returns
     /// how many these are.
     pub(super) fn back_substitute(&self, x: &mut [T; P]) -> usize {
         let mut dropped = 0;
-        for (k, u) in self.u.iter().enumerate().rev() {
+        for (u, k) in self.u.iter().rev().zip((0..P).rev()) {
             let mut value = x.get(k).copied().unwrap_or(T::ZERO);
             for (u, x) in u.iter().zip(x.get(k + 1..).unwrap_or_default()) {
                 value -= *u * *x;
@@ -285,11 +311,14 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     }
 }
 
-/// The rotations of one pivot with M rows.
+/// The rotations of one pivot with M rows, each by less than 45 degrees. Of the
+/// pivot's row and the others `u` and `a`, `a - x u` and then `u + gain a`.
 struct Turn<T, const M: usize> {
     x: [T; M],
     gain: [T; M],
-    keep: [T; M],
+    /// What becomes of the pivot's square and the rows' weights.
+    d: T,
+    weights: [T; M],
     /// All rotations together turn by less than 45 degrees.
     gentle: bool,
 }
@@ -297,50 +326,79 @@ struct Turn<T, const M: usize> {
 impl<T: Scalar, const M: usize> Turn<T, M> {
     /// Of a pivot of square `d` with the rows' elements `x` in its column.
     #[inline(always)]
-    fn new(d: &mut T, weights: &mut [T; M], x: &[T; M]) -> Self {
-        let least = if *d > T::ZERO { T::ZERO } else { T::from_f32(TINY) };
-        let mut turn = Self { x: *x, gain: [T::ZERO; M], keep: [T::ONE; M], gentle: true };
-        let at_first = *d;
-        let mut now = *d;
-        for m in 0..M {
-            let weighted = weights[m] * x[m];
-            let step = weighted * x[m];
+    fn new(d: T, weights: &[T; M], x: &[T; M]) -> Self {
+        let none = [T::ZERO; M];
+        let mut turn = Self { x: none, gain: none, d, weights: *weights, gentle: true };
+        let least = least(d);
+        let rows = turn.x.iter_mut().zip(&mut turn.gain).zip(&mut turn.weights);
+        for (((own, gain), weight), x) in rows.zip(x) {
+            let weighted = *weight * *x;
+            let step = weighted * *x;
             if step > least {
-                let before = now;
-                now += step;
-                let inverse = T::ONE / now;
-                turn.gain[m] = weighted * inverse;
-                turn.keep[m] = before * inverse;
-                weights[m] *= turn.keep[m];
-            } else {
-                turn.x[m] = T::ZERO;
+                let before = turn.d;
+                turn.d += step;
+                let inverse = T::ONE / turn.d;
+                (*own, *gain) = (*x, weighted * inverse);
+                *weight *= before * inverse;
             }
         }
-        turn.gentle = now < at_first + at_first;
-        *d = now;
+        turn.gentle = turn.d <= d + d;
         turn
     }
 
     #[inline(always)]
     fn apply(&self, u: &mut T, a: &mut [T; M]) {
         let mut v = *u;
-        for m in 0..M {
-            let before = v;
-            v = self.keep[m] * before + self.gain[m] * a[m];
-            a[m] -= self.x[m] * before;
+        for ((a, x), gain) in a.iter_mut().zip(&self.x).zip(&self.gain) {
+            *a -= *x * v;
+            v += *gain * *a;
         }
         *u = v;
     }
+}
 
-    #[inline(always)]
-    fn apply_gently(&self, u: &mut T, a: &mut [T; M]) {
-        let mut v = *u;
-        for m in 0..M {
-            a[m] -= self.x[m] * v;
-            v += self.gain[m] * a[m];
+/// The rotations of one pivot with M rows by any angle, row by row. `pivot` and
+/// `rows` are what is behind the pivot's column, with the right-hand sides.
+#[cold]
+#[inline(never)]
+fn turn_far<T: Scalar, const M: usize>(
+    d: &mut T,
+    pivot: (&mut [T], &mut T),
+    x: &[T; M],
+    rows: (&mut [[T; M]], &mut [T; M]),
+    weights: &mut [T; M],
+) {
+    let least = least(*d);
+    for (m, (weight, x)) in weights.iter_mut().zip(x).enumerate() {
+        let weighted = *weight * *x;
+        let step = weighted * *x;
+        if step <= least {
+            continue;
         }
-        *u = v;
+        let before = *d;
+        *d += step;
+        let inverse = T::ONE / *d;
+        let (gain, keep) = (weighted * inverse, before * inverse);
+        // Beyond 45 degrees what is left of the row is counted in units of its
+        // own element: its weight is then the pivot's.
+        let far = step > before;
+        *weight = if far { step } else { *weight } * keep;
+        let (part, x) = if far { (T::ONE / *x, T::ONE) } else { (T::ONE, *x) };
+        let behind = pivot.0.iter_mut().zip(rows.0.iter_mut());
+        for (u, a) in behind.chain([(&mut *pivot.1, &mut *rows.1)]) {
+            if let Some(a) = a.get_mut(m) {
+                let u_before = *u;
+                *u = keep * u_before + gain * *a;
+                *a = part * *a - x * u_before;
+            }
+        }
     }
+}
+
+/// The square from which on a row turns a pivot of square `d`.
+#[inline(always)]
+fn least<T: Scalar>(d: T) -> T {
+    if d > T::ZERO { T::ZERO } else { T::from_f32(TINY) }
 }
 
 fn square<T: Scalar, const M: usize>(values: &[T; M]) -> T {
