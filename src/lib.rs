@@ -1,6 +1,6 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
-#![doc = include_str!("../README.md")]
+#![doc = include_str!("README.md")]
 
 pub mod arm;
 pub mod blob;

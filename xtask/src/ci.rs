@@ -3,7 +3,7 @@
 use crate::firmware::directory;
 use crate::run::{Result, call, cargo, root, step};
 use crate::study::fuzz;
-use crate::{c, qemu, test};
+use crate::{c, package, qemu, test};
 
 pub fn run() -> Result {
     qemu::ensure_tools()?;
@@ -22,6 +22,7 @@ pub fn run() -> Result {
     }
     test::run()?;
     c::miri()?;
+    package::run()?;
     // Of each target: half a minute for both.
     fuzz::run(&["-max_total_time=15".to_owned()])
 }

@@ -9,6 +9,7 @@ mod firmware;
 mod line;
 mod log;
 mod m7;
+mod package;
 mod qemu;
 mod refusals;
 mod reidentify;
@@ -53,6 +54,8 @@ enum Verb {
     Log,
     /// Parameters in an EEPROM: the store's size, and the board under QEMU
     Store,
+    /// Build the crate as it would be published, and run its examples
+    Package,
     /// Rewrite the shipped blobs and vector files
     Vectors {
         /// Parameter blob of a six-joint arm; the shipped one if not given
@@ -76,6 +79,7 @@ fn main() -> ExitCode {
         Verb::C { header: false } => c::run(),
         Verb::Log => qemu::ensure_tools().and_then(|()| log::check()),
         Verb::Store => qemu::ensure_tools().and_then(|()| store::run()),
+        Verb::Package => package::run(),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),
         Verb::Ci => ci::run(),
