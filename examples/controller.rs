@@ -1,5 +1,5 @@
 //! A 1 kHz control loop as firmware has it: parameters from a slot or a reason
-//! why not, compensation switched on while the arm moves, direction, payload and
+//! why not, compensation switched on while the arm moves, approach, payload and
 //! temperature known to the controller, something to do for every [`Status`]. It
 //! runs on the host with a simulated clock; `load`, `Observer` and `Supervisor` need
 //! `core` only and go into firmware as they are.
@@ -8,7 +8,7 @@
 
 use truearm::blob::{Acceptance, Refusal as BlobRefusal};
 use truearm::compensate::Status;
-use truearm::{Arm6, Compensator, Pose, Settings, State, Task, Tick};
+use truearm::{Approach, Arm6, Compensator, Pose, Settings, State, Task, Tick};
 
 /// On a controller: the parameter slot of memory.x.
 static SLOT: &[u8] = include_bytes!("../tests/data/firmware/ur10-terms.blob");
@@ -16,14 +16,14 @@ static SLOT: &[u8] = include_bytes!("../tests/data/firmware/ur10-terms.blob");
 const ROBOT_ID: u64 = 0x544a_b5f3_0b94_225d;
 /// Seconds of a tick.
 const PERIOD: f32 = 1e-3;
-/// Slower than this a joint's direction is that of its last motion, rad/s.
+/// Slower than this a joint's approach is that of its last motion, rad/s.
 const STANDSTILL: f32 = 1e-3;
 
 type Joints = [f32; 6];
 
 /// Without valid parameters the loop runs on nominal kinematics, as before the
 /// calibration, and says why.
-fn load(slot: &[u8], start: &Joints) -> Result<Compensator<f32, 6>, BlobRefusal> {
+fn load<'t>(slot: &'t [u8], start: &Joints) -> Result<Compensator<'t, f32, 6>, BlobRefusal> {
     let parameters = Acceptance::of(ROBOT_ID).check(slot)?.parameters()?;
     let arm = Arm6::new(&parameters).with_tool(Pose::translation(0.0, 0.0, 0.15));
     // Orientation that the data did not determine is not corrected.
@@ -44,11 +44,11 @@ impl Observer {
     }
 
     fn moved(&mut self, command: &Joints) {
-        let joints = command.iter().zip(&mut self.last).zip(&mut self.state.direction);
-        for ((q, last), direction) in joints {
+        let joints = command.iter().zip(&mut self.last).zip(&mut self.state.approach);
+        for ((q, last), approach) in joints {
             let speed = (q - *last) / PERIOD;
             if speed.abs() > STANDSTILL {
-                *direction = speed.signum();
+                *approach = Approach::of_motion(speed);
             }
             *last = *q;
         }

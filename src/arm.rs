@@ -4,15 +4,21 @@
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use crate::effects::{Bending, FoldedTerms, Inputs, Load, MAX_TERMS, Masses, Term, Weights};
+use crate::effects::{
+    Approach, Bending, FoldedTerms, Inputs, Load, MAX_TERMS, Masses, Tables, Term, Weights,
+};
 use crate::kinematics::{Chain, Link, MdhParameters, Pose, Twist};
 use crate::scalar::Scalar;
 
-/// Everything a controller has to know of an identified arm, SI units; what a
-/// parameter blob carries.
+/// Most joints of an arm: what a blob has numbers for.
+pub const MAX_JOINTS: usize = 16;
+
+/// Everything a controller has to know of an identified arm of N joints, SI
+/// units; what a parameter blob carries. Its tables stay where the blob is, for
+/// `'t`: `'static` where that is memory-mapped flash.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ArmParameters<T, const N: usize> {
+pub struct ArmParameters<'t, T, const N: usize> {
     /// Hash of the robot's model name and serial, see [`crate::blob::robot_id`].
     pub robot_id: u64,
     /// Grows with every parameter set of a robot.
@@ -35,6 +41,8 @@ pub struct ArmParameters<T, const N: usize> {
     pub tool: Vector3<T>,
     /// What the arm does beyond rigid geometry.
     pub terms: Vec<Term<T>, MAX_TERMS>,
+    /// Tables that terms refer to.
+    pub tables: Tables<'t>,
     /// Gravity in the nominal base frame and the masses it pulls at. Without
     /// them a term that depends on gravity does nothing.
     pub masses: Option<Masses<T, N>>,
@@ -58,9 +66,8 @@ pub struct ArmParameters<T, const N: usize> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct State<T, const N: usize> {
-    /// Side from which each joint came to rest: +1 moving in +q, -1 moving in
-    /// -q, 0 if unknown.
-    pub direction: [T; N],
+    /// How each joint came to rest.
+    pub approach: [Approach; N],
     /// Mass at the payload point, kg.
     pub payload: T,
     /// Temperature of the arm, degrees Celsius.
@@ -68,21 +75,22 @@ pub struct State<T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> State<T, N> {
-    /// At a temperature in degrees Celsius, without payload, directions unknown.
+    /// At a temperature in degrees Celsius, without payload, approach unknown.
     #[must_use]
-    pub fn at(temperature: T) -> Self {
-        Self { direction: [T::ZERO; N], payload: T::ZERO, temperature }
+    pub const fn at(temperature: T) -> Self {
+        Self { approach: [Approach::Unknown; N], payload: T::ZERO, temperature }
     }
 }
 
 /// An identified arm, folded for the control loop.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Arm<T, const N: usize> {
+pub struct Arm<'t, T, const N: usize> {
     nominal: Chain<T, N>,
     real: Chain<T, N>,
     covered: [Option<[T; 2]>; N],
     limits: [Option<[T; 2]>; N],
     terms: Vec<Term<T>, MAX_TERMS>,
+    tables: Tables<'t>,
     folded: FoldedTerms<T, N>,
     /// Only where a term depends on gravity: whether to compute loads is
     /// decided here and not in every tick.
@@ -91,11 +99,13 @@ pub struct Arm<T, const N: usize> {
     orientation_identified: bool,
 }
 
-impl<T: Scalar, const N: usize> Arm<T, N> {
+impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     /// Adds the corrections to the nominal links and folds both chains. Call
-    /// it once, at load time.
+    /// it once, at load time. Only for 1 to [`MAX_JOINTS`] joints; another
+    /// number does not compile.
     #[must_use]
-    pub fn new(parameters: &ArmParameters<T, N>) -> Self {
+    pub fn new(parameters: &ArmParameters<'t, T, N>) -> Self {
+        const { assert!(N >= 1 && N <= MAX_JOINTS, "an arm has 1 to 16 joints") };
         let p = parameters;
         let tool = Pose { translation: p.tool, ..Pose::identity() };
         let base = Pose::from_rotation_vector(p.base_translation, p.base_rotation);
@@ -112,6 +122,7 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
             covered: p.covered,
             limits: p.limits,
             terms: p.terms.clone(),
+            tables: p.tables,
             folded,
             weights,
             reference_temperature: p.reference_temperature,
@@ -147,6 +158,19 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
         &self.terms
     }
 
+    /// The tables that terms refer to.
+    #[must_use]
+    pub fn tables(&self) -> Tables<'t> {
+        self.tables
+    }
+
+    /// The arm at its reference temperature, without payload, approach unknown:
+    /// where to begin when a controller knows less than all of its state.
+    #[must_use]
+    pub fn state(&self) -> State<T, N> {
+        State::at(self.reference_temperature)
+    }
+
     /// Temperature the geometry refers to, degrees Celsius.
     #[must_use]
     pub fn reference_temperature(&self) -> T {
@@ -155,11 +179,11 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
 
     /// Where the tool really is at encoder readings `q` (rad or m), in the
     /// commanded frame, the nominal base: without payload, at the reference
-    /// temperature, directions unknown. Terms that need only `q` and gravity apply.
+    /// temperature, approach unknown. Terms that need only `q` and gravity apply.
     #[must_use]
     #[inline]
     pub fn real_pose(&self, q: &[T; N]) -> Pose<T> {
-        self.real_pose_in(q, &State::at(self.reference_temperature))
+        self.real_pose_in(q, &self.state())
     }
 
     /// Where the tool really is at encoder readings `q` (rad or m) in a state
@@ -206,7 +230,7 @@ impl<T: Scalar, const N: usize> Arm<T, N> {
         Inputs {
             q: *q,
             load,
-            direction: state.direction,
+            approach: state.approach,
             warmth: state.temperature - self.reference_temperature,
         }
     }

@@ -12,7 +12,7 @@ use crate::scalar::Scalar;
 pub struct CheckPoint<T, const N: usize> {
     /// Encoder readings, rad or m.
     pub q: [T; N],
-    /// Approach sides, payload and temperature at the measurement.
+    /// Approach, payload and temperature at the measurement.
     pub state: State<T, N>,
     /// The measured tool point, m: in the commanded frame, or in that of a
     /// tracker whose place is unknown.
@@ -30,8 +30,7 @@ impl<T: Scalar, const N: usize> CheckPoint<T, N> {
     /// Whether every number of it is one.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        let state =
-            self.state.direction.iter().chain([&self.state.payload, &self.state.temperature]);
+        let state = [&self.state.payload, &self.state.temperature];
         self.q.iter().chain(state).chain(self.point.iter()).all(|v| v.is_finite())
     }
 

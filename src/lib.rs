@@ -16,13 +16,18 @@ pub mod sensor;
 pub mod solve;
 pub mod store;
 
-pub use arm::{Arm, ArmParameters, State};
+// The types of these two are part of the interface.
+pub use heapless;
+pub use nalgebra;
+
+pub use arm::{Arm, ArmParameters, MAX_JOINTS, State};
 pub use compensate::{Compensator, Settings, Task, Tick};
+pub use effects::{Approach, Tables};
 pub use kinematics::{Chain, JointKind, Link, LinkParameter, MdhParameters, Pose};
 pub use position::RealPosition;
 pub use scalar::Scalar;
 
 /// A six-joint arm, the usual case.
-pub type Arm6<T> = Arm<T, 6>;
+pub type Arm6<'t, T> = Arm<'t, T, 6>;
 /// The parameters of a six-joint arm.
-pub type ArmParameters6<T> = ArmParameters<T, 6>;
+pub type ArmParameters6<'t, T> = ArmParameters<'t, T, 6>;

@@ -10,7 +10,7 @@ use truearm::blob::{
     Blob, DecodeError, EncodeError, Flaw, encode, encode_with, encoded_len, factor_len, robot_id,
 };
 use truearm::effects::{Effect, MAX_TERMS, Term};
-use truearm::{Arm, Pose, State};
+use truearm::{Approach, Arm, Pose, State, Tables};
 
 fn blob() -> Vec<u8> {
     let mut bytes = vec![0; encoded_len(3, MAX_TERMS)];
@@ -173,14 +173,19 @@ fn a_covariance_is_kept_and_checked() {
 /// change of the tool point when the parameters change by it.
 #[test]
 fn point_sigma_is_the_change_of_the_point() {
+    let bytes = blob();
     let mut plain: truearm::ArmParameters<f64, 3> =
-        Blob::check(&blob()).unwrap().parameters().unwrap();
+        Blob::check(&bytes).unwrap().parameters().unwrap();
     for term in &mut plain.terms {
         // Bent little, so that first order is all there is.
         term.coefficient *= 1e-3;
     }
     let q = [0.3, 0.2, -0.7];
-    let state = State { direction: [1.0, -1.0, 1.0], payload: 2.0, temperature: 30.0 };
+    let state = State {
+        approach: [Approach::Positive, Approach::Negative, Approach::Positive],
+        payload: 2.0,
+        temperature: 30.0,
+    };
     let point =
         |p: &truearm::ArmParameters<f64, 3>| Arm::new(p).real_pose_in(&q, &state).translation;
     let step = 1e-6;
@@ -350,6 +355,7 @@ fn rounding_to_binary32_moves_the_tool_by_a_tenth_of_a_micrometre() {
             base_rotation: [(); 3].map(|()| small()).into(),
             tool: nalgebra::Vector3::new(0.06, -0.025, 0.11),
             terms: heapless::Vec::new(),
+            tables: Tables::NONE,
             masses: None,
             limits: [None; 6],
             covered: [None; 6],

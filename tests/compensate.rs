@@ -11,13 +11,13 @@ use rand_chacha::ChaCha8Rng;
 use truearm::compensate::{Refusal, SettingError, Status};
 use truearm::effects::{Effect, Masses, Term};
 use truearm::{
-    Arm, ArmParameters, Compensator, JointKind, Link, MdhParameters, Pose, Scalar, Settings, State,
-    Task, Tick,
+    Approach, Arm, ArmParameters, Compensator, JointKind, Link, MdhParameters, Pose, Scalar,
+    Settings, State, Tables, Task, Tick,
 };
 
 /// An arm that misses by millimetres: geometry, compliance, a gear error, play
 /// and temperature.
-fn parameters<T: Scalar, const N: usize>(links: &[Link<f64>; N]) -> ArmParameters<T, N> {
+fn parameters<T: Scalar, const N: usize>(links: &[Link<f64>; N]) -> ArmParameters<'static, T, N> {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut number = |most: f64| T::from_f64(rng.random_range(-most..most));
     let nominal = links.map(|link| Link {
@@ -57,6 +57,7 @@ fn parameters<T: Scalar, const N: usize>(links: &[Link<f64>; N]) -> ArmParameter
         base_rotation: vector(1e-3),
         tool: vector(0.2),
         terms: heapless::Vec::from_slice(&terms).unwrap(),
+        tables: Tables::NONE,
         masses: Some(masses),
         reference_temperature: T::from_f64(20.0),
         limits: [None; N],
@@ -68,7 +69,11 @@ fn parameters<T: Scalar, const N: usize>(links: &[Link<f64>; N]) -> ArmParameter
 }
 
 fn state<T: Scalar, const N: usize>() -> State<T, N> {
-    State { direction: [T::ONE; N], payload: T::from_f64(3.0), temperature: T::from_f64(27.0) }
+    State {
+        approach: [Approach::Positive; N],
+        payload: T::from_f64(3.0),
+        temperature: T::from_f64(27.0),
+    }
 }
 
 /// Without ramp or bounds on the change, so that a tick goes all the way.
@@ -83,9 +88,9 @@ fn at_once<T: Scalar, const N: usize>(task: Task) -> Settings<T, N> {
 }
 
 fn compensator<T: Scalar, const N: usize>(
-    p: &ArmParameters<T, N>,
+    p: &ArmParameters<'static, T, N>,
     settings: Settings<T, N>,
-) -> Compensator<T, N> {
+) -> Compensator<'static, T, N> {
     let mut out = Compensator::new(Arm::new(p), settings, &[T::ZERO; N]).unwrap();
     out.set_active(true);
     out
@@ -402,9 +407,9 @@ proptest! {
         let arm = Arm::new(&parameters::<f32, 6>(&ur10()));
         let mut compensator =
             Compensator::new(arm, Settings { ramp_ticks: 3, ..Settings::new(task) }, &[0.0; 6]).unwrap();
-        for (command, direction, payload, temperature, active) in ticks {
+        for (command, motion, payload, temperature, active) in ticks {
             compensator.set_active(active);
-            let state = State { direction, payload, temperature };
+            let state = State { approach: motion.map(Approach::of_motion), payload, temperature };
             let tick = compensator.tick(&command, &state);
             prop_assert!(tick.joints.iter().all(|q| q.is_finite()));
             prop_assert!(tick.position_error.iter().chain(&tick.rotation_error).all(|e| e.is_finite()));

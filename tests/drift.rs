@@ -10,11 +10,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::check_point::CheckPoint;
 use truearm::drift::{DriftError, DriftWatch, FalseAlarms, Group, Verdict};
-use truearm::{Arm, ArmParameters, MdhParameters};
+use truearm::{Arm, ArmParameters, MdhParameters, Tables};
 
 const SIGMA: f64 = 2e-5;
 
-fn parameters() -> ArmParameters<f64, 6> {
+fn parameters() -> ArmParameters<'static, f64, 6> {
     ArmParameters {
         robot_id: 7,
         sequence: 1,
@@ -25,6 +25,7 @@ fn parameters() -> ArmParameters<f64, 6> {
         base_rotation: Vector3::zeros(),
         tool: Vector3::new(0.06, -0.025, 0.11),
         terms: heapless::Vec::new(),
+        tables: Tables::NONE,
         masses: None,
         reference_temperature: 20.0,
         limits: [None; 6],
@@ -36,9 +37,9 @@ fn parameters() -> ArmParameters<f64, 6> {
 }
 
 struct Shop {
-    arm: Arm<f64, 6>,
+    arm: Arm<'static, f64, 6>,
     /// What the arm is by now.
-    real: Arm<f64, 6>,
+    real: Arm<'static, f64, 6>,
     rng: ChaCha8Rng,
 }
 
@@ -195,7 +196,7 @@ fn bad_input_is_an_error_and_changes_nothing() {
     let mut bad = [good; 3];
     bad[0].q[3] = f64::NAN;
     bad[1].point.z = f64::INFINITY;
-    bad[2].state.direction[0] = f64::NAN;
+    bad[2].state.payload = f64::NAN;
     for point in bad {
         let pushed = watch.push(&shop.arm, &point, &Vector3::zeros());
         assert_eq!(pushed, Err(DriftError::NotFinite));

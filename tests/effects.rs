@@ -7,8 +7,9 @@ use common::{Matrix, identity, link, product, puma, rotation, scara, ur10};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use truearm::Approach::{self, Negative, Positive, Unknown};
 use truearm::effects::{Bending, Effect, FoldedTerms, Inputs, Load, Masses, Term};
-use truearm::{Arm, ArmParameters, Chain, JointKind, Link, MdhParameters, Pose, State};
+use truearm::{Arm, ArmParameters, Chain, JointKind, Link, MdhParameters, Pose, State, Tables};
 
 const TOOL: [f64; 3] = [0.05, -0.03, 0.12];
 
@@ -130,8 +131,8 @@ fn column_error<const N: usize>(links: &[Link<f64>; N]) -> (f64, usize) {
     for _ in 0..10 {
         let q = joints(&mut rng, links);
         let load = masses(&mut rng).load(&nominal, &q, 3.0);
-        let direction = [0; N].map(|_| if rng.random_bool(0.5) { 1.0 } else { -1.0 });
-        let inputs = Inputs { q, load, direction, warmth: 8.0 };
+        let approach = [0; N].map(|_| if rng.random_bool(0.5) { Positive } else { Negative });
+        let inputs = Inputs { q, load, approach, warmth: 8.0 };
         for term in all_terms::<N>() {
             let basis = term.basis(&inputs);
             let bending =
@@ -187,7 +188,7 @@ fn growth_of_all_links_scales_their_lengths() {
         for _ in 0..50 {
             let q = joints(&mut rng, links);
             let warmth = rng.random_range(-30.0..30.0);
-            let inputs = Inputs { q, load: Load::none(), direction: [0.0; N], warmth };
+            let inputs = Inputs { q, load: Load::none(), approach: [Unknown; N], warmth };
             let pose = chain.forward_bent(&q, &Bending::of(&[term], &inputs));
             let mut exact = identity();
             for (l, q) in links.iter().zip(q) {
@@ -213,37 +214,38 @@ fn growth_of_all_links_scales_their_lengths() {
 /// Approach, gravity torque, friction, and the side of the gap.
 #[test]
 fn sides_of_a_gap() {
-    for (direction, torque, friction, side) in [
-        // Direction only.
-        (1.0, 0.0, 0.0, 1.0),
-        (-1.0, 0.0, 0.0, -1.0),
-        (1.0, 50.0, 0.0, 1.0),
-        (-1.0, -50.0, 0.0, -1.0),
+    for (approach, torque, friction, side) in [
+        // Approach only.
+        (Positive, 0.0, 0.0, 1.0),
+        (Negative, 0.0, 0.0, -1.0),
+        (Positive, 50.0, 0.0, 1.0),
+        (Negative, -50.0, 0.0, -1.0),
         // Gravity below friction leaves the joint where it came to rest.
-        (1.0, 4.9, 5.0, 1.0),
-        (-1.0, -4.9, 5.0, -1.0),
+        (Positive, 4.9, 5.0, 1.0),
+        (Negative, -4.9, 5.0, -1.0),
         // Beyond it, a torque in +q carries the link to the side on which a
         // motion in -q would have left it, wherever it came from.
-        (1.0, 5.1, 5.0, -1.0),
-        (-1.0, 5.1, 5.0, -1.0),
-        (1.0, -5.1, 5.0, 1.0),
-        (-1.0, -5.1, 5.0, 1.0),
+        (Positive, 5.1, 5.0, -1.0),
+        (Negative, 5.1, 5.0, -1.0),
+        (Positive, -5.1, 5.0, 1.0),
+        (Negative, -5.1, 5.0, 1.0),
         // Unknown: the middle, unless gravity decides.
-        (0.0, 4.9, 5.0, 0.0),
-        (0.0, 50.0, 0.0, 0.0),
-        (0.0, 5.1, 5.0, -1.0),
-        (0.0, -5.1, 5.0, 1.0),
+        (Unknown, 4.9, 5.0, 0.0),
+        (Unknown, 50.0, 0.0, 0.0),
+        (Unknown, 5.1, 5.0, -1.0),
+        (Unknown, -5.1, 5.0, 1.0),
     ] {
         let load = Load { torque: [0.0, torque], moment: [0.0; 2] };
-        let inputs = Inputs { q: [0.3, 0.4], load, direction: [0.0, direction], warmth: 0.0 };
+        let approaches = [Unknown, approach];
+        let inputs = Inputs { q: [0.3, 0.4], load, approach: approaches, warmth: 0.0 };
         let term = Term { order: friction, ..term(Effect::Backlash, 1, 0) };
         // The link lags on the other side of the gap.
-        assert_eq!(term.basis(&inputs), -side, "{direction} {torque} {friction}");
+        assert_eq!(term.basis(&inputs), -side, "{approach:?} {torque} {friction}");
         assert_eq!(term.needs_load(), friction > 0.0);
     }
 }
 
-fn parameters(terms: &[Term<f64>]) -> ArmParameters<f64, 6> {
+fn parameters(terms: &[Term<f64>]) -> ArmParameters<'static, f64, 6> {
     let nominal = ur10();
     let zero = MdhParameters::from_array([0.0; 5]);
     let mut corrections = [zero; 6];
@@ -258,6 +260,7 @@ fn parameters(terms: &[Term<f64>]) -> ArmParameters<f64, 6> {
         base_rotation: Vector3::new(0.0, 1e-3, 0.0),
         tool: Vector3::from(TOOL),
         terms: heapless::Vec::from_slice(terms).unwrap(),
+        tables: Tables::NONE,
         masses: Some(masses(&mut ChaCha8Rng::seed_from_u64(8))),
         reference_temperature: 21.0,
         limits: [None; 6],
@@ -281,13 +284,13 @@ fn an_arm_bends_by_its_terms_and_its_state() {
         let chain = Chain::new(&p.nominal, Pose::identity(), Pose::identity());
         p.masses.unwrap().load(&chain, &Q, payload).torque[1]
     };
-    let state = State { direction: [1.0; 6], payload: 5.0, temperature: 31.0 };
+    let state = State { approach: [Positive; 6], payload: 5.0, temperature: 31.0 };
     let bending = arm.bending(&Q, &state);
     assert_eq!(bending.joints, [0.0, 1e-5 * torque(5.0), -1e-4, 0.0, 0.0, 0.0]);
     assert!(bending.growth.iter().all(|g| (g - 1e-4).abs() < 1e-18));
     assert_eq!(arm.real_pose_in(&Q, &state), arm.real().forward_bent(&Q, &bending));
 
-    // Without a state: gravity acts, payload, warmth and direction do not.
+    // Without a state: gravity acts, payload, warmth and approach do not.
     let at_rest = arm.bending(&Q, &State::at(21.0));
     assert_eq!(at_rest.joints, [0.0, 1e-5 * torque(0.0), 0.0, 0.0, 0.0, 0.0]);
     assert_eq!(at_rest.growth, [0.0; 6]);
@@ -301,7 +304,7 @@ fn an_arm_bends_by_its_terms_and_its_state() {
 #[test]
 fn an_arm_without_terms_is_rigid() {
     let arm = Arm::new(&parameters(&[]));
-    let state = State { direction: [1.0; 6], payload: 5.0, temperature: 40.0 };
+    let state = State { approach: [Positive; 6], payload: 5.0, temperature: 40.0 };
     assert_eq!(arm.real_pose(&Q), arm.real().forward(&Q));
     assert_eq!(arm.real_pose_in(&Q, &state), arm.real().forward(&Q));
     // Without masses a term that depends on them does nothing; a blob with
@@ -327,7 +330,7 @@ fn folded_terms_give_the_sum_of_the_terms() {
                 torque: [0; 6].map(|_| rng.random_range(-50.0..50.0)),
                 moment: [0; 2].map(|_| rng.random_range(-90.0..90.0)),
             },
-            direction: [0; 6].map(|_| f64::from(rng.random_range(-1..=1))),
+            approach: [0; 6].map(|_| Approach::of_motion(f64::from(rng.random_range(-1..=1)))),
             warmth: rng.random_range(-9.0..9.0),
         };
         let (folded, sum) =

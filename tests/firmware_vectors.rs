@@ -14,7 +14,7 @@ const VECTORS: &[u8] = include_bytes!("data/firmware/fk.vectors");
 const TERMS_BLOB: &[u8] = include_bytes!("data/firmware/ur10-terms.blob");
 const TERMS_VECTORS: &[u8] = include_bytes!("data/firmware/terms.vectors");
 
-fn parameters<T: Scalar>(blob: &[u8]) -> ArmParameters<T, JOINTS> {
+fn parameters<T: Scalar>(blob: &[u8]) -> ArmParameters<'_, T, JOINTS> {
     Blob::check(blob).unwrap().parameters().unwrap()
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::Vector3;
 use truearm::blob::{Blob, LAYOUT, encode_with, encoded_len, factor_len, robot_id};
 use truearm::effects::{Effect, MAX_TERMS, Masses, Term};
-use truearm::{ArmParameters, Link, MdhParameters};
+use truearm::{ArmParameters, Link, MdhParameters, Tables};
 
 fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/golden").join(name)
@@ -16,7 +16,7 @@ fn path(name: &str) -> PathBuf {
 struct Golden<const N: usize> {
     name: &'static str,
     layout: u16,
-    parameters: ArmParameters<f32, N>,
+    parameters: ArmParameters<'static, f32, N>,
     factor: Option<Vec<f32>>,
 }
 
@@ -96,7 +96,7 @@ fn the_example_of_the_format_is_a_golden_blob() {
     assert_eq!(bytes, std::fs::read(path("layout-3-least.blob")).unwrap());
 }
 
-fn least() -> ArmParameters<f32, 1> {
+fn least() -> ArmParameters<'static, f32, 1> {
     ArmParameters {
         robot_id: robot_id("arm", "0042"),
         sequence: 7,
@@ -107,6 +107,7 @@ fn least() -> ArmParameters<f32, 1> {
         base_rotation: Vector3::zeros(),
         tool: Vector3::new(0.1, 0.0, 0.0),
         terms: heapless::Vec::new(),
+        tables: Tables::NONE,
         masses: None,
         reference_temperature: 20.0,
         limits: [Some([-3.0, 3.0])],
@@ -142,7 +143,7 @@ fn every_effect() -> heapless::Vec<Term<f32>, MAX_TERMS> {
 }
 
 /// Three joints, one of them prismatic, with everything.
-fn parameters() -> ArmParameters<f32, 3> {
+fn parameters() -> ArmParameters<'static, f32, 3> {
     let correction = |k: f32| MdhParameters::from_array([1e-3 * k, 2e-4, -3e-3, 4e-4 * k, 5e-4]);
     ArmParameters {
         robot_id: robot_id("arm", "0042"),
@@ -162,6 +163,7 @@ fn parameters() -> ArmParameters<f32, 3> {
         rms_before: 1.1e-3,
         rms_after: 4.4e-4,
         terms: every_effect(),
+        tables: Tables::NONE,
         masses: Some(Masses {
             gravity: Vector3::new(0.5, -0.1, -9.8),
             mass: [7.0, 12.5, 0.25],

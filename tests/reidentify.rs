@@ -10,11 +10,14 @@ use rand_chacha::ChaCha8Rng;
 use truearm::check_point::CheckPoint;
 use truearm::effects::{Effect, Term};
 use truearm::reidentify::{Reidentified, Reidentify, ReidentifyError, Unknown};
-use truearm::{Arm, ArmParameters, JointKind, LinkParameter, MdhParameters, Pose, Scalar, State};
+use truearm::{
+    Approach, Arm, ArmParameters, JointKind, LinkParameter, MdhParameters, Pose, Scalar, State,
+    Tables,
+};
 
 const TOOL: [f64; 3] = [0.06, -0.025, 0.11];
 
-fn stored<T: Scalar>() -> ArmParameters<T, 6> {
+fn stored<T: Scalar>() -> ArmParameters<'static, T, 6> {
     let of = |v: f64| T::from_f64(v);
     let zero = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
     ArmParameters {
@@ -30,6 +33,7 @@ fn stored<T: Scalar>() -> ArmParameters<T, 6> {
         base_rotation: zero,
         tool: Vector3::new(of(TOOL[0]), of(TOOL[1]), of(TOOL[2])),
         terms: heapless::Vec::new(),
+        tables: Tables::NONE,
         masses: None,
         reference_temperature: of(20.0),
         limits: [None; 6],
@@ -217,7 +221,8 @@ fn any_parameter_can_be_chosen_and_terms_keep_acting() {
     let points: Vec<_> = (0..10)
         .map(|_| {
             let q = joints(&mut rng);
-            let state = State { direction: [1.0; 6], payload: 2.0, temperature: 30.0 };
+            let state =
+                State { approach: [Approach::Positive; 6], payload: 2.0, temperature: 30.0 };
             CheckPoint { q, state, point: arm.real_pose_in(&q, &state).translation }
         })
         .collect();

@@ -68,7 +68,7 @@ static TruearmState state(uint32_t index)
     TruearmState state = {.payload_kg = index % 11, .temperature_c = 10 + index % 31};
     uint32_t digits = index;
     for (int j = 0; j < TRUEARM_JOINTS; j++, digits /= 3)
-        state.direction[j] = (float)(digits % 3) - 1;
+        state.approach[j] = (int8_t)(digits % 3) - 1;
     return state;
 }
 
@@ -167,6 +167,10 @@ static void refusals(Truearm *arm, uint64_t robot)
     EXPECT(truearm_tick(arm, q, NULL, &tick), TRUEARM_ERROR_NULL);
     EXPECT(truearm_tick(arm, q, &now, NULL), TRUEARM_ERROR_NULL);
     EXPECT(truearm_tick(NULL, q, &now, &tick), TRUEARM_ERROR_NULL);
+    now.approach[2] = 2;
+    EXPECT(truearm_tick(arm, q, &now, &tick), TRUEARM_ERROR_BAD_APPROACH);
+    EXPECT(truearm_real_pose(arm, q, &now, &nominal), TRUEARM_ERROR_BAD_APPROACH);
+    now.approach[2] = TRUEARM_APPROACH_NEGATIVE;
 
     EXPECT(truearm_nominal_pose(arm, q, &nominal), TRUEARM_ERROR_OK);
     tool[0] = 2;

@@ -22,12 +22,12 @@
  Version of this interface: changes whenever a function, a structure or the
  memory it needs does.
  */
-#define TRUEARM_VERSION 1
+#define TRUEARM_VERSION 2
 
 /*
  Bytes of memory that `truearm_init` needs.
  */
-#define TRUEARM_MEMORY_SIZE 3328
+#define TRUEARM_MEMORY_SIZE 3360
 
 /*
  Alignment of that memory.
@@ -98,6 +98,10 @@ enum TruearmError
    A pose is not finite: an input is not, or is out of range.
    */
   TRUEARM_ERROR_NOT_FINITE = 13,
+  /*
+   An approach of the state is none of `TruearmApproach`.
+   */
+  TRUEARM_ERROR_BAD_APPROACH = 14,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -145,6 +149,35 @@ enum TruearmStatus
 typedef enum TruearmStatus TruearmStatus;
 #else
 typedef int32_t TruearmStatus;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ How a joint came to rest, or moves.
+ */
+enum TruearmApproach
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   In -q.
+   */
+  TRUEARM_APPROACH_NEGATIVE = -1,
+  /*
+   Not known.
+   */
+  TRUEARM_APPROACH_UNKNOWN = 0,
+  /*
+   In +q.
+   */
+  TRUEARM_APPROACH_POSITIVE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum TruearmApproach TruearmApproach;
+#else
+typedef int8_t TruearmApproach;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -223,10 +256,9 @@ typedef struct TruearmSettings {
  */
 typedef struct TruearmState {
   /*
-   Side from which each joint came to rest, or moves: +1 in +q, -1 in -q,
-   0 unknown.
+   Of `TruearmApproach`, for each joint.
    */
-  float direction[TRUEARM_JOINTS];
+  int8_t approach[TRUEARM_JOINTS];
   /*
    Mass at the payload point, kg.
    */
@@ -330,14 +362,16 @@ TruearmError truearm_init(uint32_t version,
 /*
  Reads a parameter blob (as `truearm pack` writes it), checked byte by byte,
  and starts over with its arm, switched off. What lies behind the blob is
- ignored, so that a whole memory slot may be given; it is copied.
+ ignored, so that a whole memory slot may be given. It must stay there as long
+ as the arm is used: tables of effects are not copied.
 
  `robot_id` is the id of this robot, as `truearm inspect` prints it: another
  robot's blob is refused. `joints` are where the arm stands, rad. Refused
  while compensation is on or being faded out; on an error nothing changes.
 
  # Safety
- `blob` is NULL or `size` readable bytes; other pointers NULL or as typed.
+ `blob` is NULL or `size` bytes, readable and unchanged as long as the arm is
+ used; other pointers NULL or as typed.
  */
 TruearmError truearm_load(struct Truearm *arm,
                           const uint8_t *blob,
@@ -388,8 +422,8 @@ TruearmError truearm_set_active(struct Truearm *arm, int32_t active);
 /*
  One control tick: the joints, rad, at which the real tool is where the
  nominal model has it at `command`, rad. Returns an error for a bad pointer
- or without parameters only; whatever the numbers, `tick` then holds finite
- joints, and its status says whether they are compensated.
+ or approach, or without parameters only; whatever the numbers, `tick` then
+ holds finite joints, and its status says whether they are compensated.
 
  # Safety
  Every pointer is NULL or as typed; `command` points to 6 floats.
@@ -401,7 +435,7 @@ TruearmError truearm_tick(struct Truearm *arm,
 
 /*
  Where the tool really is at encoder readings, rad. Without a state (NULL):
- no payload, at the reference temperature, directions unknown.
+ no payload, at the reference temperature, approach unknown.
 
  # Safety
  Every pointer is NULL or as typed; `encoders` points to 6 floats.

@@ -11,20 +11,20 @@ mod types;
 use core::ffi::c_void;
 
 use truearm::blob::{Acceptance, Refusal};
-use truearm::{Arm6, Compensator, Pose, Scalar, State};
+use truearm::{Arm6, Compensator, Pose, Scalar};
 
-use pointer::{handle, input, input_or, writable};
-use types::settings_of;
+use pointer::{handle, input, optional, writable};
 pub use types::{
-    TRUEARM_JOINTS, TruearmError, TruearmPose, TruearmSettings, TruearmState, TruearmStatus,
-    TruearmTask, TruearmTick,
+    TRUEARM_JOINTS, TruearmApproach, TruearmError, TruearmPose, TruearmSettings, TruearmState,
+    TruearmStatus, TruearmTask, TruearmTick,
 };
+use types::{settings_of, state_of};
 
 /// Version of this interface: changes whenever a function, a structure or the
 /// memory it needs does.
-pub const TRUEARM_VERSION: u32 = 1;
+pub const TRUEARM_VERSION: u32 = 2;
 /// Bytes of memory that `truearm_init` needs.
-pub const TRUEARM_MEMORY_SIZE: usize = 3328;
+pub const TRUEARM_MEMORY_SIZE: usize = 3360;
 /// Alignment of that memory.
 pub const TRUEARM_MEMORY_ALIGN: usize = 8;
 
@@ -43,7 +43,7 @@ pub struct Truearm {
     initialised: u64,
     /// Whether the last tick was one without compensation.
     idle: bool,
-    compensator: Option<Compensator<f32, TRUEARM_JOINTS>>,
+    compensator: Option<Compensator<'static, f32, TRUEARM_JOINTS>>,
 }
 
 type Result<T = ()> = core::result::Result<T, TruearmError>;
@@ -56,14 +56,14 @@ fn code(result: Result) -> TruearmError {
 }
 
 impl Truearm {
-    fn arm(&self) -> Result<&Arm6<f32>> {
+    fn arm(&self) -> Result<&Arm6<'static, f32>> {
         Ok(self.compensator.as_ref().ok_or(TruearmError::NotLoaded)?.arm())
     }
 
     /// A new compensator, switched off; nothing changes on an error.
     fn start(
         &mut self,
-        arm: Arm6<f32>,
+        arm: Arm6<'static, f32>,
         settings: &TruearmSettings,
         joints: &[f32; TRUEARM_JOINTS],
     ) -> Result {
@@ -132,14 +132,16 @@ pub unsafe extern "C" fn truearm_init(
 
 /// Reads a parameter blob (as `truearm pack` writes it), checked byte by byte,
 /// and starts over with its arm, switched off. What lies behind the blob is
-/// ignored, so that a whole memory slot may be given; it is copied.
+/// ignored, so that a whole memory slot may be given. It must stay there as long
+/// as the arm is used: tables of effects are not copied.
 ///
 /// `robot_id` is the id of this robot, as `truearm inspect` prints it: another
 /// robot's blob is refused. `joints` are where the arm stands, rad. Refused
 /// while compensation is on or being faded out; on an error nothing changes.
 ///
 /// # Safety
-/// `blob` is NULL or `size` readable bytes; other pointers NULL or as typed.
+/// `blob` is NULL or `size` bytes, readable and unchanged as long as the arm is
+/// used; other pointers NULL or as typed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_load(
     arm: *mut Truearm,
@@ -156,7 +158,7 @@ pub unsafe extern "C" fn truearm_load(
             return Err(TruearmError::Null);
         }
         // SAFETY: the caller's promise; bytes need no alignment.
-        let bytes = unsafe { core::slice::from_raw_parts(blob, size) };
+        let bytes: &'static [u8] = unsafe { core::slice::from_raw_parts(blob, size) };
         let blob = Acceptance::of(robot_id).check(bytes).map_err(|refusal| match refusal {
             Refusal::WrongRobot { .. } => TruearmError::OtherRobot,
             _ => TruearmError::BadBlob,
@@ -241,8 +243,8 @@ pub unsafe extern "C" fn truearm_set_active(arm: *mut Truearm, active: i32) -> T
 
 /// One control tick: the joints, rad, at which the real tool is where the
 /// nominal model has it at `command`, rad. Returns an error for a bad pointer
-/// or without parameters only; whatever the numbers, `tick` then holds finite
-/// joints, and its status says whether they are compensated.
+/// or approach, or without parameters only; whatever the numbers, `tick` then
+/// holds finite joints, and its status says whether they are compensated.
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `command` points to 6 floats.
@@ -258,9 +260,10 @@ pub unsafe extern "C" fn truearm_tick(
         let (this, command, state) = unsafe {
             (handle(arm)?, input(command.cast::<[f32; TRUEARM_JOINTS]>())?, input(state)?)
         };
+        let state = state_of(&state)?;
         writable(tick)?;
         let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
-        let done = TruearmTick::from(&compensator.tick(&command, &state.into()));
+        let done = TruearmTick::from(&compensator.tick(&command, &state));
         this.idle = done.status == TruearmStatus::Off;
         // SAFETY: the caller's promise; not NULL and aligned.
         unsafe { tick.write(done) };
@@ -269,7 +272,7 @@ pub unsafe extern "C" fn truearm_tick(
 }
 
 /// Where the tool really is at encoder readings, rad. Without a state (NULL):
-/// no payload, at the reference temperature, directions unknown.
+/// no payload, at the reference temperature, approach unknown.
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `encoders` points to 6 floats.
@@ -285,9 +288,11 @@ pub unsafe extern "C" fn truearm_real_pose(
         let (this, q) = unsafe { (handle(arm)?, input(encoders.cast::<[f32; TRUEARM_JOINTS]>())?) };
         writable(pose)?;
         let arm = this.arm()?;
-        let neutral = State::at(arm.reference_temperature());
         // SAFETY: the caller's promise.
-        let state = unsafe { input_or(state, neutral)? };
+        let state = match unsafe { optional(state)? } {
+            Some(state) => state_of(&state)?,
+            None => arm.state(),
+        };
         finish(pose, &arm.real_pose_in(&q, &state), arm.covers(&q))
     })())
 }

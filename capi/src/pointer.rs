@@ -28,16 +28,16 @@ pub unsafe fn input<T: Copy>(pointer: *const T) -> Result<T> {
     Ok(unsafe { pointer.read() })
 }
 
-/// The same, or another for NULL.
+/// The same, or `None` for NULL.
 ///
 /// # Safety
 /// As for `input`.
-pub unsafe fn input_or<T: Copy + Into<U>, U>(pointer: *const T, other: U) -> Result<U> {
+pub unsafe fn optional<T: Copy>(pointer: *const T) -> Result<Option<T>> {
     if pointer.is_null() {
-        return Ok(other);
+        return Ok(None);
     }
     // SAFETY: the caller's promise.
-    Ok(unsafe { input(pointer)? }.into())
+    unsafe { input(pointer) }.map(Some)
 }
 
 /// Refuses what cannot be written to.

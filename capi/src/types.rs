@@ -1,7 +1,7 @@
 //! The structures of the header. All bytes are valid for those that come in.
 
 use truearm::compensate::Status;
-use truearm::{Pose, Scalar, Settings, State, Task, Tick};
+use truearm::{Approach, Pose, Scalar, Settings, State, Task, Tick};
 
 use crate::Result;
 
@@ -40,6 +40,8 @@ pub enum TruearmError {
     BadTool = 12,
     /// A pose is not finite: an input is not, or is out of range.
     NotFinite = 13,
+    /// An approach of the state is none of `TruearmApproach`.
+    BadApproach = 14,
 }
 
 /// What compensation has to meet.
@@ -74,13 +76,24 @@ pub struct TruearmSettings {
     pub max_change: [f32; TRUEARM_JOINTS],
 }
 
+/// How a joint came to rest, or moves.
+#[repr(i8)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TruearmApproach {
+    /// In -q.
+    Negative = -1,
+    /// Not known.
+    Unknown = 0,
+    /// In +q.
+    Positive = 1,
+}
+
 /// What the terms of an arm depend on besides the joint values.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct TruearmState {
-    /// Side from which each joint came to rest, or moves: +1 in +q, -1 in -q,
-    /// 0 unknown.
-    pub direction: [f32; TRUEARM_JOINTS],
+    /// Of `TruearmApproach`, for each joint.
+    pub approach: [i8; TRUEARM_JOINTS],
     /// Mass at the payload point, kg.
     pub payload_kg: f32,
     /// Temperature of the arm, degrees Celsius.
@@ -211,10 +224,20 @@ pub fn rigid(rows: &[[f32; 4]; 3]) -> Result<Pose<f32>> {
     }
 }
 
-impl From<TruearmState> for State<f32, TRUEARM_JOINTS> {
-    fn from(c: TruearmState) -> Self {
-        Self { direction: c.direction, payload: c.payload_kg, temperature: c.temperature_c }
+pub fn state_of(c: &TruearmState) -> Result<State<f32, TRUEARM_JOINTS>> {
+    const NEGATIVE: i8 = TruearmApproach::Negative as i8;
+    const UNKNOWN: i8 = TruearmApproach::Unknown as i8;
+    const POSITIVE: i8 = TruearmApproach::Positive as i8;
+    let mut approach = [Approach::Unknown; TRUEARM_JOINTS];
+    for (rust, c) in approach.iter_mut().zip(&c.approach) {
+        *rust = match *c {
+            NEGATIVE => Approach::Negative,
+            UNKNOWN => Approach::Unknown,
+            POSITIVE => Approach::Positive,
+            _ => return Err(TruearmError::BadApproach),
+        };
     }
+    Ok(State { approach, payload: c.payload_kg, temperature: c.temperature_c })
 }
 
 impl From<&Tick<f32, TRUEARM_JOINTS>> for TruearmTick {

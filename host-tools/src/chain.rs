@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use truearm::effects::{Bending, Inputs, Load, Masses, Term};
-use truearm::{Chain, Link, Pose};
+use truearm::{Approach, Chain, Link, Pose};
 
 /// Calls `$body` with the constant `N` equal to the run-time `$n`.
 macro_rules! with_joints {
@@ -59,8 +59,8 @@ pub struct RowInputs {
     pub torque: Vec<f64>,
     /// Overturning moment about the base's x and y.
     pub moment: [f64; 2],
-    /// Side each joint came to rest from; empty if unknown.
-    pub direction: Vec<f64>,
+    /// How each joint came to rest; empty if unknown.
+    pub approach: Vec<Approach>,
     /// Temperature above reference, K.
     pub warmth: f64,
 }
@@ -71,7 +71,7 @@ impl RowInputs {
         Inputs {
             q: fixed(q),
             load: Load { torque: or_zero(&self.torque), moment: self.moment },
-            direction: or_zero(&self.direction),
+            approach: self.approach.as_slice().try_into().unwrap_or([Approach::Unknown; N]),
             warmth: self.warmth,
         }
     }

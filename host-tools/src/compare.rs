@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::blob::Blob;
 use truearm::effects::Term;
-use truearm::{Arm, ArmParameters, JointKind, LinkParameter, State};
+use truearm::{Approach, Arm, ArmParameters, JointKind, LinkParameter, State};
 
 use crate::chain::with_joints;
 use crate::describe::term_columns;
@@ -245,7 +245,8 @@ fn farthest<const N: usize>(
     for _ in 0..poses {
         let q = ranges.map(|[low, high]| rng.random_range(low..=high));
         let state = State {
-            direction: [(); N].map(|()| if rng.random() { 1.0 } else { -1.0 }),
+            approach: [(); N]
+                .map(|()| if rng.random() { Approach::Positive } else { Approach::Negative }),
             payload: 0.0,
             temperature: a.reference_temperature + rng.random_range(-WARMTH..=WARMTH),
         };

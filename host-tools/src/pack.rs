@@ -1,9 +1,9 @@
 //! From a model to the bytes a controller reads.
 
 use nalgebra::Vector3;
-use truearm::ArmParameters;
 use truearm::blob::{self, DecodeError, EncodeError, Flaw, Key, Record};
 use truearm::effects::{MAX_TERMS, Masses, Term};
+use truearm::{ArmParameters, Tables};
 
 use crate::chain::{fixed, with_joints};
 use crate::error::{Error, Result};
@@ -175,7 +175,7 @@ fn parameters<const N: usize>(
     terms: heapless::Vec<Term<f64>, MAX_TERMS>,
     sequence: u32,
     created: u32,
-) -> ArmParameters<f64, N> {
+) -> ArmParameters<'static, f64, N> {
     let robot = &model.robot;
     let joints: [_; N] = fixed(&robot.joints);
     let covered: [_; N] = fixed(&model.covered);
@@ -191,6 +191,7 @@ fn parameters<const N: usize>(
         // file is only where it was meant to be.
         tool: model.markers.first().map_or_else(Vector3::zeros, |m| m.1),
         terms,
+        tables: Tables::NONE,
         masses: masses(robot),
         reference_temperature: robot.reference_temperature,
         limits: joints.map(|j| j.limits),

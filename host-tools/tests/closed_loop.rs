@@ -10,7 +10,7 @@ use simulate::arm::Moment;
 use simulate::sets::BlindSet;
 use truearm::blob::Blob;
 use truearm::compensate::Status;
-use truearm::{Arm6, Compensator, Pose, Settings, State, Task};
+use truearm::{Approach, Arm6, Compensator, Pose, Settings, State, Task};
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::identify::registration::rigid_transform;
 use truearm_host::pack::{PackOptions, pack_with};
@@ -77,7 +77,7 @@ fn closed_loop(set: &BlindSet) -> Option<Errors> {
     let settings = Settings { max_change: [0.1; 6], ..settings };
     let mut compensator = Compensator::new(arm.clone(), settings, &[0.0; 6]).unwrap();
     compensator.set_active(true);
-    let state = State { direction: [1.0; 6], ..State::at(20.0) };
+    let state = State { approach: [Approach::Positive; 6], ..State::at(20.0) };
     let mut rng = ChaCha8Rng::seed_from_u64(set.seed ^ 0x7a96);
     let mut sums = [0.0; 3];
     let mut targets = 0_u32;

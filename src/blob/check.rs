@@ -1,10 +1,11 @@
 use super::error::{DecodeError, FieldName, Flaw, Record};
 use super::layout::{
     CHECKSUM, FLAG_COVARIANCE, FLAG_MASSES, FLAG_ORIENTATION, FLAG_TAG, FLAGS, HAS_COVERED,
-    HAS_LIMITS, HEADER, LAYOUT, MAGIC, MAX_JOINTS, REALS, RECORD, TAG, TERM, checksum, encoded_len,
-    factor_len, uncertain_parameters,
+    HAS_LIMITS, HEADER, LAYOUT, MAGIC, REALS, RECORD, TAG, TERM, checksum, encoded_len, factor_len,
+    uncertain_parameters,
 };
 use super::term;
+use crate::arm::MAX_JOINTS;
 use crate::effects::MAX_TERMS;
 use crate::kinematics::{JointKind, LinkParameter};
 

@@ -10,11 +10,11 @@ use super::layout::{
 };
 use super::term;
 use crate::arm::ArmParameters;
-use crate::effects::Masses;
+use crate::effects::{Masses, Tables};
 use crate::kinematics::{JointKind, Link, MdhParameters};
 use crate::scalar::Scalar;
 
-impl Blob<'_> {
+impl<'a> Blob<'a> {
     /// Joints of the arm.
     #[must_use]
     pub fn joints(&self) -> usize {
@@ -78,7 +78,7 @@ impl Blob<'_> {
     /// [`DecodeError::WrongArm`] when the blob has another number of joints.
     pub fn parameters<T: Scalar, const N: usize>(
         &self,
-    ) -> Result<ArmParameters<T, N>, DecodeError> {
+    ) -> Result<ArmParameters<'a, T, N>, DecodeError> {
         if self.joints() != N {
             return Err(DecodeError::WrongArm { blob: self.joints(), arm: N });
         }
@@ -99,6 +99,7 @@ impl Blob<'_> {
             rms_before: real(&mut reader),
             rms_after: real(&mut reader),
             terms: Vec::new(),
+            tables: Tables::NONE,
             masses: None,
             reference_temperature: real(&mut reader),
             orientation_identified: flags & FLAG_ORIENTATION != 0,

@@ -6,10 +6,10 @@ use super::check::Blob;
 use super::error::DecodeError;
 use super::layout::{
     CHECKSUM, FLAG_COVARIANCE, FLAG_MASSES, FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, LAYOUT,
-    MAGIC, MAX_JOINTS, checksum, encoded_len, factor_len,
+    MAGIC, checksum, encoded_len, factor_len,
 };
 use super::term;
-use crate::arm::ArmParameters;
+use crate::arm::{ArmParameters, MAX_JOINTS};
 use crate::effects::Masses;
 use crate::kinematics::JointKind;
 use crate::scalar::Scalar;

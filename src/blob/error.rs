@@ -1,6 +1,7 @@
 use core::fmt;
 
-use super::layout::{LAYOUT, MAX_JOINTS};
+use super::layout::LAYOUT;
+use crate::arm::MAX_JOINTS;
 use crate::effects::MAX_TERMS;
 
 /// The part of a blob a field stands in.

@@ -6,8 +6,6 @@ use crc::{CRC_32_ISCSI, CRC_64_XZ, Crc};
 pub const MAGIC: [u8; 4] = *b"TARM";
 /// The layout this version writes and reads: format 1.0.
 pub const LAYOUT: u16 = 3;
-/// More joints than any arm.
-pub const MAX_JOINTS: usize = 16;
 /// Bytes of an authentication tag.
 pub const TAG: usize = 32;
 

@@ -26,6 +26,4 @@ pub use check::Blob;
 pub use covariance::Covariance;
 pub use encode::{EncodeError, encode, encode_with};
 pub use error::{DecodeError, FieldName, Flaw, Record};
-pub use layout::{
-    LAYOUT, MAGIC, MAX_JOINTS, TAG, encoded_len, factor_len, robot_id, uncertain_parameters,
-};
+pub use layout::{LAYOUT, MAGIC, TAG, encoded_len, factor_len, robot_id, uncertain_parameters};

@@ -20,8 +20,8 @@ pub use settings::{SettingError, Settings, Task};
 /// [`Settings::singular`]), found by linearising at the correction of the tick
 /// before; it depends on the command and the state only, not on the way there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Compensator<T, const N: usize> {
-    arm: Arm<T, N>,
+pub struct Compensator<'t, T, const N: usize> {
+    arm: Arm<'t, T, N>,
     settings: Settings<T, N>,
     rule: Rule<T>,
     active: bool,
@@ -50,13 +50,13 @@ struct Step<T, const N: usize> {
     bound: Joints,
 }
 
-impl<T: Scalar, const N: usize> Compensator<T, N> {
+impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     /// Switched off, for an arm that stands at `joints` (rad or m).
     ///
     /// # Errors
     /// A setting that makes no sense, by name.
     pub fn new(
-        arm: Arm<T, N>,
+        arm: Arm<'t, T, N>,
         settings: Settings<T, N>,
         joints: &[T; N],
     ) -> Result<Self, SettingError> {
@@ -90,13 +90,13 @@ impl<T: Scalar, const N: usize> Compensator<T, N> {
 
     /// The arm.
     #[must_use]
-    pub fn arm(&self) -> &Arm<T, N> {
+    pub fn arm(&self) -> &Arm<'t, T, N> {
         &self.arm
     }
 
     /// Another arm, after a re-identification or with another tool. What is
     /// applied goes over to its correction by at most `max_change` a tick.
-    pub fn set_arm(&mut self, arm: Arm<T, N>) {
+    pub fn set_arm(&mut self, arm: Arm<'t, T, N>) {
         self.limits = limits(&arm);
         self.arm = arm;
     }
@@ -198,7 +198,7 @@ impl<T: Scalar, const N: usize> Compensator<T, N> {
         if !finite(command) {
             return self.hold(command);
         }
-        let known = finite(&state.direction) && finite(&[state.payload, state.temperature]);
+        let known = finite(&[state.payload, state.temperature]);
         let refusal = if known { Refusal::OutOfRange } else { Refusal::StateNotFinite };
         self.correction = [T::ZERO; N];
         let clamped = self.apply(command);

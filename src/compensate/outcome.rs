@@ -91,7 +91,7 @@ pub enum Refusal {
         /// Joint, counted from 0.
         joint: usize,
     },
-    /// A direction, the payload or the temperature is infinite or NaN.
+    /// The payload or the temperature is infinite or NaN.
     StateNotFinite,
     /// A result is not finite: a joint beyond the range of
     /// [`crate::Scalar::sin_cos`], or lengths beyond that of the number type.
@@ -104,7 +104,7 @@ impl core::fmt::Display for Refusal {
             Self::CommandNotFinite { joint } => {
                 write!(f, "the command of joint {} is not finite", joint + 1)
             }
-            Self::StateNotFinite => f.write_str("direction, payload or temperature is not finite"),
+            Self::StateNotFinite => f.write_str("payload or temperature is not finite"),
             Self::OutOfRange => f.write_str("no finite pose at this command"),
         }
     }

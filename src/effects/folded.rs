@@ -152,9 +152,9 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
         }
         for Gap { joint, friction, half } in &self.gaps {
             let torque = at(&inputs.load.torque, *joint);
-            let direction = at(&inputs.direction, *joint);
+            let approach = inputs.approach.get(usize::from(*joint));
             let side =
-                torque.zip(direction).map(|(t, d)| super::term::side_of_gap(*friction, t, d));
+                torque.zip(approach).map(|(t, a)| super::term::side_of_gap(*friction, t, *a));
             add(*joint, side.map(|side| side * *half));
         }
         out

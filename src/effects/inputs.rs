@@ -1,3 +1,4 @@
+use super::approach::Approach;
 use super::statics::Load;
 
 /// What terms depend on at one moment.
@@ -8,8 +9,8 @@ pub struct Inputs<T, const N: usize> {
     pub q: [T; N],
     /// Gravity.
     pub load: Load<T, N>,
-    /// Side from which each joint came to rest: +1, -1, or 0 if unknown.
-    pub direction: [T; N],
+    /// How each joint came to rest.
+    pub approach: [Approach; N],
     /// Temperature above the reference temperature, K.
     pub warmth: T,
 }

@@ -5,14 +5,18 @@
 //! [`Term::basis`] times a geometric column. Identification and controller
 //! share this code.
 
+mod approach;
 mod folded;
 mod inputs;
 mod statics;
+mod tables;
 mod term;
 
+pub use approach::Approach;
 pub use folded::FoldedTerms;
 pub use inputs::Inputs;
 pub use statics::{Load, Masses, Weights};
+pub use tables::Tables;
 pub use term::{Bending, Effect, Term};
 
 /// Most terms of an arm.

@@ -1,5 +1,6 @@
 use nalgebra::Vector3;
 
+use super::approach::Approach;
 use super::inputs::Inputs;
 use crate::kinematics::{JointKind, Link, LinkColumns};
 use crate::scalar::Scalar;
@@ -139,6 +140,7 @@ impl<T: Scalar> Term<T> {
     #[must_use]
     #[inline]
     pub fn basis<const N: usize>(&self, inputs: &Inputs<T, N>) -> T {
+        let joint = usize::from(self.joint);
         let at = |values: &[T; N], joint: u8| values.get(usize::from(joint)).copied();
         let value = match self.effect {
             Effect::JointCompliance => at(&inputs.load.torque, self.joint),
@@ -152,8 +154,8 @@ impl<T: Scalar> Term<T> {
             Effect::JointGain => at(&inputs.q, self.joint),
             Effect::JointCoupling => at(&inputs.q, self.source),
             Effect::Backlash => at(&inputs.load.torque, self.joint)
-                .zip(at(&inputs.direction, self.joint))
-                .map(|(torque, direction)| side_of_gap(self.order, torque, direction)),
+                .zip(inputs.approach.get(joint))
+                .map(|(torque, approach)| side_of_gap(self.order, torque, *approach)),
             Effect::ThermalExpansion => Some(inputs.warmth),
         };
         value.unwrap_or(T::ZERO)
@@ -196,11 +198,11 @@ impl<T: Scalar> Term<T> {
 /// the motion it came to rest from, unless gravity exceeds the friction and
 /// pulls it over.
 #[inline]
-pub(super) fn side_of_gap<T: Scalar>(friction: T, torque: T, direction: T) -> T {
+pub(super) fn side_of_gap<T: Scalar>(friction: T, torque: T, approach: Approach) -> T {
     if friction > T::ZERO && torque.abs() > friction {
         if torque > T::ZERO { T::ONE } else { -T::ONE }
     } else {
-        -direction
+        -approach.sign::<T>()
     }
 }
 

@@ -96,9 +96,9 @@ pub struct Reidentify<T, const P: usize> {
 /// The outcome of [`Reidentify::run`].
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Reidentified<T, const N: usize, const P: usize> {
+pub struct Reidentified<'t, T, const N: usize, const P: usize> {
     /// To be stored: corrections and tool changed, `sequence` one higher.
-    pub parameters: ArmParameters<T, N>,
+    pub parameters: ArmParameters<'t, T, N>,
     /// From the commanded to the points' frame; the identity unless the
     /// tracker's place was unknown.
     pub station: Pose<T>,
@@ -138,11 +138,11 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
     ///
     /// # Errors
     /// See [`ReidentifyError`].
-    pub fn run<const N: usize>(
+    pub fn run<'t, const N: usize>(
         &self,
-        stored: &ArmParameters<T, N>,
+        stored: &ArmParameters<'t, T, N>,
         points: &[CheckPoint<T, N>],
-    ) -> Result<Reidentified<T, N, P>, ReidentifyError> {
+    ) -> Result<Reidentified<'t, T, N, P>, ReidentifyError> {
         let moved = self.check::<N>(points)?;
         let mut out = Reidentified {
             parameters: stored.clone(),

@@ -38,7 +38,7 @@ pub fn term(effect: Effect, joint: u8, order: f32, coefficient: f32) -> Term<f32
 
 /// Three joints, one of them prismatic, with everything; `tests/golden.rs` has
 /// the values.
-pub fn parameters() -> ArmParameters<f32, 3> {
+pub fn parameters() -> ArmParameters<'static, f32, 3> {
     let bytes = include_bytes!("../data/golden/layout-3-full.blob");
     Blob::check(bytes).unwrap().parameters().unwrap()
 }

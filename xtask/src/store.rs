@@ -136,7 +136,7 @@ fn expect(
 /// the sensor was given.
 fn check_tool(output: &str, blob: &[u8], temperature: f32) -> Result {
     let parameters: ArmParameters<f32, 6> = Blob::check(blob)?.parameters()?;
-    let state = State { direction: [0.0; 6], payload: 0.0, temperature };
+    let state = State::at(temperature);
     let pose = Arm6::new(&parameters).real_pose_in(&[0.0; 6], &state);
     let [x, y, z] = [0, 1, 2].map(|axis| pose.translation[axis].to_bits());
     let wanted = format!("temperature: {temperature} C\ntool: {x:08x} {y:08x} {z:08x}\n");

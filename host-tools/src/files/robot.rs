@@ -147,9 +147,9 @@ impl Robot {
                 "add one [[joints]] table a joint: alpha_deg, a_mm, d_mm, theta_offset_deg",
             ));
         }
-        if file.joints.len() > truearm::blob::MAX_JOINTS {
+        if file.joints.len() > truearm::MAX_JOINTS {
             let message = format!("{} joints", file.joints.len());
-            let help = format!("truearm handles up to {}", truearm::blob::MAX_JOINTS);
+            let help = format!("truearm handles up to {}", truearm::MAX_JOINTS);
             return Err(Error::file(path, Place::default(), message, help));
         }
         let sigma = match &file.measurement_sigma_mm {

@@ -1,7 +1,7 @@
 //! What terms depend on, row by row: gravity, approach side, temperature.
 
 use nalgebra::Vector3;
-use truearm::Pose;
+use truearm::{Approach, Pose};
 
 use crate::chain::{ArmMasses, RowInputs, chain};
 use crate::files::{Measurements, Robot};
@@ -42,8 +42,8 @@ impl Conditions {
             let (torque, moment) =
                 masses.as_ref().map(|m| arm.load(m, &row.q, payload)).unwrap_or_default();
             let warmth = row.temperature.map_or(0.0, |t| t - robot.reference_temperature);
-            let direction = row.directions.iter().map(|d| f64::from(*d)).collect();
-            RowInputs { torque, moment, direction, warmth }
+            let approach = row.directions.iter().map(|d| Approach::of_motion(f64::from(*d)));
+            RowInputs { torque, moment, approach: approach.collect(), warmth }
         });
         let differ = |f: fn(&crate::files::Row) -> Option<f64>| {
             let mut values = data.rows.iter().filter_map(f);

@@ -73,7 +73,7 @@ fn run() -> Result<(), Refused> {
 }
 
 /// The first slot that holds a valid blob for this arm.
-fn find_parameters() -> Result<(&'static [u8], ArmParameters<Real, JOINTS>), Refused> {
+fn find_parameters() -> Result<(&'static [u8], ArmParameters<'static, Real, JOINTS>), Refused> {
     for (slot, bytes) in memory::parameter_slots() {
         match decode(bytes) {
             Ok(parameters) => {
@@ -170,12 +170,12 @@ fn motion(poses: &[Case; MEASURED]) -> [Case; MEASURED] {
 // What is measured, as calls of their own.
 
 #[inline(never)]
-fn decode(bytes: &[u8]) -> Result<ArmParameters<Real, JOINTS>, DecodeError> {
+fn decode(bytes: &[u8]) -> Result<ArmParameters<'_, Real, JOINTS>, DecodeError> {
     Blob::check(bytes)?.parameters()
 }
 
 #[inline(never)]
-fn load(parameters: &ArmParameters<Real, JOINTS>) -> Arm<Real, JOINTS> {
+fn load<'t>(parameters: &ArmParameters<'t, Real, JOINTS>) -> Arm<'t, Real, JOINTS> {
     Arm::new(parameters)
 }
 

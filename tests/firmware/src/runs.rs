@@ -35,9 +35,9 @@ pub const SIGMA: f32 = 2e-5;
 const POINT_BYTES: usize = 4 * (JOINTS + 6);
 
 /// With the tracker where it was.
-pub type Known = Reidentified<f32, JOINTS, 5>;
+pub type Known<'t> = Reidentified<'t, f32, JOINTS, 5>;
 /// With the tracker moved.
-pub type Moved = Reidentified<f32, JOINTS, 11>;
+pub type Moved<'t> = Reidentified<'t, f32, JOINTS, 11>;
 
 /// A file in place.
 #[derive(Debug, Clone, Copy)]
@@ -50,9 +50,9 @@ pub struct Runs<'a> {
 
 /// One accident.
 #[derive(Debug, Clone)]
-pub struct Run {
+pub struct Run<'t> {
     /// The arm before it.
-    pub stored: ArmParameters<f32, JOINTS>,
+    pub stored: ArmParameters<'t, f32, JOINTS>,
     /// The joints that slipped.
     pub joints: [u8; 2],
     /// Points in the commanded frame.
@@ -79,7 +79,7 @@ impl<'a> Runs<'a> {
     }
 
     /// The runs; `None` for a blob that is refused.
-    pub fn iter(&self) -> impl Iterator<Item = Option<Run>> + use<'a> {
+    pub fn iter(&self) -> impl Iterator<Item = Option<Run<'a>>> + use<'a> {
         let blob = self.blob;
         self.runs.chunks_exact(blob + 8 + POINTS * POINT_BYTES).map(move |bytes| {
             let (blob, rest) = bytes.split_at_checked(blob)?;
@@ -125,14 +125,14 @@ impl<'a> Runs<'a> {
     }
 }
 
-impl Run {
+impl<'t> Run<'t> {
     /// Two joint offsets and the tool: 5 unknowns.
-    pub fn known(&self) -> Result<Known, ReidentifyError> {
+    pub fn known(&self) -> Result<Known<'t>, ReidentifyError> {
         Reidentify::new(self.unknowns(), SIGMA).run(&self.stored, &self.known)
     }
 
     /// The same with the tracker's place: 11 unknowns.
-    pub fn moved(&self) -> Result<Moved, ReidentifyError> {
+    pub fn moved(&self) -> Result<Moved<'t>, ReidentifyError> {
         let own = self.unknowns();
         let all: [Unknown; 11] = core::array::from_fn(|k| match Unknown::STATION.get(k) {
             Some(station) => *station,

@@ -18,7 +18,7 @@
 use core::fmt;
 
 use crc::{CRC_64_XZ, Crc, Digest};
-use truearm::{Arm, Compensator, Pose, Scalar, Settings, State, Task};
+use truearm::{Approach, Arm, Compensator, Pose, Scalar, Settings, State, Task};
 
 /// First four bytes of a vector file.
 pub const MAGIC: [u8; 4] = *b"TAFK";
@@ -109,15 +109,15 @@ impl<'a> Vectors<'a> {
 }
 
 /// The state of the arm at the `index`-th pose, so that every value a term
-/// depends on varies: directions through all of -1, 0, +1, payload 0 to 10 kg,
+/// depends on varies: every approach of every joint, payload 0 to 10 kg,
 /// temperature 10 to 40 degrees Celsius.
 pub fn state<T: Scalar>(index: usize) -> State<T, JOINTS> {
     let mut power = 1;
     State {
-        direction: [0; JOINTS].map(|_| {
+        approach: [0; JOINTS].map(|_| {
             let digit = index / power % 3;
             power *= 3;
-            T::from_f32(digit as f32 - 1.0)
+            Approach::of_motion(digit as f32 - 1.0)
         }),
         payload: T::from_f32((index % 11) as f32),
         temperature: T::from_f32(10.0 + (index % 31) as f32),

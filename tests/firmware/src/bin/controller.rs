@@ -23,11 +23,11 @@ use truearm::{Arm, Compensator, Settings, State, Task, Tick};
 
 use vectors::{JOINTS, Joints, Vectors};
 
-type Memory = Option<Compensator<f32, JOINTS>>;
+type Memory = Option<Compensator<'static, f32, JOINTS>>;
 
 /// What a tick takes and gives.
 struct Cycle {
-    compensator: &'static mut Compensator<f32, JOINTS>,
+    compensator: &'static mut Compensator<'static, f32, JOINTS>,
     command: Joints,
     state: State<f32, JOINTS>,
     tick: Option<Tick<f32, JOINTS>>,

@@ -17,7 +17,7 @@ use truearm::drift::{DriftWatch, FalseAlarms};
 use truearm::reidentify::{Reidentify, Unknown};
 use truearm::solve::StreamingTikhonov;
 use truearm::store::{GeometryError, NorSlots, Opened, Store, StoreError, Stored};
-use truearm::{Arm, Compensator, Pose, Settings, State, Task};
+use truearm::{Approach, Arm, Compensator, Pose, Settings, State, Task};
 
 /// What a controller calls, on values the compiler knows nothing about.
 fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), Refusal> {
@@ -26,7 +26,7 @@ fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), Refusal> {
     let parameters = blob.parameters::<f32, 6>()?;
     let arm = Arm::new(black_box(&parameters));
     black_box(arm.real_pose(black_box(q)));
-    let state = State { direction: *q, payload: q[0], temperature: q[1] };
+    let state = State { approach: q.map(Approach::of_motion), payload: q[0], temperature: q[1] };
     black_box(arm.real_pose_in(black_box(q), black_box(&state)));
     black_box(arm.bending(black_box(q), black_box(&state)));
     if let Some(covariance) = blob.covariance() {

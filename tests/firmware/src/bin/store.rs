@@ -107,7 +107,7 @@ fn where_the_tool_is(
 ) -> Result<(), Failed> {
     let temperature = read_temperature(bus, TEMPERATURE_SENSOR)
         .map_err(|error| failed("temperature", format_args!("{error:?}")))?;
-    let state = State { direction: [0.0; 6], payload: 0.0, temperature };
+    let state = State::at(temperature);
     let [x, y, z] = Arm6::new(parameters).real_pose_in(&[0.0; 6], &state).translation.into();
     hprintln!("temperature: {} C", temperature);
     hprintln!("tool: {:08x} {:08x} {:08x}", x.to_bits(), y.to_bits(), z.to_bits());
