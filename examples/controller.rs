@@ -6,7 +6,7 @@
 //!
 //! `cargo run --example controller`
 
-use truearm::blob::{Acceptance, Refusal as BlobRefusal};
+use truearm::blob::{Acceptance, AcceptanceError};
 use truearm::compensate::Status;
 use truearm::{Approach, Arm6, Compensator, Pose, Settings, State, Task, Tick};
 
@@ -23,8 +23,8 @@ type Joints = [f32; 6];
 
 /// Without valid parameters the loop runs on nominal kinematics, as before the
 /// calibration, and says why.
-fn load<'t>(slot: &'t [u8], start: &Joints) -> Result<Compensator<'t, f32, 6>, BlobRefusal> {
-    let parameters = Acceptance::of(ROBOT_ID).check(slot)?.parameters()?;
+fn load<'t>(slot: &'t [u8], start: &Joints) -> Result<Compensator<'t, f32, 6>, AcceptanceError> {
+    let parameters = Acceptance::of(ROBOT_ID, 6).check(slot)?.parameters()?;
     let arm = Arm6::new(&parameters).with_tool(Pose::translation(0.0, 0.0, 0.15));
     // Orientation that the data did not determine is not corrected.
     let task = if arm.orientation_identified() { Task::Pose } else { Task::Position };

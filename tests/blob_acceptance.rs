@@ -4,10 +4,10 @@
 mod blobs;
 
 use blobs::parameters;
-use truearm::blob::{Acceptance, DecodeError, Refusal, encode, robot_id};
+use truearm::blob::{Acceptance, AcceptanceError, DecodeError, encode, robot_id};
 
 const ROBOT: u64 = robot_id("arm", "0042");
-const MINE: Acceptance = Acceptance::of(ROBOT);
+const MINE: Acceptance = Acceptance::of(ROBOT, 3);
 
 fn blob() -> Vec<u8> {
     let mut bytes = vec![0; 600];
@@ -20,8 +20,8 @@ fn blob() -> Vec<u8> {
 fn another_robot_is_refused() {
     assert!(MINE.check(&blob()).is_ok());
     let other = robot_id("arm", "0043");
-    let refusal = Acceptance::of(other).check(&blob()).unwrap_err();
-    assert_eq!(refusal, Refusal::WrongRobot { blob: ROBOT, robot: other });
+    let refusal = Acceptance::of(other, 3).check(&blob()).unwrap_err();
+    assert_eq!(refusal, AcceptanceError::WrongRobot { blob: ROBOT, robot: other });
     let words = format!("robot id {ROBOT:#018x} where this robot is {other:#018x}");
     assert_eq!(refusal.to_string(), words);
 }
@@ -29,7 +29,7 @@ fn another_robot_is_refused() {
 #[test]
 fn an_old_sequence_is_refused_the_same_one_is_not() {
     for (sequence, verdict) in
-        [(6, Ok(())), (7, Ok(())), (8, Err(Refusal::OldSequence { blob: 7, oldest: 8 }))]
+        [(6, Ok(())), (7, Ok(())), (8, Err(AcceptanceError::OldSequence { blob: 7, oldest: 8 }))]
     {
         assert_eq!(MINE.not_before(sequence).check(&blob()).map(drop), verdict);
     }
@@ -40,7 +40,7 @@ fn damage_is_named_first() {
     let mut bytes = blob();
     bytes[20] ^= 1;
     let refusal = MINE.check(&bytes).unwrap_err();
-    assert!(matches!(refusal, Refusal::Damaged(DecodeError::Checksum { .. })), "{refusal}");
+    assert!(matches!(refusal, AcceptanceError::Damaged(DecodeError::Checksum { .. })), "{refusal}");
 }
 
 #[cfg(feature = "auth")]
@@ -62,10 +62,10 @@ mod auth {
     fn a_key_takes_its_own_blobs_only() {
         let keyed = MINE.with_key(KEY);
         assert!(keyed.check(&signed()).is_ok());
-        assert_eq!(keyed.check(&blob()), Err(Refusal::NoTag));
+        assert_eq!(keyed.check(&blob()), Err(AcceptanceError::NoTag));
         let mut other = KEY;
         other[31] ^= 0x80;
-        assert_eq!(MINE.with_key(other).check(&signed()), Err(Refusal::WrongKey));
+        assert_eq!(MINE.with_key(other).check(&signed()), Err(AcceptanceError::WrongKey));
         // Without a key the tag is ignored and says nothing.
         let bytes = signed();
         let blob = MINE.check(&bytes).unwrap();
@@ -88,7 +88,7 @@ mod auth {
         let mut stripped = blob();
         stripped[40] ^= 1;
         blobs::mend(&mut stripped);
-        assert_eq!(keyed.check(&stripped), Err(Refusal::NoTag));
+        assert_eq!(keyed.check(&stripped), Err(AcceptanceError::NoTag));
     }
 
     /// RFC 4231 has no key of 32 bytes, so the reference is the definition of

@@ -10,7 +10,7 @@ mod types;
 
 use core::ffi::c_void;
 
-use truearm::blob::{Acceptance, Refusal};
+use truearm::blob::{Acceptance, AcceptanceError};
 use truearm::{Arm6, Compensator, Pose, Scalar};
 
 use pointer::{handle, input, optional, writable};
@@ -159,8 +159,10 @@ pub unsafe extern "C" fn truearm_load(
         }
         // SAFETY: the caller's promise; bytes need no alignment.
         let bytes: &'static [u8] = unsafe { core::slice::from_raw_parts(blob, size) };
-        let blob = Acceptance::of(robot_id).check(bytes).map_err(|refusal| match refusal {
-            Refusal::WrongRobot { .. } => TruearmError::OtherRobot,
+        let mine = Acceptance::of(robot_id, TRUEARM_JOINTS);
+        let blob = mine.check(bytes).map_err(|refusal| match refusal {
+            AcceptanceError::WrongRobot { .. } => TruearmError::OtherRobot,
+            AcceptanceError::WrongJoints { .. } => TruearmError::OtherArm,
             _ => TruearmError::BadBlob,
         })?;
         let parameters = blob.parameters().map_err(|_| TruearmError::OtherArm)?;

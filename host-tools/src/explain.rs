@@ -1,21 +1,26 @@
 //! What a refusal of a blob means to the one who has to do something about it.
 
-use truearm::blob::{DecodeError, Flaw, MAGIC, Refusal};
+use truearm::blob::{AcceptanceError, DecodeError, Flaw, MAGIC};
 
 /// What a refusal means and what to do about it.
 #[must_use]
-pub fn explain(bytes: &[u8], refusal: &Refusal) -> String {
+pub fn explain(bytes: &[u8], refusal: &AcceptanceError) -> String {
     let text = match refusal {
-        Refusal::Damaged(error) => return explain_damage(bytes, error),
-        Refusal::WrongRobot { .. } => {
+        AcceptanceError::Damaged(error) => return explain_damage(bytes, error),
+        AcceptanceError::WrongRobot { .. } => {
             "these are another robot's parameters: its geometry, not this one's. The id is a hash of name and \
              serial of robot.toml; check both, and which robot the tracker measured"
         }
-        Refusal::OldSequence { .. } => {
+        AcceptanceError::WrongJoints { .. } => {
+            "these are the parameters of an arm of another kind that was given this one's name and serial; \
+             check both in robot.toml"
+        }
+        AcceptanceError::LastSequence => "pack again with a lower --sequence",
+        AcceptanceError::OldSequence { .. } => {
             "the controller has newer parameters; to go back on purpose, pack again with a higher --sequence"
         }
-        Refusal::NoTag => "a controller with a key refuses it; pack with --key",
-        Refusal::WrongKey => {
+        AcceptanceError::NoTag => "a controller with a key refuses it; pack with --key",
+        AcceptanceError::WrongKey => {
             "it was packed with another key, or changed by someone who does not have the key"
         }
         _ => "",

@@ -6,7 +6,7 @@ use std::process::Command as Process;
 
 use assert_cmd::Command;
 use tempfile::TempDir;
-use truearm::blob::{Acceptance, Blob, Refusal};
+use truearm::blob::{Acceptance, AcceptanceError, Blob};
 use truearm_host::export::Regions;
 use truearm_host::files::{Measurements, Model, Robot, read_key};
 use truearm_host::identify::{ModelTerm, Options, identify};
@@ -234,9 +234,9 @@ fn a_key_signs_and_is_asked_for() {
     let key = read_key(&folder.path().join("robot.key")).unwrap();
     assert_eq!(key, [0x0f; 32]);
     let robot = Blob::check(&blob).unwrap().robot_id();
-    assert!(Acceptance::of(robot).with_key(key).check(&blob).is_ok());
-    let refusal = Acceptance::of(robot).with_key([0; 32]).check(&blob).unwrap_err();
-    assert_eq!(refusal, Refusal::WrongKey);
+    assert!(Acceptance::of(robot, 6).with_key(key).check(&blob).is_ok());
+    let refusal = Acceptance::of(robot, 6).with_key([0; 32]).check(&blob).unwrap_err();
+    assert_eq!(refusal, AcceptanceError::WrongKey);
     let said = run(&folder, "inspect packed --key robot.key --not-before 1");
     assert!(said.contains("accepted by a controller with: key robot.key, sequence 1"), "{said}");
     // 32 raw bytes are a key as well.

@@ -3,7 +3,7 @@
 use hmac::{Hmac, KeyInit, Mac};
 use sha2::Sha256;
 
-use super::acceptance::Refusal;
+use super::acceptance::AcceptanceError;
 use super::check::Blob;
 use super::encode::EncodeError;
 use super::layout::{CHECKSUM, FLAG_TAG, FLAGS, LENGTH, TAG, checksum};
@@ -24,9 +24,9 @@ impl Blob<'_> {
     ///
     /// # Errors
     /// No tag, or one that this key does not give.
-    pub fn authenticate(&self, key: &Key) -> Result<(), Refusal> {
-        let tag = self.tag.ok_or(Refusal::NoTag)?;
-        mac(key, self.signed).verify(tag.into()).map_err(|_| Refusal::WrongKey)
+    pub fn authenticate(&self, key: &Key) -> Result<(), AcceptanceError> {
+        let tag = self.tag.ok_or(AcceptanceError::NoTag)?;
+        mac(key, self.signed).verify(tag.into()).map_err(|_| AcceptanceError::WrongKey)
     }
 }
 
@@ -37,7 +37,7 @@ impl Blob<'_> {
 /// Too little room, or bytes that are no blob.
 pub fn authenticate(out: &mut [u8], key: &Key) -> Result<usize, EncodeError> {
     let (signed, tagged) = {
-        let blob = Blob::check(out).map_err(EncodeError::Refused)?;
+        let blob = Blob::check(out)?;
         (blob.signed.len(), blob.is_tagged())
     };
     let needed = signed + TAG + CHECKSUM;
@@ -59,6 +59,6 @@ pub fn authenticate(out: &mut [u8], key: &Key) -> Result<usize, EncodeError> {
     }
     let (body, tail) = out.split_at_mut_checked(signed + TAG).ok_or(no_room)?;
     tail.copy_from_slice(&checksum(body).to_le_bytes());
-    Blob::check(out).map_err(EncodeError::Refused)?;
+    Blob::check(out)?;
     Ok(needed)
 }

@@ -85,8 +85,7 @@ impl<'a> Blob<'a> {
     /// whatever the bytes.
     pub fn check(bytes: &'a [u8]) -> Result<Self, DecodeError> {
         let truncated = |needed| DecodeError::Truncated { needed, got: bytes.len() };
-        let mut reader = Reader(bytes);
-        let header: &[u8; HEADER] = reader.take().ok_or(truncated(HEADER))?;
+        let header: &[u8; HEADER] = bytes.first_chunk().ok_or(truncated(HEADER))?;
         let [m0, m1, m2, m3, l0, l1, joints, terms, s0, s1, s2, s3, ..] = *header;
         if [m0, m1, m2, m3] != MAGIC {
             return Err(DecodeError::NotABlob);
@@ -96,6 +95,15 @@ impl<'a> Blob<'a> {
             layout if layout < LAYOUT => return Err(DecodeError::DraftLayout(layout)),
             layout => return Err(DecodeError::NewerLayout(layout)),
         }
+        // Damage first, so that nothing damaged looks like something to come.
+        let stored = u32::from_le_bytes([s0, s1, s2, s3]);
+        let size = (stored as usize).max(HEADER + CHECKSUM);
+        let body = bytes.get(..size).and_then(<[u8]>::split_last_chunk);
+        let (body, written) = body.ok_or(truncated(size))?;
+        let (written, computed) = (u32::from_le_bytes(*written), checksum(body));
+        if written != computed {
+            return Err(DecodeError::Checksum { stored: written, computed });
+        }
         let (count, term_count) = (usize::from(joints), usize::from(terms));
         if count == 0 || count > MAX_JOINTS {
             return Err(DecodeError::JointCount(joints));
@@ -103,34 +111,29 @@ impl<'a> Blob<'a> {
         if term_count > MAX_TERMS {
             return Err(DecodeError::TermCount(terms));
         }
+        let masses = check_flags(header)?;
         let flags = header[FLAGS];
         let factor_size =
             if flags & FLAG_COVARIANCE != 0 { 4 * factor_len(count, term_count) } else { 0 };
         let tag_size = if flags & FLAG_TAG != 0 { TAG } else { 0 };
         let expected = encoded_len(count, term_count) + factor_size + tag_size;
-        let stored = u32::from_le_bytes([s0, s1, s2, s3]);
+        let mut reader = Reader(body.get(HEADER..).unwrap_or(&[]));
+        let contradiction = DecodeError::Length { stored, expected };
         if stored as usize != expected {
-            return Err(DecodeError::Length { stored, expected });
+            return Err(contradiction);
         }
-        let records = reader.slice(count * RECORD).ok_or(truncated(expected))?;
-        let terms = reader.slice(term_count * TERM).ok_or(truncated(expected))?;
-        let factor = reader.slice(factor_size).ok_or(truncated(expected))?;
+        let records = reader.slice(count * RECORD).ok_or(contradiction)?;
+        let terms = reader.slice(term_count * TERM).ok_or(contradiction)?;
+        let factor = reader.slice(factor_size).ok_or(contradiction)?;
         let tag = if tag_size == 0 { None } else { reader.take() };
-        let stored: &[u8; CHECKSUM] = reader.take().ok_or(truncated(expected))?;
-        let stored = u32::from_le_bytes(*stored);
-        let body = bytes.get(..expected - CHECKSUM).ok_or(truncated(expected))?;
-        let computed = checksum(body);
-        if stored != computed {
-            return Err(DecodeError::Checksum { stored, computed });
-        }
-        let signed = body.get(..body.len() - tag_size).ok_or(truncated(expected))?;
+        let signed = body.get(..body.len() - tag_size).ok_or(contradiction)?;
         let blob = Self { header, records, terms, factor, tag, signed };
-        let masses = blob.check_header()?;
-        for (record, number) in records.chunks_exact(RECORD).zip(1..) {
-            check_record(number, record, masses)?;
+        blob.check_header(masses)?;
+        for (record, index) in records.chunks_exact(RECORD).zip(0..) {
+            check_record(index, record, masses)?;
         }
-        for (record, number) in term::each(terms).zip(1..) {
-            term::check(number, record, joints, masses)?;
+        for (record, index) in term::each(terms).zip(0..) {
+            term::check(index, record, joints, masses)?;
         }
         if !factor.is_empty() {
             check_factor(factor, uncertain_parameters(count, term_count))?;
@@ -138,17 +141,8 @@ impl<'a> Blob<'a> {
         Ok(blob)
     }
 
-    /// Whether it has masses.
-    fn check_header(&self) -> Result<bool, DecodeError> {
+    fn check_header(&self, masses: bool) -> Result<(), DecodeError> {
         let name = |group, member| FieldName { record: Record::Header, group, member };
-        let unknown = |group| DecodeError::Field(name(group, ""), Flaw::Unknown);
-        let [flags, reserved @ ..] = self.field::<4>(FLAGS);
-        if flags & !(FLAG_ORIENTATION | FLAG_MASSES | FLAG_COVARIANCE | FLAG_TAG) != 0 {
-            return Err(unknown("flags"));
-        }
-        if reserved != [0; 3] {
-            return Err(unknown("reserved"));
-        }
         let mut reader = Reader(&self.header[REALS]);
         for (group, most) in [("base translation", 1.0), ("base rotation", 1.0), ("tool", 10.0)] {
             for member in XYZ {
@@ -158,15 +152,31 @@ impl<'a> Blob<'a> {
         check_value(name("rms before", ""), reader.f32(), 0.0, 10.0)?;
         check_value(name("rms after", ""), reader.f32(), 0.0, 10.0)?;
         check_value(name("reference temperature", ""), reader.f32(), -100.0, 200.0)?;
-        let masses = flags & FLAG_MASSES != 0;
         for (group, most) in [("gravity", 20.0), ("payload point", 10.0)] {
             let most = if masses { most } else { 0.0 };
             for member in XYZ {
                 check_value(name(group, member), reader.f32(), -most, most)?;
             }
         }
-        Ok(masses)
+        Ok(())
     }
+}
+
+/// Whether there are masses.
+fn check_flags(header: &[u8; HEADER]) -> Result<bool, DecodeError> {
+    let unknown = |group| {
+        let name = FieldName { record: Record::Header, group, member: "" };
+        Err(DecodeError::Field(name, Flaw::Unknown))
+    };
+    let [flags, reserved @ ..] =
+        header.get(FLAGS..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0xff; 4]);
+    if flags & !(FLAG_ORIENTATION | FLAG_MASSES | FLAG_COVARIANCE | FLAG_TAG) != 0 {
+        return unknown("flags");
+    }
+    if reserved != [0; 3] {
+        return unknown("reserved");
+    }
+    Ok(flags & FLAG_MASSES != 0)
 }
 
 fn check_record(joint: u8, record: &[u8], masses: bool) -> Result<(), DecodeError> {
@@ -210,18 +220,18 @@ fn check_record(joint: u8, record: &[u8], masses: bool) -> Result<(), DecodeErro
 /// A lower triangle by columns; no diagonal entry is negative.
 fn check_factor(factor: &[u8], size: usize) -> Result<(), DecodeError> {
     let mut reader = Reader(factor);
-    let mut number = 0;
+    let mut index: u16 = 0;
     for column in 0..size {
         for row in column..size {
-            number += 1;
             let value = reader.f32();
             let low = if row == column { 0.0 } else { -WIDEST };
             // There are two thousand of them: a name only for a bad one.
             if !(low..=WIDEST).contains(&value) {
-                let record = Record::Factor(number);
+                let record = Record::Factor(index);
                 let name = FieldName { record, group: "covariance factor", member: "" };
                 return check_value(name, value, low, WIDEST);
             }
+            index = index.saturating_add(1);
         }
     }
     Ok(())

@@ -33,6 +33,9 @@ pub enum EncodeError {
         /// Numbers given.
         got: usize,
     },
+    /// The last sequence number there is, see
+    /// [`AcceptanceError::LastSequence`](super::AcceptanceError::LastSequence).
+    LastSequence,
     /// A reader would refuse the result for this reason.
     Refused(DecodeError),
 }
@@ -46,12 +49,28 @@ impl fmt::Display for EncodeError {
             Self::Factor { needed, got } => {
                 write!(f, "a covariance factor of {got} numbers where {needed} are needed")
             }
+            Self::LastSequence => {
+                write!(f, "sequence {} is the last there is: none could follow it", u32::MAX)
+            }
             Self::Refused(error) => write!(f, "these parameters would be refused: {error}"),
         }
     }
 }
 
-impl core::error::Error for EncodeError {}
+impl core::error::Error for EncodeError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Refused(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<DecodeError> for EncodeError {
+    fn from(error: DecodeError) -> Self {
+        Self::Refused(error)
+    }
+}
 
 /// Appends to a slice; silently stops at its end, which the caller has checked.
 struct Writer<'a>(&'a mut [u8]);
@@ -108,6 +127,9 @@ pub fn encode_with<T: Scalar, const N: usize>(
     if N == 0 || N > MAX_JOINTS {
         return Err(EncodeError::Refused(DecodeError::JointCount(N.min(255) as u8)));
     }
+    if p.sequence == u32::MAX {
+        return Err(EncodeError::LastSequence);
+    }
     let mut flags = if p.orientation_identified { FLAG_ORIENTATION } else { 0 };
     if p.masses.is_some() {
         flags |= FLAG_MASSES;
@@ -160,14 +182,14 @@ pub fn encode_with<T: Scalar, const N: usize>(
         }
         w.reals(&[*mass, com.x, com.y, com.z]);
     }
-    for (term, number) in p.terms.iter().zip(1..) {
-        w.put(&term::to_bytes(number, term).map_err(EncodeError::Refused)?);
+    for (term, index) in p.terms.iter().zip(0..) {
+        w.put(&term::to_bytes(index, term)?);
     }
     for value in factor.unwrap_or(&[]) {
         w.put(&value.to_le_bytes());
     }
     let (body, tail) = out.split_at_mut(needed - CHECKSUM);
     tail.copy_from_slice(&checksum(body).to_le_bytes());
-    Blob::check(out).map_err(EncodeError::Refused)?;
+    Blob::check(out)?;
     Ok(needed)
 }

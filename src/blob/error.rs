@@ -11,11 +11,12 @@ use crate::effects::MAX_TERMS;
 pub enum Record {
     /// Before the records.
     Header,
-    /// Record of a joint, counted from 1.
+    /// Record of a joint, counted from 0; from 1 where it is shown, as are the
+    /// others.
     Joint(u8),
-    /// Record of a term, counted from 1.
+    /// Record of a term, counted from 0.
     Term(u8),
-    /// Number of the covariance's factor, counted from 1.
+    /// Number of the covariance's factor, counted from 0.
     Factor(u16),
 }
 
@@ -35,9 +36,9 @@ impl fmt::Display for FieldName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.record {
             Record::Header => (),
-            Record::Joint(number) => write!(f, "joint {number} ")?,
-            Record::Term(number) => write!(f, "term {number} ")?,
-            Record::Factor(number) => write!(f, "number {number} of ")?,
+            Record::Joint(index) => write!(f, "joint {} ", u16::from(index) + 1)?,
+            Record::Term(index) => write!(f, "term {} ", u16::from(index) + 1)?,
+            Record::Factor(index) => write!(f, "number {} of ", u32::from(index) + 1)?,
         }
         f.write_str(self.group)?;
         if !self.member.is_empty() {

@@ -1,6 +1,8 @@
 use core::ops::Range;
 
-use crc::{CRC_32_ISCSI, CRC_64_XZ, Crc};
+use crc::{CRC_64_XZ, Crc};
+
+use super::crc32c::Crc32c;
 
 /// First four bytes of every blob.
 pub const MAGIC: [u8; 4] = *b"TARM";
@@ -50,10 +52,10 @@ pub const fn factor_len(joints: usize, terms: usize) -> usize {
     p * (p + 1) / 2
 }
 
-static CRC32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
-
 pub(super) fn checksum(bytes: &[u8]) -> u32 {
-    CRC32C.checksum(bytes)
+    let mut crc = Crc32c::new();
+    crc.update(bytes);
+    crc.value()
 }
 
 /// The id a blob carries: CRC-64/XZ of model name, a zero byte, and serial.

@@ -11,19 +11,22 @@ mod auth;
 mod check;
 mod content;
 mod covariance;
+mod crc32c;
 mod decode;
 mod encode;
 mod error;
 #[doc = include_str!("FORMAT.md")]
 pub mod format {}
+mod frame;
 mod layout;
 mod term;
 
-pub use acceptance::{Acceptance, Refusal};
+pub use acceptance::{Acceptance, AcceptanceError};
 #[cfg(feature = "auth")]
 pub use auth::{Key, authenticate};
 pub use check::Blob;
 pub use covariance::Covariance;
 pub use encode::{EncodeError, encode, encode_with};
 pub use error::{DecodeError, FieldName, Flaw, Record};
+pub(crate) use frame::Frame;
 pub use layout::{LAYOUT, MAGIC, TAG, encoded_len, factor_len, robot_id, uncertain_parameters};

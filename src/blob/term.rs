@@ -19,7 +19,7 @@ fn flaw(index: u8, field: &'static str, flaw: Flaw) -> DecodeError {
     DecodeError::Field(FieldName { record: Record::Term(index), group: field, member: "" }, flaw)
 }
 
-/// Bytes of a term, the `index`-th counted from 1. Fields that its effect does
+/// Bytes of a term, the `index`-th counted from 0. Fields that its effect does
 /// not use become 0; one that its bits cannot hold is refused.
 pub(super) fn to_bytes<T: Scalar>(index: u8, term: &Term<T>) -> Result<[u8; TERM]> {
     let refuse = |field| flaw(index, field, Flaw::Implausible);
@@ -75,7 +75,7 @@ pub(super) fn from_bytes<T: Scalar>(bytes: &[u8; TERM]) -> Option<Term<T>> {
     })
 }
 
-/// Checks the `index`-th term, counted from 1, of an arm with so many joints.
+/// Checks the `index`-th term, counted from 0, of an arm with so many joints.
 pub(super) fn check(index: u8, bytes: &[u8; TERM], joints: u8, masses: bool) -> Result<()> {
     let unknown = |field| Err(flaw(index, field, Flaw::Unknown));
     let implausible = |field| Err(flaw(index, field, Flaw::Implausible));

@@ -32,6 +32,8 @@ pub enum ReidentifyError {
         /// Its 0-based index.
         unknown: usize,
     },
+    /// The stored set has the last sequence number that can be followed by one.
+    LastSequence,
     /// The steps do not become small: joints or points are not what they seem.
     NotConverged,
     /// A solve failed.
@@ -56,6 +58,7 @@ impl core::fmt::Display for ReidentifyError {
             Self::Undetermined { unknown } => {
                 write!(f, "the points do not determine unknown {unknown}, which has no prior")
             }
+            Self::LastSequence => f.write_str("no sequence number is left after the stored one"),
             Self::NotConverged => f.write_str("the steps do not become small"),
             Self::Solve(error) => write!(f, "{error}"),
         }

@@ -178,7 +178,9 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         if !(out.rms_before.is_finite() && out.rms_after.is_finite()) {
             return Err(SolveError::NotFinite.into());
         }
-        out.parameters.sequence = stored.sequence.wrapping_add(1);
+        // The last number would be refused: no set could follow it.
+        let next = stored.sequence.checked_add(1).filter(|next| *next < u32::MAX);
+        out.parameters.sequence = next.ok_or(ReidentifyError::LastSequence)?;
         Ok(out)
     }
 

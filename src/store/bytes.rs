@@ -1,10 +1,25 @@
 use embedded_storage::Storage;
 
-use super::medium::{Fault, FaultKind, Geometry, GeometryError, Medium, Operation, Slot};
+use super::medium::{Fault, Geometry, GeometryError, Medium, Operation, Slot, is_word};
 
 /// Two slots in a memory that needs no erasing, such as an EEPROM behind
 /// `eeprom24x`. A page that is cut while it is written may lose all its bytes:
 /// so a page of `PAGE` bytes is the write word, and erasing is writing 0xff.
+///
+/// A page that is no power of two does not compile:
+/// ```compile_fail
+/// # use embedded_storage::{ReadStorage, Storage};
+/// # struct Part;
+/// # impl ReadStorage for Part {
+/// #     type Error = ();
+/// #     fn read(&mut self, _: u32, _: &mut [u8]) -> Result<(), ()> { Ok(()) }
+/// #     fn capacity(&self) -> usize { 4096 }
+/// # }
+/// # impl Storage for Part {
+/// #     fn write(&mut self, _: u32, _: &[u8]) -> Result<(), ()> { Ok(()) }
+/// # }
+/// truearm::store::ByteSlots::<_, 24>::new(Part, [0, 1200], 1200);
+/// ```
 #[derive(Debug)]
 pub struct ByteSlots<S, const PAGE: usize> {
     storage: S,
@@ -17,7 +32,8 @@ impl<S: Storage, const PAGE: usize> ByteSlots<S, PAGE> {
     /// # Errors
     /// When the device has no such pages.
     pub fn new(storage: S, starts: [u32; 2], size: u32) -> Result<Self, GeometryError> {
-        let geometry = Geometry::new(starts, size, PAGE, PAGE, storage.capacity())?;
+        const { assert!(is_word(PAGE), "a page must be a power of two up to MAX_WORD") };
+        let geometry = Geometry::new(starts, size, PAGE, storage.capacity())?;
         Ok(Self { storage, geometry })
     }
 
@@ -27,31 +43,33 @@ impl<S: Storage, const PAGE: usize> ByteSlots<S, PAGE> {
     }
 }
 
-impl<S: Storage, const PAGE: usize> Medium for ByteSlots<S, PAGE> {
+impl<S: Storage, const PAGE: usize> Medium for ByteSlots<S, PAGE>
+where
+    S::Error: core::fmt::Debug,
+{
+    type Error = S::Error;
+
     const WORD: usize = PAGE;
 
     fn slot_size(&self) -> usize {
         self.geometry.size()
     }
 
-    fn read(&mut self, slot: Slot, offset: usize, bytes: &mut [u8]) -> Result<(), Fault> {
+    fn read(&mut self, slot: Slot, offset: usize, bytes: &mut [u8]) -> Result<(), Fault<S::Error>> {
         let address = self.geometry.address(slot, offset, bytes.len(), Operation::Read)?;
-        let fault = Fault { during: Operation::Read, kind: FaultKind::Device };
-        self.storage.read(address, bytes).map_err(|_| fault)
+        self.storage.read(address, bytes).map_err(Fault::of(Operation::Read))
     }
 
-    fn erase(&mut self, slot: Slot) -> Result<(), Fault> {
+    fn erase(&mut self, slot: Slot) -> Result<(), Fault<S::Error>> {
         let (start, end) = self.geometry.range(slot);
-        let fault = Fault { during: Operation::Erase, kind: FaultKind::Device };
         for page in (start..end).step_by(PAGE) {
-            self.storage.write(page, &[0xff; PAGE]).map_err(|_| fault)?;
+            self.storage.write(page, &[0xff; PAGE]).map_err(Fault::of(Operation::Erase))?;
         }
         Ok(())
     }
 
-    fn program(&mut self, slot: Slot, offset: usize, bytes: &[u8]) -> Result<(), Fault> {
+    fn program(&mut self, slot: Slot, offset: usize, bytes: &[u8]) -> Result<(), Fault<S::Error>> {
         let address = self.geometry.address(slot, offset, bytes.len(), Operation::Program)?;
-        let fault = Fault { during: Operation::Program, kind: FaultKind::Device };
-        self.storage.write(address, bytes).map_err(|_| fault)
+        self.storage.write(address, bytes).map_err(Fault::of(Operation::Program))
     }
 }

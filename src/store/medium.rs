@@ -1,5 +1,7 @@
 use core::fmt;
 
+use crate::arm::MAX_JOINTS;
+
 /// Longest write word, or EEPROM page, in bytes.
 pub const MAX_WORD: usize = 256;
 
@@ -24,7 +26,7 @@ impl Slot {
     }
 
     /// The one of two things that belongs to this slot.
-    pub(super) fn of<T: Copy>(self, [a, b]: [T; 2]) -> T {
+    pub(super) fn of<T>(self, [a, b]: [T; 2]) -> T {
         match self {
             Self::A => a,
             Self::B => b,
@@ -48,9 +50,13 @@ impl fmt::Display for Slot {
 
 /// What the store wants of a memory. Offsets count from the start of a slot.
 pub trait Medium {
+    /// What its driver says when it fails.
+    type Error: fmt::Debug;
+
     /// Bytes that one program operation writes, a power of two up to
     /// [`MAX_WORD`]: the write granularity of a flash, the page of an EEPROM.
-    /// A cut operation may spoil all bytes of its word, and no other.
+    /// A cut operation may spoil all bytes of its word, and no other. Another
+    /// number does not compile.
     const WORD: usize;
 
     /// Bytes of a slot, whole words.
@@ -60,20 +66,30 @@ pub trait Medium {
     ///
     /// # Errors
     /// When the device does not answer.
-    fn read(&mut self, slot: Slot, offset: usize, bytes: &mut [u8]) -> Result<(), Fault>;
+    fn read(
+        &mut self,
+        slot: Slot,
+        offset: usize,
+        bytes: &mut [u8],
+    ) -> Result<(), Fault<Self::Error>>;
 
     /// Sets every byte of a slot to 0xff.
     ///
     /// # Errors
     /// When the device does not answer or cannot erase.
-    fn erase(&mut self, slot: Slot) -> Result<(), Fault>;
+    fn erase(&mut self, slot: Slot) -> Result<(), Fault<Self::Error>>;
 
     /// Writes whole words that have been erased and not written since, in
     /// ascending order.
     ///
     /// # Errors
     /// When the device does not answer or cannot write.
-    fn program(&mut self, slot: Slot, offset: usize, bytes: &[u8]) -> Result<(), Fault>;
+    fn program(
+        &mut self,
+        slot: Slot,
+        offset: usize,
+        bytes: &[u8],
+    ) -> Result<(), Fault<Self::Error>>;
 }
 
 /// What a memory was doing.
@@ -92,54 +108,52 @@ pub enum Operation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
-pub enum FaultKind {
-    /// An address that the device's granularity forbids.
-    NotAligned,
-    /// An address beyond the device.
+pub enum FaultKind<E> {
+    /// An address beyond the slot.
     OutOfBounds,
-    /// The device refused or did not answer.
-    Device,
+    /// What the driver says.
+    Driver(E),
 }
 
 /// A memory that did not do what it should.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Fault {
+pub struct Fault<E> {
     /// What it was doing.
     pub during: Operation,
     /// What went wrong.
-    pub kind: FaultKind,
+    pub kind: FaultKind<E>,
 }
 
-impl fmt::Display for Fault {
+impl<E> Fault<E> {
+    /// For `map_err`: this is what the driver says.
+    pub(super) fn of(during: Operation) -> impl Fn(E) -> Self {
+        move |error| Self { during, kind: FaultKind::Driver(error) }
+    }
+}
+
+impl<E: fmt::Debug> fmt::Display for Fault<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let operation = match self.during {
             Operation::Read => "reading",
             Operation::Erase => "erasing",
             Operation::Program => "programming",
         };
-        let kind = match self.kind {
-            FaultKind::NotAligned => "the address is not aligned",
-            FaultKind::OutOfBounds => "the address is beyond the device",
-            FaultKind::Device => "the device failed",
-        };
-        write!(f, "{operation}: {kind}")
+        match &self.kind {
+            FaultKind::OutOfBounds => write!(f, "{operation}: the address is beyond the slot"),
+            FaultKind::Driver(error) => write!(f, "{operation}: the driver says {error:?}"),
+        }
     }
 }
 
-impl core::error::Error for Fault {}
+// Drivers' errors are Debug and often no more: none is a `source`.
+impl<E: fmt::Debug> core::error::Error for Fault<E> {}
 
-/// Slots that do not fit their device.
+/// Slots that do not fit their device, or a store that cannot serve its arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum GeometryError {
-    /// The write word is not a power of two up to [`MAX_WORD`], or the device
-    /// reads coarser than it writes.
-    Word {
-        /// Bytes of a write word.
-        word: usize,
-    },
     /// A slot does not begin and end on a boundary of the device: erase block
     /// of a flash, page of an EEPROM.
     Boundary {
@@ -153,14 +167,27 @@ pub enum GeometryError {
         /// Bytes of the device.
         capacity: usize,
     },
+    /// No arm has so many joints.
+    Joints(usize),
+    /// The buffer cannot hold even the shortest blob of the arm.
+    Buffer {
+        /// Bytes of that blob in whole write words.
+        needed: usize,
+        /// Bytes given.
+        got: usize,
+    },
+    /// A slot cannot, with its marks.
+    Slot {
+        /// Bytes of that blob.
+        needed: usize,
+        /// Bytes a slot has for it.
+        room: usize,
+    },
 }
 
 impl fmt::Display for GeometryError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Word { word } => {
-                write!(f, "a write word of {word} bytes, which must be a power of two up to 256")
-            }
             Self::Boundary { every } => {
                 write!(f, "slots must begin and end at multiples of {every} bytes")
             }
@@ -168,6 +195,16 @@ impl fmt::Display for GeometryError {
             Self::Capacity { capacity } => {
                 write!(f, "a slot ends beyond the device's {capacity} bytes")
             }
+            Self::Joints(joints) => {
+                write!(f, "{joints} joints where 1 to {MAX_JOINTS} are possible")
+            }
+            Self::Buffer { needed, got } => {
+                write!(f, "a buffer of {got} bytes where a blob of this arm has {needed} or more")
+            }
+            Self::Slot { needed, room } => write!(
+                f,
+                "a slot has room for {room} bytes, a blob of this arm has {needed} or more"
+            ),
         }
     }
 }
@@ -181,20 +218,21 @@ pub(super) struct Geometry {
     size: u32,
 }
 
+/// Whether a write word can be one, see [`Medium::WORD`].
+pub(super) const fn is_word(word: usize) -> bool {
+    word.is_power_of_two() && word <= MAX_WORD
+}
+
 impl Geometry {
     pub fn new(
         starts: [u32; 2],
         size: u32,
-        word: usize,
         boundary: usize,
         capacity: usize,
     ) -> Result<Self, GeometryError> {
-        if !word.is_power_of_two() || word > MAX_WORD {
-            return Err(GeometryError::Word { word });
-        }
         let [a, b] = starts;
         let aligned = |value: u32| (value as usize).is_multiple_of(boundary);
-        if !(aligned(a) && aligned(b) && aligned(size) && boundary.is_multiple_of(word)) {
+        if !(aligned(a) && aligned(b) && aligned(size)) {
             return Err(GeometryError::Boundary { every: boundary });
         }
         if a.abs_diff(b) < size {
@@ -217,13 +255,13 @@ impl Geometry {
     }
 
     /// Address of `len` bytes at an offset in a slot, if they lie in it.
-    pub fn address(
+    pub fn address<E>(
         &self,
         slot: Slot,
         offset: usize,
         len: usize,
         during: Operation,
-    ) -> Result<u32, Fault> {
+    ) -> Result<u32, Fault<E>> {
         let inside = offset.checked_add(len).is_some_and(|end| end <= self.size());
         // A slot is no longer than a u32 says.
         match (inside, u32::try_from(offset)) {

@@ -1,6 +1,6 @@
-use embedded_storage::nor_flash::{NorFlash, NorFlashError, NorFlashErrorKind};
+use embedded_storage::nor_flash::NorFlash;
 
-use super::medium::{Fault, FaultKind, Geometry, GeometryError, Medium, Operation, Slot};
+use super::medium::{Fault, Geometry, GeometryError, Medium, Operation, Slot, is_word};
 
 /// Two slots in a NOR flash: erase blocks, and words that are written once.
 #[derive(Debug)]
@@ -16,11 +16,18 @@ impl<F: NorFlash> NorSlots<F> {
     /// # Errors
     /// When the flash has no such blocks.
     pub fn new(flash: F, starts: [u32; 2], size: u32) -> Result<Self, GeometryError> {
-        let word = F::WRITE_SIZE;
-        if F::READ_SIZE == 0 || !word.is_multiple_of(F::READ_SIZE) {
-            return Err(GeometryError::Word { word });
+        const {
+            assert!(is_word(F::WRITE_SIZE), "a write word must be a power of two up to MAX_WORD");
+            assert!(
+                F::READ_SIZE > 0 && F::WRITE_SIZE.is_multiple_of(F::READ_SIZE),
+                "a write word must be readable by itself"
+            );
+            assert!(
+                F::ERASE_SIZE > 0 && F::ERASE_SIZE.is_multiple_of(F::WRITE_SIZE),
+                "an erase block must have whole write words"
+            );
         }
-        let geometry = Geometry::new(starts, size, word, F::ERASE_SIZE, flash.capacity())?;
+        let geometry = Geometry::new(starts, size, F::ERASE_SIZE, flash.capacity())?;
         Ok(Self { flash, geometry })
     }
 
@@ -31,33 +38,26 @@ impl<F: NorFlash> NorSlots<F> {
 }
 
 impl<F: NorFlash> Medium for NorSlots<F> {
+    type Error = F::Error;
+
     const WORD: usize = F::WRITE_SIZE;
 
     fn slot_size(&self) -> usize {
         self.geometry.size()
     }
 
-    fn read(&mut self, slot: Slot, offset: usize, bytes: &mut [u8]) -> Result<(), Fault> {
+    fn read(&mut self, slot: Slot, offset: usize, bytes: &mut [u8]) -> Result<(), Fault<F::Error>> {
         let address = self.geometry.address(slot, offset, bytes.len(), Operation::Read)?;
-        self.flash.read(address, bytes).map_err(|error| fault(Operation::Read, &error))
+        self.flash.read(address, bytes).map_err(Fault::of(Operation::Read))
     }
 
-    fn erase(&mut self, slot: Slot) -> Result<(), Fault> {
+    fn erase(&mut self, slot: Slot) -> Result<(), Fault<F::Error>> {
         let (start, end) = self.geometry.range(slot);
-        self.flash.erase(start, end).map_err(|error| fault(Operation::Erase, &error))
+        self.flash.erase(start, end).map_err(Fault::of(Operation::Erase))
     }
 
-    fn program(&mut self, slot: Slot, offset: usize, bytes: &[u8]) -> Result<(), Fault> {
+    fn program(&mut self, slot: Slot, offset: usize, bytes: &[u8]) -> Result<(), Fault<F::Error>> {
         let address = self.geometry.address(slot, offset, bytes.len(), Operation::Program)?;
-        self.flash.write(address, bytes).map_err(|error| fault(Operation::Program, &error))
+        self.flash.write(address, bytes).map_err(Fault::of(Operation::Program))
     }
-}
-
-fn fault(during: Operation, error: &impl NorFlashError) -> Fault {
-    let kind = match error.kind() {
-        NorFlashErrorKind::NotAligned => FaultKind::NotAligned,
-        NorFlashErrorKind::OutOfBounds => FaultKind::OutOfBounds,
-        _ => FaultKind::Device,
-    };
-    Fault { during, kind }
 }

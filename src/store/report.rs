@@ -1,24 +1,24 @@
 use core::fmt;
 
 use super::medium::{Fault, Slot};
-use crate::blob::{Blob, Refusal};
+use crate::blob::{AcceptanceError, Blob};
 
 /// What [`super::Store::open`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Opened<'b> {
+pub struct Opened<'b, E> {
     /// The parameters to use; `None`: the nominal ones.
     pub blob: Option<Blob<'b>>,
     /// Where they come from, and why not from elsewhere.
-    pub source: Source,
+    pub source: Source<E>,
     /// What was done to make it last.
-    pub settled: Settled,
+    pub settled: Settled<E>,
 }
 
 /// Where the parameters come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Source {
+pub enum Source<E> {
     /// From this slot; the other one is blank or valid and not newer.
     Newest(Slot),
     /// From this slot, because what the other one holds was rejected.
@@ -26,16 +26,16 @@ pub enum Source {
         /// Where the parameters come from.
         slot: Slot,
         /// Why the other slot was rejected.
-        rejected: Rejection,
+        rejected: Rejection<E>,
     },
     /// Neither slot holds parameters for this robot: A, then B.
-    Nominal([SlotState; 2]),
+    Nominal([SlotState<E>; 2]),
 }
 
 /// What a slot holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum SlotState {
+pub enum SlotState<E> {
     /// Nothing: every byte is 0xff.
     Blank,
     /// A valid blob for this robot.
@@ -48,7 +48,7 @@ pub enum SlotState {
         copies: u8,
     },
     /// Something that cannot be used.
-    Rejected(Rejection),
+    Rejected(Rejection<E>),
 }
 
 /// How far the store of a valid blob got.
@@ -67,16 +67,17 @@ pub enum Progress {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
-pub enum Rejection {
+pub enum Rejection<E> {
     /// It could not be read.
-    Fault(Fault),
+    Fault(Fault<E>),
     /// It reads differently every time.
     Unstable,
-    /// It is no valid blob, not this robot's or not authentic.
-    Blob(Refusal),
+    /// It is no valid blob, longer than the buffer, not this robot's or not
+    /// authentic.
+    Blob(AcceptanceError),
 }
 
-impl fmt::Display for Rejection {
+impl<E: fmt::Debug> fmt::Display for Rejection<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Fault(fault) => fault.fmt(f),
@@ -86,13 +87,21 @@ impl fmt::Display for Rejection {
     }
 }
 
-impl core::error::Error for Rejection {}
+impl<E: fmt::Debug + 'static> core::error::Error for Rejection<E> {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Fault(fault) => Some(fault),
+            Self::Unstable => None,
+            Self::Blob(error) => Some(error),
+        }
+    }
+}
 
 /// What [`super::Store::open`] did so that the blob it returns lasts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
-pub enum Settled {
+pub enum Settled<E> {
     /// Nothing was needed.
     Already,
     /// The blob's store had not ended: it was written anew, to its own slot or
@@ -102,40 +111,60 @@ pub enum Settled {
     Erased,
     /// One of these was needed and failed. The blob can be used, but may be
     /// gone at the next power-up, and [`super::Store::store`] refuses.
-    Failed(WriteError),
+    Failed(WriteError<E>),
 }
 
 /// A slot that could not be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
-pub enum WriteError {
+pub enum WriteError<E> {
     /// The memory failed.
-    Fault(Fault),
+    Fault(Fault<E>),
     /// The slot does not read back as written.
     ReadBack(Slot),
-    /// The blob does not fit.
+    /// The blob does not fit, and [`super::Store::open`] could not read it back.
     TooLong {
         /// Bytes of the blob.
         needed: usize,
-        /// Bytes a slot has for it.
+        /// Bytes that a slot has for it, or the buffer given to `open`, in whole
+        /// write words, where that is less.
         room: usize,
     },
+    /// The slot that is needed holds what is not the store's to erase: see
+    /// [`super::Store::discard`].
+    Occupied(Slot),
 }
 
-impl fmt::Display for WriteError {
+impl<E: fmt::Debug> fmt::Display for WriteError<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Fault(fault) => fault.fmt(f),
             Self::ReadBack(slot) => write!(f, "slot {slot} does not read back as written"),
             Self::TooLong { needed, room } => {
-                write!(f, "the blob has {needed} bytes, a slot has room for {room}")
+                write!(f, "the blob has {needed} bytes, slot and buffer have room for {room}")
+            }
+            Self::Occupied(slot) => {
+                write!(f, "slot {slot} holds what is not the store's to erase")
             }
         }
     }
 }
 
-impl core::error::Error for WriteError {}
+impl<E: fmt::Debug + 'static> core::error::Error for WriteError<E> {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Fault(fault) => Some(fault),
+            _ => None,
+        }
+    }
+}
+
+impl<E> From<Fault<E>> for WriteError<E> {
+    fn from(fault: Fault<E>) -> Self {
+        Self::Fault(fault)
+    }
+}
 
 /// What [`super::Store::store`] did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -153,9 +182,9 @@ pub enum Stored {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
-pub enum StoreError {
+pub enum StoreError<E> {
     /// It is no valid blob, not this robot's or not authentic.
-    Blob(Refusal),
+    Blob(AcceptanceError),
     /// Its sequence number is not above that of the blob in use.
     NotNewer {
         /// Of the blob in use.
@@ -166,21 +195,44 @@ pub enum StoreError {
     /// The blob in use could not be made to last ([`Settled::Failed`]); until
     /// an open succeeds in that, storing could lose it.
     Unsettled,
-    /// Neither slot could be written.
-    Write(WriteError),
+    /// This slot holds the blob in use and is not discarded.
+    InUse(Slot),
+    /// The slot could not be written, or may not.
+    Write(WriteError<E>),
 }
 
-impl fmt::Display for StoreError {
+impl<E: fmt::Debug> fmt::Display for StoreError<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Blob(error) => error.fmt(f),
             Self::NotNewer { stored, offered } => {
                 write!(f, "sequence number {offered} is not above the stored {stored}")
             }
+            Self::InUse(slot) => write!(f, "slot {slot} holds the blob in use"),
             Self::Unsettled => f.write_str("the blob in use could not be made to last"),
             Self::Write(error) => error.fmt(f),
         }
     }
 }
 
-impl core::error::Error for StoreError {}
+impl<E: fmt::Debug + 'static> core::error::Error for StoreError<E> {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Blob(error) => Some(error),
+            Self::Write(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl<E> From<AcceptanceError> for StoreError<E> {
+    fn from(error: AcceptanceError) -> Self {
+        Self::Blob(error)
+    }
+}
+
+impl<E> From<WriteError<E>> for StoreError<E> {
+    fn from(error: WriteError<E>) -> Self {
+        Self::Write(error)
+    }
+}

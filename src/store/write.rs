@@ -1,4 +1,4 @@
-use super::medium::{MAX_WORD, Medium, Slot};
+use super::medium::{Fault, MAX_WORD, Medium, Slot};
 use super::open::Store;
 use super::report::{Progress, StoreError, Stored, WriteError};
 use crate::blob::Blob;
@@ -58,15 +58,17 @@ impl<M: Medium> Store<M> {
     /// payload, reads it back, commits.
     ///
     /// # Errors
-    /// When the blob is invalid, not accepted, not newer or too long, nothing
-    /// has been written. See [`StoreError`].
-    pub fn store(&mut self, bytes: &[u8]) -> Result<Stored, StoreError> {
-        let blob = self.accept.check(bytes).map_err(StoreError::Blob)?;
+    /// When the blob is invalid, not accepted, not newer or too long, or the
+    /// slot holds what is not the store's to erase, nothing has been written.
+    /// See [`StoreError`].
+    pub fn store(&mut self, bytes: &[u8]) -> Result<Stored, StoreError<M::Error>> {
+        let blob = self.accept.check(bytes)?;
         if !self.settled {
             return Err(StoreError::Unsettled);
         }
+        self.fits(blob.size())?;
         if let Some((slot, stored)) = self.live {
-            if self.holds(slot, bytes, &blob).map_err(StoreError::Write)? {
+            if self.holds(slot, bytes, &blob).map_err(WriteError::Fault)? {
                 return Ok(Stored::Unchanged);
             }
             let offered = blob.sequence();
@@ -74,15 +76,39 @@ impl<M: Medium> Store<M> {
                 return Err(StoreError::NotNewer { stored, offered });
             }
         }
-        let target = self.live.map_or(Slot::A, |(slot, _)| slot.other());
+        let target = match self.live {
+            Some((slot, _)) => slot.other(),
+            None if Slot::A.of(self.occupied) => Slot::B,
+            None => Slot::A,
+        };
         let bytes = bytes.get(..blob.size()).unwrap_or(bytes);
-        self.write(target, Mark::Begun { copies: 0 }, bytes).map_err(StoreError::Write)?;
+        self.write(target, Mark::Begun { copies: 0 }, bytes)?;
         self.live = Some((target, blob.sequence()));
         Ok(Stored::Written(target))
     }
 
+    /// Erases a slot that is not in use, whatever it holds: another robot's
+    /// blob, one of a newer layout, one that was longer than the buffer. The
+    /// store never does so by itself.
+    ///
+    /// # Errors
+    /// [`StoreError::InUse`], and faults of the memory.
+    pub fn discard(&mut self, slot: Slot) -> Result<(), StoreError<M::Error>> {
+        if self.live.is_some_and(|(live, _)| live == slot) {
+            return Err(StoreError::InUse(slot));
+        }
+        self.medium.erase(slot).map_err(WriteError::Fault)?;
+        slot.replace(&mut self.occupied, false);
+        Ok(())
+    }
+
+    fn fits(&self, needed: usize) -> Result<(), WriteError<M::Error>> {
+        let room = self.longest;
+        if needed > room { Err(WriteError::TooLong { needed, room }) } else { Ok(()) }
+    }
+
     /// Whether a slot has the contents of this blob.
-    fn holds(&mut self, slot: Slot, bytes: &[u8], blob: &Blob) -> Result<bool, WriteError> {
+    fn holds(&mut self, slot: Slot, bytes: &[u8], blob: &Blob) -> Result<bool, Fault<M::Error>> {
         let content = blob.content();
         let size = blob.size();
         let counts = |offset| content.iter().any(|range| range.contains(&offset));
@@ -95,12 +121,12 @@ impl<M: Medium> Store<M> {
         slot: Slot,
         begin: Mark,
         bytes: &[u8],
-    ) -> Result<(), WriteError> {
-        let room = self.room();
-        if bytes.len() > room {
-            return Err(WriteError::TooLong { needed: bytes.len(), room });
+    ) -> Result<(), WriteError<M::Error>> {
+        self.fits(bytes.len())?;
+        if slot.of(self.occupied) {
+            return Err(WriteError::Occupied(slot));
         }
-        self.medium.erase(slot).map_err(WriteError::Fault)?;
+        self.medium.erase(slot)?;
         self.write_mark(slot, begin, bytes)?;
         self.program(slot, bytes, M::WORD)?;
         self.verify(slot, bytes, M::WORD)?;
@@ -111,13 +137,13 @@ impl<M: Medium> Store<M> {
     }
 
     /// What the marks of a slot say; `None` where no store has begun.
-    pub(super) fn marks(&mut self, slot: Slot) -> Option<Marks> {
+    pub(super) fn marks(&mut self, slot: Slot) -> Result<Option<Marks>, Fault<M::Error>> {
         let begun = self.read_mark(slot, Self::BEGUN)?;
         let [a, b, c, d, last @ ..] = begun;
         let copies = match [a, b, c, d] {
             [b'B', b'E', b'G', b'N'] => 0,
             [b'C', b'P', b'Y', copies] => copies,
-            _ => return None,
+            _ => return Ok(None),
         };
         let done = self.read_mark(slot, Self::DONE)?;
         let programmed: u32 = done.iter().map(|byte| byte.count_zeros()).sum();
@@ -128,29 +154,34 @@ impl<M: Medium> Store<M> {
             (_, BEGUN_BITS..) => Progress::Ending,
             _ => Progress::Committing,
         };
-        Some(Marks { progress, copies, last })
+        Ok(Some(Marks { progress, copies, last }))
     }
 
-    fn write_mark(&mut self, slot: Slot, mark: Mark, bytes: &[u8]) -> Result<(), WriteError> {
+    fn write_mark(
+        &mut self,
+        slot: Slot,
+        mark: Mark,
+        bytes: &[u8],
+    ) -> Result<(), WriteError<M::Error>> {
         let place = if mark == Mark::Done { Self::DONE } else { Self::BEGUN };
         let offset = self.room() + place;
         let mut padded = [0xff; MAX_WORD];
         padded.iter_mut().zip(mark.of(bytes)).for_each(|(to, byte)| *to = byte);
         let word = padded.get(..Self::MARK_WORD).unwrap_or(&[]);
-        self.medium.program(slot, offset, word).map_err(WriteError::Fault)?;
-        if self.read_mark(slot, place) == Some(mark.of(bytes)) {
+        self.medium.program(slot, offset, word)?;
+        if self.read_mark(slot, place)? == mark.of(bytes) {
             Ok(())
         } else {
             Err(WriteError::ReadBack(slot))
         }
     }
 
-    fn read_mark(&mut self, slot: Slot, place: usize) -> Option<[u8; MARK]> {
+    fn read_mark(&mut self, slot: Slot, place: usize) -> Result<[u8; MARK], Fault<M::Error>> {
         let offset = self.room() + place;
         let mut padded = [0; MAX_WORD];
-        let word = padded.get_mut(..Self::MARK_WORD)?;
-        self.medium.read(slot, offset, word).ok()?;
-        word.first_chunk().copied()
+        let word = padded.get_mut(..Self::MARK_WORD).unwrap_or(&mut []);
+        self.medium.read(slot, offset, word)?;
+        Ok(word.first_chunk().copied().unwrap_or_default())
     }
 
     /// Places of the marks, behind the room for a blob.
@@ -165,21 +196,26 @@ impl<M: Medium> Store<M> {
 
     /// Programs the bytes from `from` on, less than [`MAX_WORD`]; the last word
     /// is filled up with 0xff.
-    fn program(&mut self, slot: Slot, bytes: &[u8], from: usize) -> Result<(), WriteError> {
+    fn program(&mut self, slot: Slot, bytes: &[u8], from: usize) -> Result<(), Fault<M::Error>> {
         let mut skip = from;
         for (piece, start) in bytes.chunks(MAX_WORD).zip((0..).step_by(MAX_WORD)) {
             let mut padded = [0xff; MAX_WORD];
             padded.iter_mut().zip(piece).for_each(|(to, byte)| *to = *byte);
             let words = padded.get(skip..piece.len().next_multiple_of(M::WORD)).unwrap_or(&[]);
             if !words.is_empty() {
-                self.medium.program(slot, start + skip, words).map_err(WriteError::Fault)?;
+                self.medium.program(slot, start + skip, words)?;
             }
             skip = 0;
         }
         Ok(())
     }
 
-    fn verify(&mut self, slot: Slot, bytes: &[u8], from: usize) -> Result<(), WriteError> {
+    fn verify(
+        &mut self,
+        slot: Slot,
+        bytes: &[u8],
+        from: usize,
+    ) -> Result<(), WriteError<M::Error>> {
         let equal = self.compare(slot, bytes, |offset| offset >= from)?;
         if equal { Ok(()) } else { Err(WriteError::ReadBack(slot)) }
     }
@@ -190,11 +226,11 @@ impl<M: Medium> Store<M> {
         slot: Slot,
         bytes: &[u8],
         counts: impl Fn(usize) -> bool,
-    ) -> Result<bool, WriteError> {
+    ) -> Result<bool, Fault<M::Error>> {
         for (piece, start) in bytes.chunks(MAX_WORD).zip((0..).step_by(MAX_WORD)) {
             let mut read = [0; MAX_WORD];
             let words = read.get_mut(..piece.len().next_multiple_of(M::WORD)).unwrap_or(&mut []);
-            self.medium.read(slot, start, words).map_err(WriteError::Fault)?;
+            self.medium.read(slot, start, words)?;
             let mut pairs = words.iter().zip(piece).zip(start..);
             if !pairs.all(|((read, byte), offset)| read == byte || !counts(offset)) {
                 return Ok(false);

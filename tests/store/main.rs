@@ -1,6 +1,8 @@
 //! The store: whatever the power does, one good blob is found.
 
 mod bench;
+mod contract;
+mod histories;
 mod rules;
 
 use bench::cells::{Cut, EepromPart, NorPart, Part, Tear};
@@ -50,7 +52,7 @@ fn eeprom_with_torn_pages() {
 #[test]
 fn a_finished_store_stays_finished() {
     let bench = Bench::<EepromPart<8>>::new(Start::Programmed, Blobs::small(8));
-    let done = 59;
+    let done = bench.operations() - 1;
     for seed in 0..200 {
         let mut history = bench.history(seed);
         history.power_up(Some(Cut { at: done, tear: Tear::Weak }), true);

@@ -119,7 +119,7 @@ impl Board {
     pub fn found(&self) -> Result<Option<Vec<u8>>> {
         let slots = ByteSlots::<_, PAGE>::new(Copied(self.read()?), [0, SLOT], SLOT)?;
         let mut buffer = vec![0; SLOT as usize];
-        let (store, opened) = Store::open(slots, &mut buffer, Acceptance::of(self.robot));
+        let (store, opened) = Store::open(slots, &mut buffer, Acceptance::of(self.robot, 6))?;
         let size = opened.blob.map(|blob| blob.size());
         let Some((slot, _)) = store.live() else { return Ok(None) };
         let Copied(bytes) = store.release().release();

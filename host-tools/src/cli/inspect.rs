@@ -32,11 +32,14 @@ impl Inspect {
         print!("{}", describe(&blob, bytes.len()));
 
         let mut asked = Vec::new();
-        let mut acceptance = Acceptance::of(blob.robot_id());
+        let mut acceptance = Acceptance::of(blob.robot_id(), blob.joints());
         if let Some(path) = &self.robot {
             let robot = Robot::read(path)?;
             warn(&robot.warnings);
-            acceptance = Acceptance::of(truearm::blob::robot_id(&robot.name, &robot.serial));
+            acceptance = Acceptance::of(
+                truearm::blob::robot_id(&robot.name, &robot.serial),
+                robot.joints.len(),
+            );
             asked.push(format!("robot {} {}", robot.name, robot.serial));
         }
         if let Some(path) = &self.key {

@@ -19,7 +19,7 @@ use std::path::Path;
 
 use clap::{Parser, Subcommand};
 use miette::miette;
-use truearm::blob::{Blob, Refusal};
+use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::explain::explain;
 use truearm_host::files::{Model, write};
 use truearm_host::{Error, Result};
@@ -85,7 +85,7 @@ fn read_blob(path: &Path) -> Result<Vec<u8>> {
     }
 }
 
-fn refused(path: &Path, bytes: &[u8], refusal: &Refusal) -> Error {
+fn refused(path: &Path, bytes: &[u8], refusal: &AcceptanceError) -> Error {
     Error::data(format!("{}: {refusal}", path.display()), explain(bytes, refusal))
 }
 

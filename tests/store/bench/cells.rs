@@ -68,6 +68,8 @@ pub struct Cells {
     /// Operations since the power came on.
     pub operations: usize,
     pub dead: bool,
+    /// Readings until one fails.
+    until_fault: Option<usize>,
 }
 
 impl Cells {
@@ -81,6 +83,7 @@ impl Cells {
             cut: None,
             operations: 0,
             dead: false,
+            until_fault: None,
         }
     }
 
@@ -89,6 +92,17 @@ impl Cells {
         self.cut = cut;
         self.operations = 0;
         self.dead = false;
+        self.until_fault = None;
+    }
+
+    /// Whether no bit of these bytes reads differently from time to time.
+    pub fn is_steady(&self, start: usize, size: usize) -> bool {
+        self.floating[start..][..size].iter().all(|bits| *bits == 0)
+    }
+
+    /// One reading fails after so many that do not.
+    pub fn fail_read(&mut self, after: usize) {
+        self.until_fault = Some(after);
     }
 
     pub fn seed(&mut self, seed: u64) {
@@ -106,6 +120,11 @@ impl Cells {
 
     fn read(&mut self, start: usize, out: &mut [u8]) -> Result<(), NorFlashErrorKind> {
         if self.dead {
+            return Err(NorFlashErrorKind::Other);
+        }
+        let until = self.until_fault;
+        self.until_fault = until.and_then(|n| n.checked_sub(1));
+        if until == Some(0) {
             return Err(NorFlashErrorKind::Other);
         }
         if !self.unsteady {

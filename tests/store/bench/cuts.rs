@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm::blob::Blob;
+use truearm::blob::{Acceptance, Blob};
 use truearm::store::{Medium, Store};
 
 use super::cells::{Cells, Cut, Part, Shared, Tear};
@@ -41,15 +41,19 @@ fn shared(cells: Cells) -> Shared {
 pub struct Blobs(Vec<Vec<u8>>);
 
 impl Blobs {
-    /// Of one joint and of two.
+    /// Of one joint, with nine terms or none.
     pub fn small(count: u32) -> Self {
-        let joints = |sequence| if sequence % 4 < 2 { 2 } else { 1 };
-        Self((1..=count).map(|n| samples::small(joints(n), n, n as u8)).collect())
+        let terms = |sequence| if sequence % 4 < 2 { 9 } else { 0 };
+        Self((1..=count).map(|n| samples::short(1, terms(n), n, n as u8)).collect())
     }
 
     /// Of six joints.
     pub fn full(count: u32) -> Self {
         Self((1..=count).map(|n| samples::full(n, n as u8)).collect())
+    }
+
+    fn mine(&self) -> Acceptance {
+        samples::mine(self.get(1))
     }
 
     fn get(&self, sequence: u32) -> &[u8] {
@@ -169,11 +173,12 @@ impl<P: Part> Bench<P> {
             cells.borrow_mut().power_up(None);
             let mut buffer = vec![0; self.slot_size];
             let slots = P::mount(&cells, self.slot_size);
-            let (mut store, opened) = Store::open(slots, &mut buffer, samples::mine());
+            let (mut store, opened) =
+                Store::open(slots, &mut buffer, self.blobs.mine()).expect("room for the blobs");
             if let Some(found) = found {
                 assert_eq!(opened.blob, found.ok());
             } else if let Some(blob) = opened.blob {
-                assert_eq!(samples::mine().judge(&blob), Ok(()));
+                assert_eq!(self.blobs.mine().judge(&blob), Ok(()));
             }
             store.store(newest).expect("a newer blob than any");
         }
@@ -249,7 +254,8 @@ impl<P: Part> Bench<P> {
         cells.borrow_mut().power_up(cut);
         let mut buffer = vec![0; self.slot_size];
         let slots = P::mount(cells, self.slot_size);
-        let (mut store, opened) = Store::open(slots, &mut buffer, samples::mine());
+        let (mut store, opened) =
+            Store::open(slots, &mut buffer, self.blobs.mine()).expect("room for the blobs");
         // A machine without power tells nobody what it found.
         let alive = !cells.borrow().dead;
         if alive {

@@ -50,7 +50,7 @@ fn part<P: Part>(full: bool, sample: Option<usize>, seed: u64) -> Tally {
             cuts.fold(Tally::default(), |sum, tally| sum + tally)
         })
         .reduce(Tally::default, |a, b| a + b);
-    let blob = if full { "6 joints" } else { "1 and 2 joints" };
+    let blob = if full { "6 joints" } else { "1 joint" };
     println!("| {} | {blob} | {} | {} | {} | 0 |", P::NAME, tally.single, tally.double, tally.cuts);
     tally
 }

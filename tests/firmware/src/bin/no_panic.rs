@@ -11,17 +11,18 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use truearm::blob::{Acceptance, Blob, DecodeError, Refusal};
+use truearm::blob::{Acceptance, AcceptanceError, Blob, DecodeError};
 use truearm::check_point::CheckPoint;
 use truearm::drift::{DriftWatch, FalseAlarms};
 use truearm::reidentify::{Reidentify, Unknown};
 use truearm::solve::StreamingTikhonov;
-use truearm::store::{GeometryError, NorSlots, Opened, Store, StoreError, Stored};
+use truearm::store::{GeometryError, NorSlots, Opened, Slot, Store, StoreError, Stored};
 use truearm::{Approach, Arm, Compensator, Pose, Settings, State, Task};
 
 /// What a controller calls, on values the compiler knows nothing about.
-fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), Refusal> {
-    let mine = Acceptance::of(black_box(1)).with_key(black_box([3; 32])).not_before(black_box(2));
+fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), AcceptanceError> {
+    let mine =
+        Acceptance::of(black_box(1), 6).with_key(black_box([3; 32])).not_before(black_box(2));
     let blob = mine.check(black_box(bytes))?;
     let parameters = blob.parameters::<f32, 6>()?;
     let arm = Arm::new(black_box(&parameters));
@@ -114,6 +115,7 @@ impl NorFlash for Flash {
 }
 
 type Slots = NorSlots<Flash>;
+type Open<'b> = (Store<Slots>, Opened<'b, NorFlashErrorKind>);
 
 // The names of these three are what xtask sums up as the store's text.
 
@@ -123,21 +125,25 @@ fn store_slots(starts: [u32; 2], size: u32) -> Result<Slots, GeometryError> {
 }
 
 #[inline(never)]
-fn store_open<'b>(slots: Slots, buffer: &'b mut [u8]) -> (Store<Slots>, Opened<'b>) {
-    Store::open(slots, buffer, Acceptance::of(black_box(1)))
+fn store_open<'b>(slots: Slots, buffer: &'b mut [u8]) -> Result<Open<'b>, GeometryError> {
+    Store::open(slots, buffer, Acceptance::of(black_box(1), 6))
 }
 
 #[inline(never)]
-fn store_store(store: &mut Store<Slots>, bytes: &[u8]) -> Result<Stored, StoreError> {
+fn store_store(
+    store: &mut Store<Slots>,
+    bytes: &[u8],
+) -> Result<Stored, StoreError<NorFlashErrorKind>> {
     store.store(bytes)
 }
 
 /// What a controller calls at power-up and when it is given new parameters.
 fn store_path(bytes: &[u8], buffer: &mut [u8]) -> Result<(), GeometryError> {
     let slots = store_slots(black_box([0, 4096]), black_box(4096))?;
-    let (mut store, opened) = store_open(slots, black_box(buffer));
+    let (mut store, opened) = store_open(slots, black_box(buffer))?;
     black_box(opened);
     let _ = black_box(store_store(&mut store, black_box(bytes)));
+    let _ = black_box(store.discard(black_box(Slot::A)));
     black_box(store.live());
     Ok(())
 }

@@ -54,7 +54,8 @@ fn run() -> Result<(), Failed> {
     let slots = slots.map_err(|error| failed("slots", error))?;
 
     let mut buffer = [0; SLOT as usize];
-    let (mut store, opened) = Store::open(slots, &mut buffer, Acceptance::of(robot));
+    let (mut store, opened) = Store::open(slots, &mut buffer, Acceptance::of(robot, 6))
+        .map_err(|error| failed("store", error))?;
     report(&opened.source);
     hprintln!("settled: {:?}", opened.settled);
     let parameters = match opened.blob {
@@ -84,7 +85,7 @@ fn failed(what: &str, why: impl core::fmt::Display) -> Failed {
     Failed
 }
 
-fn report(source: &Source) {
+fn report<E: core::fmt::Debug>(source: &Source<E>) {
     match source {
         Source::Newest(slot) => hprintln!("parameters: slot {}, the newest", slot),
         Source::LastGood { slot, rejected } => {
