@@ -85,6 +85,8 @@ impl<T: Scalar, const N: usize> State<T, N> {
 /// An identified arm, folded for the control loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm<'t, T, const N: usize> {
+    robot_id: u64,
+    sequence: u32,
     nominal: Chain<T, N>,
     real: Chain<T, N>,
     covered: [Option<[T; 2]>; N],
@@ -117,6 +119,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         let folded = FoldedTerms::new(&p.terms);
         let weights = p.masses.filter(|_| folded.needs_load()).map(|masses| masses.on(&nominal));
         Self {
+            robot_id: p.robot_id,
+            sequence: p.sequence,
             nominal,
             real: Chain::new(&links, base, tool),
             covered: p.covered,
@@ -138,6 +142,18 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
             real: self.real.with_tool(tool),
             ..self.clone()
         }
+    }
+
+    /// Id of the robot, see [`crate::blob::robot_id`].
+    #[must_use]
+    pub fn robot_id(&self) -> u64 {
+        self.robot_id
+    }
+
+    /// Sequence number of its parameters.
+    #[must_use]
+    pub fn sequence(&self) -> u32 {
+        self.sequence
     }
 
     /// The chain the controller believes in.

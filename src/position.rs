@@ -2,7 +2,7 @@
 //! and whether the identification has seen such a pose.
 
 use crate::arm::{Arm, State};
-use crate::blob::Covariance;
+use crate::blob::{Covariance, CovarianceError};
 use crate::kinematics::Pose;
 use crate::scalar::Scalar;
 
@@ -13,8 +13,8 @@ pub struct RealPosition<T> {
     /// Tool pose in the commanded frame, the nominal base.
     pub pose: Pose<T>,
     /// One standard deviation of the tool point along x, y, z, m, from the
-    /// identified covariance; `None` where the blob carries none. It holds in
-    /// the joint ranges that the identification covered.
+    /// identified covariance; `None` where none was given. It holds in the joint
+    /// ranges that the identification covered.
     pub sigma: Option<[T; 3]>,
     /// Every joint lies in the range that the identification covered; outside
     /// of it the corrections are extrapolated.
@@ -25,22 +25,30 @@ pub struct RealPosition<T> {
 }
 
 impl<T: Scalar> RealPosition<T> {
-    /// At encoder readings `q` (rad or m) in a state of the arm. A pose costs
-    /// some hundred instructions, its covariance some ten thousand: see
-    /// [`Covariance::point_sigma`]. Not finite where `q` is not, see
-    /// [`Arm::real_pose_in`].
+    /// At encoder readings `q` (rad or m) in a state of the arm. Not finite where
+    /// `q` is not, see [`Arm::real_pose_in`].
     #[must_use]
-    pub fn of<const N: usize>(
-        arm: &Arm<T, N>,
-        q: &[T; N],
-        state: &State<T, N>,
-        covariance: Option<&Covariance<'_>>,
-    ) -> Self {
+    pub fn of<const N: usize>(arm: &Arm<T, N>, q: &[T; N], state: &State<T, N>) -> Self {
         Self {
             pose: arm.real_pose_in(q, state),
-            sigma: covariance.map(|covariance| covariance.point_sigma(arm, q, state)),
+            sigma: None,
             covered: arm.covers(q),
             orientation_identified: arm.orientation_identified(),
         }
+    }
+
+    /// The same, with how sure it is. A pose costs some hundred instructions, its
+    /// covariance some ten thousand: see [`Covariance::point_sigma`].
+    ///
+    /// # Errors
+    /// The covariance is not that of this arm's parameters.
+    pub fn with_sigma<const N: usize>(
+        arm: &Arm<T, N>,
+        q: &[T; N],
+        state: &State<T, N>,
+        covariance: &Covariance<'_>,
+    ) -> Result<Self, CovarianceError> {
+        let sigma = Some(covariance.point_sigma(arm, q, state)?);
+        Ok(Self { sigma, ..Self::of(arm, q, state) })
     }
 }

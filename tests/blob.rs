@@ -7,7 +7,8 @@ mod common;
 use blobs::{mend, parameters, term};
 use proptest::prelude::*;
 use truearm::blob::{
-    Blob, DecodeError, EncodeError, Flaw, encode, encode_with, encoded_len, factor_len, robot_id,
+    AcceptanceError, Blob, CovarianceError, DecodeError, EncodeError, Flaw, Record, encode,
+    encode_with, encoded_len, factor_len, robot_id,
 };
 use truearm::effects::{Effect, MAX_TERMS, Term};
 use truearm::{Approach, Arm, Pose, State, Tables};
@@ -198,7 +199,7 @@ fn point_sigma_is_the_change_of_the_point() {
         let blob = Blob::check(&bytes).unwrap();
         let rounded = blob.parameters::<f64, 3>().unwrap();
         let arm = Arm::new(&rounded);
-        let sigma = blob.covariance().unwrap().point_sigma(&arm, &q, &state);
+        let sigma = blob.covariance().unwrap().point_sigma(&arm, &q, &state).unwrap();
         let mut moved = [rounded.clone(), rounded.clone()];
         for (p, step) in moved.iter_mut().zip([step, -step]) {
             match k {
@@ -229,9 +230,85 @@ fn point_sigma_is_the_change_of_the_point() {
         }
         // Another tool is exact.
         let other = arm.with_tool(Pose::translation(0.0, 0.0, 0.3));
-        let sigma = blob.covariance().unwrap().point_sigma(&other, &q, &state);
+        let sigma = blob.covariance().unwrap().point_sigma(&other, &q, &state).unwrap();
         assert!(!(6..9).contains(&k) || sigma == [0.0; 3]);
     }
+}
+
+/// Never a number for an arm that it is not of.
+#[test]
+fn a_foreign_arm_is_refused_by_the_covariance() {
+    let mut bytes = vec![0; 9000];
+    let mut own = parameters();
+    encode_with(&own, Some(&factor()), &mut bytes).unwrap();
+    let covariance = Blob::check(&bytes).unwrap().covariance().unwrap();
+    own = Blob::check(&bytes).unwrap().parameters().unwrap();
+    let sigma = |p: &truearm::ArmParameters<f32, 3>| {
+        let arm = Arm::new(p);
+        covariance.point_sigma(&arm, &[0.1; 3], &arm.state()).map(drop)
+    };
+    let changed = |change: &dyn Fn(&mut truearm::ArmParameters<f32, 3>)| {
+        let mut p = own.clone();
+        change(&mut p);
+        sigma(&p)
+    };
+    assert_eq!(sigma(&own), Ok(()));
+    let robot = own.robot_id;
+    let wrong = CovarianceError::WrongRobot { blob: robot, arm: robot ^ 1 };
+    assert_eq!(changed(&|p| p.robot_id ^= 1), Err(wrong));
+    let wrong = CovarianceError::WrongSequence { blob: 7, arm: 8 };
+    assert_eq!(changed(&|p| p.sequence = 8), Err(wrong));
+    let other = Err(CovarianceError::OtherParameters);
+    assert_eq!(changed(&|p| p.corrections[2].beta += 1e-6), other);
+    assert_eq!(changed(&|p| p.nominal[1].parameters.a += 1e-4), other);
+    assert_eq!(changed(&|p| p.nominal[1].kind = truearm::JointKind::Revolute), other);
+    assert_eq!(changed(&|p| p.terms[23].coefficient *= 1.5), other);
+    assert_eq!(changed(&|p| p.terms.truncate(23)), other);
+    // The tool is the user's to change.
+    assert_eq!(changed(&|p| p.tool.x += 0.1), Ok(()));
+
+    let mut first = truearm::ArmParameters::<f32, 1> {
+        robot_id: own.robot_id,
+        sequence: own.sequence,
+        ..Blob::check(include_bytes!("data/golden/layout-3-least.blob"))
+            .unwrap()
+            .parameters()
+            .unwrap()
+    };
+    first.nominal[0] = own.nominal[0];
+    first.corrections[0] = own.corrections[0];
+    let one = Arm::new(&first);
+    let refused = covariance.point_sigma(&one, &[0.1], &one.state());
+    assert_eq!(refused, Err(CovarianceError::OtherParameters));
+}
+
+#[test]
+fn a_last_sequence_number_is_not_written() {
+    let mut p = parameters();
+    p.sequence = u32::MAX;
+    assert_eq!(encode(&p, &mut [0; 1024]), Err(EncodeError::LastSequence));
+    p.sequence -= 1;
+    assert!(encode(&p, &mut [0; 1024]).is_ok());
+}
+
+/// A format without room for tables must not lose them.
+#[test]
+fn tables_are_not_dropped_in_silence() {
+    let mut p = parameters();
+    p.tables = truearm::Tables::of(&[0; 512]).unwrap();
+    assert_eq!(encode(&p, &mut [0; 2048]), Err(EncodeError::Tables));
+}
+
+#[test]
+fn errors_say_their_source() {
+    use std::error::Error;
+    let mut p = parameters();
+    p.corrections[1].d = 0.5;
+    let error = encode(&p, &mut [0; 1024]).unwrap_err();
+    let source = error.source().and_then(|e| e.downcast_ref::<DecodeError>());
+    assert!(matches!(source, Some(DecodeError::Field(name, _)) if name.record == Record::Joint(1)));
+    let error = AcceptanceError::from(DecodeError::NotABlob);
+    assert!(error.source().is_some());
 }
 
 #[test]
@@ -260,7 +337,9 @@ fn bad_terms_are_named() {
     assert_eq!(real(10, -1.1e-3), range("term 10 coefficient"));
     assert_eq!(real(24, f32::NAN), "term 24 coefficient is not a finite number");
     assert_eq!(refused(1, 0, &[9]), unknown("term 1 effect"));
-    assert_eq!(refused(1, 0, &[0x40]), unknown("term 1 flags"));
+    // Room for effects to come.
+    assert_eq!(refused(1, 0, &[0x40]), unknown("term 1 effect"));
+    assert_eq!(refused(1, 0, &[0x80]), unknown("term 1 effect"));
     assert_eq!(refused(1, 0, &[0x20]), unknown("term 1 flags"));
     assert_eq!(refused(1, 0, &[0x10]), unknown("term 1 component"));
     assert_eq!(refused(1, 1, &[3]), range("term 1 joint"));

@@ -99,7 +99,7 @@ fn closed_loop(set: &BlindSet) -> Option<Errors> {
         let error = |q: &[f64; 6]| -> Vector3<f64> {
             frame.transform_point(&truth.point(&moment(q))) - target
         };
-        let sigma = covariance.point_sigma(&arm, &tick.joints, &state);
+        let sigma = covariance.point_sigma(&arm, &tick.joints, &state).unwrap();
         sums[0] += error(&command).norm_squared();
         sums[1] += error(&tick.joints.map(f64::from)).norm_squared();
         sums[2] += sigma.iter().map(|s| f64::from(*s).powi(2)).sum::<f64>();

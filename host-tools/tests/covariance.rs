@@ -75,10 +75,11 @@ fn the_controller_states_what_the_host_does() {
     let (mut worst, mut seen): (f64, _) = (0.0, [0; 2]);
     for _ in 0..500 {
         let q = pose(&mut rng);
-        let sigma = covariance.point_sigma(&arm, &q, &State::at(20.0));
-        let single = covariance.point_sigma(&small, &q.map(|x| x as f32), &State::at(20.0));
+        let sigma = covariance.point_sigma(&arm, &q, &State::at(20.0)).unwrap();
+        let single =
+            covariance.point_sigma(&small, &q.map(|x| x as f32), &State::at(20.0)).unwrap();
         let host = host_sigma(&model, &q);
-        let all = RealPosition::of(&arm, &q, &State::at(20.0), Some(&covariance));
+        let all = RealPosition::with_sigma(&arm, &q, &State::at(20.0), &covariance).unwrap();
         assert_eq!(all.sigma, Some(sigma));
         assert_eq!(all.pose, arm.real_pose(&q));
         assert!(!all.orientation_identified);
@@ -91,7 +92,7 @@ fn the_controller_states_what_the_host_does() {
     println!("controller in f32 against host in f64: {worst:.1e} relative at worst");
     assert!(worst < 1e-3);
     assert!(seen[0] > 0 && seen[1] > 0, "poses in and out of the covered ranges: {seen:?}");
-    let none = RealPosition::of(&arm, &pose(&mut rng), &State::at(20.0), None);
+    let none = RealPosition::of(&arm, &pose(&mut rng), &State::at(20.0));
     assert_eq!(none.sigma, None);
 }
 
@@ -118,7 +119,7 @@ fn the_stated_sigma_is_true() {
             let state = State::at(20.0);
             let off = |arm: &Arm6<f64>, tool: Vector3<f64>| {
                 let seen = frame.transform_point(&real(tool).pose(&q).translation);
-                let sigma = covariance.point_sigma(arm, &q, &state);
+                let sigma = covariance.point_sigma(arm, &q, &state).unwrap();
                 let error = arm.real_pose(&q).translation - seen;
                 [0, 1, 2].map(|c| (error[c] / sigma[c], sigma[c]))
             };

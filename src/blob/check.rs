@@ -1,13 +1,14 @@
 use super::error::{DecodeError, FieldName, Flaw, Record};
+use super::fields;
 use super::layout::{
     CHECKSUM, FLAG_COVARIANCE, FLAG_MASSES, FLAG_ORIENTATION, FLAG_TAG, FLAGS, HAS_COVERED,
-    HAS_LIMITS, HEADER, LAYOUT, MAGIC, REALS, RECORD, TAG, TERM, checksum, encoded_len, factor_len,
+    HAS_LIMITS, HEADER, LAYOUT, MAGIC, RECORD, TAG, TERM, checksum, encoded_len, factor_len,
     uncertain_parameters,
 };
 use super::term;
 use crate::arm::MAX_JOINTS;
 use crate::effects::MAX_TERMS;
-use crate::kinematics::{JointKind, LinkParameter};
+use crate::kinematics::JointKind;
 
 /// A blob of which every byte has been checked, still in place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,22 +59,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-const XYZ: [&str; 3] = ["x", "y", "z"];
-const RANGE: [&str; 2] = ["low", "high"];
 /// No standard deviation of any parameter is larger, SI.
 const WIDEST: f32 = 10.0;
-
-// Never inlined: thirty copies of it are a kilobyte and a half of text.
-#[inline(never)]
-fn check_value(name: FieldName, value: f32, low: f32, high: f32) -> Result<(), DecodeError> {
-    if !value.is_finite() {
-        Err(DecodeError::Field(name, Flaw::NotFinite))
-    } else if value < low || value > high {
-        Err(DecodeError::Field(name, Flaw::Implausible))
-    } else {
-        Ok(())
-    }
-}
 
 impl<'a> Blob<'a> {
     /// Checks every byte in place; what lies behind the blob's length is
@@ -128,7 +115,7 @@ impl<'a> Blob<'a> {
         let tag = if tag_size == 0 { None } else { reader.take() };
         let signed = body.get(..body.len() - tag_size).ok_or(contradiction)?;
         let blob = Self { header, records, terms, factor, tag, signed };
-        blob.check_header(masses)?;
+        fields::check(Record::Header, header, masses, 0)?;
         for (record, index) in records.chunks_exact(RECORD).zip(0..) {
             check_record(index, record, masses)?;
         }
@@ -139,26 +126,6 @@ impl<'a> Blob<'a> {
             check_factor(factor, uncertain_parameters(count, term_count))?;
         }
         Ok(blob)
-    }
-
-    fn check_header(&self, masses: bool) -> Result<(), DecodeError> {
-        let name = |group, member| FieldName { record: Record::Header, group, member };
-        let mut reader = Reader(&self.header[REALS]);
-        for (group, most) in [("base translation", 1.0), ("base rotation", 1.0), ("tool", 10.0)] {
-            for member in XYZ {
-                check_value(name(group, member), reader.f32(), -most, most)?;
-            }
-        }
-        check_value(name("rms before", ""), reader.f32(), 0.0, 10.0)?;
-        check_value(name("rms after", ""), reader.f32(), 0.0, 10.0)?;
-        check_value(name("reference temperature", ""), reader.f32(), -100.0, 200.0)?;
-        for (group, most) in [("gravity", 20.0), ("payload point", 10.0)] {
-            let most = if masses { most } else { 0.0 };
-            for member in XYZ {
-                check_value(name(group, member), reader.f32(), -most, most)?;
-            }
-        }
-        Ok(())
     }
 }
 
@@ -180,10 +147,11 @@ fn check_flags(header: &[u8; HEADER]) -> Result<bool, DecodeError> {
 }
 
 fn check_record(joint: u8, record: &[u8], masses: bool) -> Result<(), DecodeError> {
-    let name = |group, member| FieldName { record: Record::Joint(joint), group, member };
-    let unknown = |group| DecodeError::Field(name(group, ""), Flaw::Unknown);
-    let mut reader = Reader(record);
-    let [kind, presence, reserved @ ..]: [u8; 4] = *reader.take().ok_or(unknown("record"))?;
+    let unknown = |group| {
+        let name = FieldName { record: Record::Joint(joint), group, member: "" };
+        DecodeError::Field(name, Flaw::Unknown)
+    };
+    let [kind, presence, reserved @ ..] = head_of(record);
     if kind_of(kind).is_none() {
         return Err(unknown("kind"));
     }
@@ -193,28 +161,7 @@ fn check_record(joint: u8, record: &[u8], masses: bool) -> Result<(), DecodeErro
     if reserved != [0, 0] {
         return Err(unknown("reserved"));
     }
-    for (group, length, angle) in [("nominal", 10.0, 6.3), ("correction", 0.2, 0.2)] {
-        for parameter in LinkParameter::ALL {
-            let most = if parameter.is_length() { length } else { angle };
-            check_value(name(group, parameter.name()), reader.f32(), -most, most)?;
-        }
-    }
-    for (group, bit) in [("limits", HAS_LIMITS), ("covered range", HAS_COVERED)] {
-        let most = if presence & bit == 0 { 0.0 } else { 100.0 };
-        let values = [reader.f32(), reader.f32()];
-        for (member, value) in RANGE.into_iter().zip(values) {
-            check_value(name(group, member), value, -most, most)?;
-        }
-        if values[0] > values[1] {
-            return Err(DecodeError::Field(name(group, "low"), Flaw::Inverted));
-        }
-    }
-    let (heaviest, farthest) = if masses { (10_000.0, 10.0) } else { (0.0, 0.0) };
-    check_value(name("mass", ""), reader.f32(), 0.0, heaviest)?;
-    for member in XYZ {
-        check_value(name("centre of mass", member), reader.f32(), -farthest, farthest)?;
-    }
-    Ok(())
+    fields::check(Record::Joint(joint), record, masses, presence)
 }
 
 /// A lower triangle by columns; no diagonal entry is negative.
@@ -229,12 +176,19 @@ fn check_factor(factor: &[u8], size: usize) -> Result<(), DecodeError> {
             if !(low..=WIDEST).contains(&value) {
                 let record = Record::Factor(index);
                 let name = FieldName { record, group: "covariance factor", member: "" };
-                return check_value(name, value, low, WIDEST);
+                let finite = value.is_finite();
+                let flaw = if finite { Flaw::Implausible } else { Flaw::NotFinite };
+                return Err(DecodeError::Field(name, flaw));
             }
             index = index.saturating_add(1);
         }
     }
     Ok(())
+}
+
+/// Kind, presence and reserved bytes of a joint's record.
+pub(super) fn head_of(record: &[u8]) -> [u8; 4] {
+    record.first_chunk().copied().unwrap_or([0xff; 4])
 }
 
 pub(super) fn kind_of(byte: u8) -> Option<JointKind> {

@@ -1,8 +1,13 @@
-use super::check::{Blob, Reader};
-use super::layout::{REALS, uncertain_parameters};
+use core::fmt;
+
+use super::check::{Blob, head_of, kind_of};
+use super::decode::{mdh, vector};
+use super::fields;
+use super::layout::{RECORD, uncertain_parameters};
+use super::term;
 use crate::arm::{Arm, State};
 use crate::effects::{MAX_TERMS, Term};
-use crate::kinematics::LinkParameter;
+use crate::kinematics::{Link, LinkParameter};
 use crate::scalar::Scalar;
 
 use nalgebra::Vector3;
@@ -11,10 +16,49 @@ use nalgebra::Vector3;
 /// [base translation, base rotation, tool point, links, terms].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Covariance<'a> {
-    pub(super) blob: &'a Blob<'a>,
+    pub(super) blob: Blob<'a>,
 }
 
-impl Covariance<'_> {
+/// Why a covariance says nothing of an arm: it is not that of its parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum CovarianceError {
+    /// The arm is another robot.
+    WrongRobot {
+        /// Id in the blob.
+        blob: u64,
+        /// Id of the arm.
+        arm: u64,
+    },
+    /// The arm has an older or a newer set of parameters.
+    WrongSequence {
+        /// Sequence number of the blob.
+        blob: u32,
+        /// Of the arm's parameters.
+        arm: u32,
+    },
+    /// The same robot and number, but not the same joints, corrections or terms.
+    OtherParameters,
+}
+
+impl fmt::Display for CovarianceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::WrongRobot { blob, arm } => {
+                write!(f, "a covariance of robot {blob:#018x} where the arm is {arm:#018x}")
+            }
+            Self::WrongSequence { blob, arm } => {
+                write!(f, "a covariance of sequence {blob} where the arm has {arm}")
+            }
+            Self::OtherParameters => f.write_str("a covariance of other parameters than the arm's"),
+        }
+    }
+}
+
+impl core::error::Error for CovarianceError {}
+
+impl<'a> Covariance<'a> {
     /// Parameters it speaks of.
     #[must_use]
     pub fn parameters(&self) -> usize {
@@ -22,8 +66,44 @@ impl Covariance<'_> {
     }
 
     /// The factor: a lower triangle column by column, SI.
-    pub fn factor(&self) -> impl Iterator<Item = f32> {
+    pub fn factor(&self) -> impl Iterator<Item = f32> + use<'a> {
         self.blob.factor.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes))
+    }
+
+    /// Whether it is that of this arm's parameters; tool and base aside.
+    ///
+    /// # Errors
+    /// What is not the same.
+    pub fn check<T: Scalar, const N: usize>(
+        &self,
+        arm: &Arm<'_, T, N>,
+    ) -> Result<(), CovarianceError> {
+        let (blob, of) = (&self.blob, arm.robot_id());
+        if blob.robot_id() != of {
+            return Err(CovarianceError::WrongRobot { blob: blob.robot_id(), arm: of });
+        }
+        if blob.sequence() != arm.sequence() {
+            let (blob, arm) = (blob.sequence(), arm.sequence());
+            return Err(CovarianceError::WrongSequence { blob, arm });
+        }
+        let records = blob.records.chunks_exact(RECORD);
+        let same_links = records.zip(arm.nominal().links()).zip(arm.real().links()).all(
+            |((record, nominal), real)| {
+                let [kind, ..] = head_of(record);
+                let link = Link {
+                    kind: kind_of(kind).unwrap_or_default(),
+                    parameters: mdh(&fields::NOMINAL, record),
+                };
+                link == *nominal && link.corrected(&mdh(&fields::CORRECTION, record)) == *real
+            },
+        );
+        let terms = term::each(blob.terms).map(term::from_bytes);
+        let same_terms = terms.eq(arm.terms().iter().copied().map(Some));
+        if blob.joints() == N && same_links && same_terms {
+            Ok(())
+        } else {
+            Err(CovarianceError::OtherParameters)
+        }
     }
 
     /// One standard deviation of where the tool point is, along x, y, z of the
@@ -38,18 +118,17 @@ impl Covariance<'_> {
     /// Costs P(P + 1) / 2 times three multiply-adds for P parameters, 42,458
     /// instructions on a Cortex-M4F for six joints and 24 terms: a check point's
     /// work, not every tick's. No heap; 2 KB of stack then in `f32`.
-    /// NaN if the arm has another number of joints or terms than the blob.
-    #[must_use]
+    ///
+    /// # Errors
+    /// As [`Covariance::check`]: the arm is not the one of this blob.
     pub fn point_sigma<T: Scalar, const N: usize>(
         &self,
-        arm: &Arm<T, N>,
+        arm: &Arm<'_, T, N>,
         q: &[T; N],
         state: &State<T, N>,
-    ) -> [T; 3] {
+    ) -> Result<[T; 3], CovarianceError> {
+        self.check(arm)?;
         let terms = arm.terms();
-        if self.blob.joints() != N || self.blob.terms() != terms.len() {
-            return [T::from_f32(f32::NAN); 3];
-        }
         let inputs = arm.inputs(q, state);
         let mut bent = *q;
         for (q, bend) in bent.iter_mut().zip(&arm.bending(q, state).joints) {
@@ -92,14 +171,12 @@ impl Covariance<'_> {
                 *variance += sum * sum;
             }
         }
-        variance.map(T::sqrt)
+        Ok(variance.map(T::sqrt))
     }
 
     /// Whether the arm still carries the tool point of the blob.
     fn is_own_tool<T: Scalar, const N: usize>(&self, arm: &Arm<T, N>) -> bool {
-        let mut reader = Reader(self.blob.header[REALS].get(24..).unwrap_or(&[]));
-        let own = [0; 3].map(|_| T::from_f32(reader.f32()));
-        let carried = &arm.real().tool().translation;
-        [carried.x, carried.y, carried.z] == own
+        let own = vector::<T>(&fields::TOOL, self.blob.header);
+        arm.real().tool().translation == own
     }
 }

@@ -1,11 +1,12 @@
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::check::{Blob, Reader, kind_of};
+use super::check::{Blob, head_of, kind_of};
 use super::covariance::Covariance;
 use super::error::DecodeError;
+use super::fields::{self, Field};
 use super::layout::{
-    CREATED, FLAG_MASSES, FLAG_ORIENTATION, FLAGS, HAS_COVERED, HAS_LIMITS, LENGTH, REALS, RECORD,
+    CREATED, FLAG_MASSES, FLAG_ORIENTATION, FLAGS, HAS_COVERED, HAS_LIMITS, LENGTH, RECORD,
     ROBOT_ID, SEQUENCE, TERM,
 };
 use super::term;
@@ -60,8 +61,8 @@ impl<'a> Blob<'a> {
 
     /// Covariance of the parameters, if it carries one.
     #[must_use]
-    pub fn covariance(&self) -> Option<Covariance<'_>> {
-        (!self.factor.is_empty()).then_some(Covariance { blob: self })
+    pub fn covariance(&self) -> Option<Covariance<'a>> {
+        (!self.factor.is_empty()).then_some(Covariance { blob: *self })
     }
 
     pub(super) fn field<const K: usize>(&self, at: usize) -> [u8; K] {
@@ -83,7 +84,7 @@ impl<'a> Blob<'a> {
             return Err(DecodeError::WrongArm { blob: self.joints(), arm: N });
         }
         let flags = self.flags();
-        let mut reader = Reader(&self.header[REALS]);
+        let header = self.header;
         let zero = MdhParameters::from_array([T::ZERO; 5]);
         let mut out = ArmParameters {
             robot_id: self.robot_id(),
@@ -91,41 +92,38 @@ impl<'a> Blob<'a> {
             created: self.created(),
             nominal: [Link { kind: JointKind::Revolute, parameters: zero }; N],
             corrections: [zero; N],
-            base_translation: vector(&mut reader),
-            base_rotation: vector(&mut reader),
-            tool: vector(&mut reader),
+            base_translation: vector(&fields::BASE_TRANSLATION, header),
+            base_rotation: vector(&fields::BASE_ROTATION, header),
+            tool: vector(&fields::TOOL, header),
             limits: [None; N],
             covered: [None; N],
-            rms_before: real(&mut reader),
-            rms_after: real(&mut reader),
+            rms_before: real(&fields::RMS_BEFORE, header),
+            rms_after: real(&fields::RMS_AFTER, header),
             terms: Vec::new(),
             tables: Tables::NONE,
             masses: None,
-            reference_temperature: real(&mut reader),
+            reference_temperature: real(&fields::REFERENCE_TEMPERATURE, header),
             orientation_identified: flags & FLAG_ORIENTATION != 0,
         };
         let mut masses = Masses {
-            gravity: vector(&mut reader),
+            gravity: vector(&fields::GRAVITY, header),
             mass: [T::ZERO; N],
             com: [Vector3::new(T::ZERO, T::ZERO, T::ZERO); N],
-            payload_com: vector(&mut reader),
+            payload_com: vector(&fields::PAYLOAD_POINT, header),
         };
         let links = out.nominal.iter_mut().zip(&mut out.corrections);
         let ranges = out.limits.iter_mut().zip(&mut out.covered);
         let loads = masses.mass.iter_mut().zip(&mut masses.com);
         let records = self.records.chunks_exact(RECORD);
         for (((link, ranges), (mass, com)), record) in links.zip(ranges).zip(loads).zip(records) {
-            let mut reader = Reader(record);
-            let [kind, presence, ..]: [u8; 4] = reader.take().copied().unwrap_or_default();
+            let [kind, presence, ..] = head_of(record);
             link.0.kind = kind_of(kind).unwrap_or_default();
-            link.0.parameters = mdh(&mut reader);
-            *link.1 = mdh(&mut reader);
-            for (range, bit) in [(ranges.0, HAS_LIMITS), (ranges.1, HAS_COVERED)] {
-                let value = [real(&mut reader), real(&mut reader)];
-                *range = (presence & bit != 0).then_some(value);
-            }
-            *mass = real(&mut reader);
-            *com = vector(&mut reader);
+            link.0.parameters = mdh(&fields::NOMINAL, record);
+            *link.1 = mdh(&fields::CORRECTION, record);
+            *ranges.0 = range(&fields::LIMITS, record, presence & HAS_LIMITS != 0);
+            *ranges.1 = range(&fields::COVERED, record, presence & HAS_COVERED != 0);
+            *mass = real(&fields::MASS, record);
+            *com = vector(&fields::CENTRE_OF_MASS, record);
         }
         out.masses = (flags & FLAG_MASSES != 0).then_some(masses);
         for term in term::each(self.terms).filter_map(term::from_bytes) {
@@ -139,20 +137,24 @@ impl<'a> Blob<'a> {
 // Calls, not copies: a blob is read once.
 
 #[inline(never)]
-fn real<T: Scalar>(reader: &mut Reader) -> T {
-    T::from_f32(reader.f32())
+fn real<T: Scalar>(field: &Field, bytes: &[u8]) -> T {
+    let [value, ..] = field.read(bytes);
+    T::from_f32(value)
 }
 
 #[inline(never)]
-fn vector<T: Scalar>(reader: &mut Reader) -> Vector3<T> {
-    Vector3::new(real(reader), real(reader), real(reader))
+pub(super) fn vector<T: Scalar>(field: &Field, bytes: &[u8]) -> Vector3<T> {
+    let [x, y, z, ..] = field.read(bytes).map(T::from_f32);
+    Vector3::new(x, y, z)
 }
 
 #[inline(never)]
-fn mdh<T: Scalar>(reader: &mut Reader) -> MdhParameters<T> {
-    let mut values = [T::ZERO; 5];
-    for value in &mut values {
-        *value = real(reader);
-    }
-    MdhParameters::from_array(values)
+pub(super) fn mdh<T: Scalar>(field: &Field, bytes: &[u8]) -> MdhParameters<T> {
+    MdhParameters::from_array(field.read(bytes).map(T::from_f32))
+}
+
+#[inline(never)]
+fn range<T: Scalar>(field: &Field, bytes: &[u8], present: bool) -> Option<[T; 2]> {
+    let [low, high, ..] = field.read(bytes).map(T::from_f32);
+    present.then_some([low, high])
 }

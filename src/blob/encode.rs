@@ -4,9 +4,11 @@ use nalgebra::Vector3;
 
 use super::check::Blob;
 use super::error::DecodeError;
+use super::fields::{self, Field};
 use super::layout::{
-    CHECKSUM, FLAG_COVARIANCE, FLAG_MASSES, FLAG_ORIENTATION, HAS_COVERED, HAS_LIMITS, LAYOUT,
-    MAGIC, checksum, encoded_len, factor_len,
+    CHECKSUM, CREATED, FLAG_COVARIANCE, FLAG_MASSES, FLAG_ORIENTATION, FLAGS, HAS_COVERED,
+    HAS_LIMITS, HEADER, LAYOUT, LENGTH, MAGIC, RECORD, ROBOT_ID, SEQUENCE, TERM, checksum,
+    encoded_len, factor_len,
 };
 use super::term;
 use crate::arm::{ArmParameters, MAX_JOINTS};
@@ -33,6 +35,8 @@ pub enum EncodeError {
         /// Numbers given.
         got: usize,
     },
+    /// Format 1.0 has no room for tables.
+    Tables,
     /// The last sequence number there is, see
     /// [`AcceptanceError::LastSequence`](super::AcceptanceError::LastSequence).
     LastSequence,
@@ -49,6 +53,7 @@ impl fmt::Display for EncodeError {
             Self::Factor { needed, got } => {
                 write!(f, "a covariance factor of {got} numbers where {needed} are needed")
             }
+            Self::Tables => f.write_str("tables, for which this format has no room"),
             Self::LastSequence => {
                 write!(f, "sequence {} is the last there is: none could follow it", u32::MAX)
             }
@@ -69,24 +74,6 @@ impl core::error::Error for EncodeError {
 impl From<DecodeError> for EncodeError {
     fn from(error: DecodeError) -> Self {
         Self::Refused(error)
-    }
-}
-
-/// Appends to a slice; silently stops at its end, which the caller has checked.
-struct Writer<'a>(&'a mut [u8]);
-
-impl Writer<'_> {
-    fn put(&mut self, bytes: &[u8]) {
-        if let Some((front, rest)) = core::mem::take(&mut self.0).split_at_mut_checked(bytes.len())
-        {
-            front.copy_from_slice(bytes);
-            self.0 = rest;
-        }
-    }
-    fn reals<T: Scalar>(&mut self, values: &[T]) {
-        for value in values {
-            self.put(&(value.to_f64() as f32).to_le_bytes());
-        }
     }
 }
 
@@ -127,6 +114,9 @@ pub fn encode_with<T: Scalar, const N: usize>(
     if N == 0 || N > MAX_JOINTS {
         return Err(EncodeError::Refused(DecodeError::JointCount(N.min(255) as u8)));
     }
+    if !p.tables.is_empty() {
+        return Err(EncodeError::Tables);
+    }
     if p.sequence == u32::MAX {
         return Err(EncodeError::LastSequence);
     }
@@ -144,52 +134,74 @@ pub fn encode_with<T: Scalar, const N: usize>(
         com: [none; N],
         payload_com: none,
     });
-    let mut w = Writer(out);
-    w.put(&MAGIC);
-    w.put(&LAYOUT.to_le_bytes());
-    w.put(&[N as u8, p.terms.len() as u8]);
-    w.put(&(needed as u32).to_le_bytes());
-    w.put(&p.sequence.to_le_bytes());
-    w.put(&p.robot_id.to_le_bytes());
-    w.put(&p.created.to_le_bytes());
-    w.put(&[flags, 0, 0, 0]);
-    for v in [&p.base_translation, &p.base_rotation, &p.tool] {
-        w.reals(&[v.x, v.y, v.z]);
+    out.fill(0);
+    let (header, rest) = out.split_at_mut_checked(HEADER).unwrap_or_default();
+    for (place, bytes) in [
+        (0..4, &MAGIC[..]),
+        (4..6, &LAYOUT.to_le_bytes()),
+        (6..8, &[N as u8, p.terms.len() as u8]),
+        (LENGTH, &(needed as u32).to_le_bytes()),
+        (SEQUENCE, &p.sequence.to_le_bytes()),
+        (ROBOT_ID, &p.robot_id.to_le_bytes()),
+        (CREATED, &p.created.to_le_bytes()),
+        (FLAGS..FLAGS + 1, &[flags]),
+    ] {
+        put(header.get_mut(place), bytes);
     }
-    w.reals(&[p.rms_before, p.rms_after, p.reference_temperature]);
-    for v in [&masses.gravity, &masses.payload_com] {
-        w.reals(&[v.x, v.y, v.z]);
-    }
+    write(&fields::BASE_TRANSLATION, header, p.base_translation.as_slice());
+    write(&fields::BASE_ROTATION, header, p.base_rotation.as_slice());
+    write(&fields::TOOL, header, p.tool.as_slice());
+    write(&fields::RMS_BEFORE, header, &[p.rms_before]);
+    write(&fields::RMS_AFTER, header, &[p.rms_after]);
+    write(&fields::REFERENCE_TEMPERATURE, header, &[p.reference_temperature]);
+    write(&fields::GRAVITY, header, masses.gravity.as_slice());
+    write(&fields::PAYLOAD_POINT, header, masses.payload_com.as_slice());
+
+    let (records, rest) = rest.split_at_mut_checked(N * RECORD).unwrap_or_default();
     let joints = p.nominal.iter().zip(&p.corrections);
     let ranges = p.limits.iter().zip(&p.covered);
     let loads = masses.mass.iter().zip(&masses.com);
-    for (((link, correction), (limits, covered)), (mass, com)) in joints.zip(ranges).zip(loads) {
+    let joints = joints.zip(ranges).zip(loads);
+    for ((joint, (mass, com)), record) in joints.zip(records.chunks_exact_mut(RECORD)) {
+        let ((link, correction), (limits, covered)) = joint;
         let kind = match link.kind {
             JointKind::Revolute => 0,
             JointKind::Prismatic => 1,
         };
-        let mut presence = 0;
-        for (range, bit) in [(limits, HAS_LIMITS), (covered, HAS_COVERED)] {
-            if range.is_some() {
-                presence |= bit;
-            }
-        }
-        w.put(&[kind, presence, 0, 0]);
-        w.reals(&link.parameters.to_array());
-        w.reals(&correction.to_array());
-        for range in [limits, covered] {
-            w.reals(&range.unwrap_or([T::ZERO; 2]));
-        }
-        w.reals(&[*mass, com.x, com.y, com.z]);
+        let has = |range: &Option<_>, bit| if range.is_some() { bit } else { 0 };
+        let presence = has(limits, HAS_LIMITS) | has(covered, HAS_COVERED);
+        put(record.get_mut(..2), &[kind, presence]);
+        write(&fields::NOMINAL, record, &link.parameters.to_array());
+        write(&fields::CORRECTION, record, &correction.to_array());
+        write(&fields::LIMITS, record, &limits.unwrap_or([T::ZERO; 2]));
+        write(&fields::COVERED, record, &covered.unwrap_or([T::ZERO; 2]));
+        write(&fields::MASS, record, &[*mass]);
+        write(&fields::CENTRE_OF_MASS, record, com.as_slice());
     }
-    for (term, index) in p.terms.iter().zip(0..) {
-        w.put(&term::to_bytes(index, term)?);
+
+    let (places, rest) = rest.split_at_mut_checked(p.terms.len() * TERM).unwrap_or_default();
+    let places = places.as_chunks_mut().0.iter_mut();
+    for ((term, index), place) in p.terms.iter().zip(0..).zip(places) {
+        *place = term::to_bytes(index, term)?;
     }
-    for value in factor.unwrap_or(&[]) {
-        w.put(&value.to_le_bytes());
+    let numbers = factor.unwrap_or(&[]).iter();
+    for (place, number) in rest.as_chunks_mut().0.iter_mut().zip(numbers) {
+        *place = number.to_le_bytes();
     }
     let (body, tail) = out.split_at_mut(needed - CHECKSUM);
     tail.copy_from_slice(&checksum(body).to_le_bytes());
     Blob::check(out)?;
     Ok(needed)
+}
+
+fn put(place: Option<&mut [u8]>, bytes: &[u8]) {
+    let place = place.unwrap_or_default();
+    place.iter_mut().zip(bytes).for_each(|(place, byte)| *place = *byte);
+}
+
+#[inline(never)]
+fn write<T: Scalar>(field: &Field, bytes: &mut [u8], values: &[T]) {
+    let mut all = [0.0; Field::MOST];
+    all.iter_mut().zip(values).for_each(|(to, value)| *to = value.to_f64() as f32);
+    field.write(bytes, all);
 }

@@ -22,7 +22,6 @@ pub(super) const SEQUENCE: Range<usize> = 12..16;
 pub(super) const ROBOT_ID: Range<usize> = 16..24;
 pub(super) const CREATED: Range<usize> = 24..28;
 pub(super) const FLAGS: usize = 28;
-pub(super) const REALS: Range<usize> = 32..HEADER;
 
 pub(super) const FLAG_ORIENTATION: u8 = 1;
 pub(super) const FLAG_MASSES: u8 = 2;

@@ -15,6 +15,7 @@ mod crc32c;
 mod decode;
 mod encode;
 mod error;
+mod fields;
 #[doc = include_str!("FORMAT.md")]
 pub mod format {}
 mod frame;
@@ -25,7 +26,7 @@ pub use acceptance::{Acceptance, AcceptanceError};
 #[cfg(feature = "auth")]
 pub use auth::{Key, authenticate};
 pub use check::Blob;
-pub use covariance::Covariance;
+pub use covariance::{Covariance, CovarianceError};
 pub use encode::{EncodeError, encode, encode_with};
 pub use error::{DecodeError, FieldName, Flaw, Record};
 pub(crate) use frame::Frame;

@@ -6,7 +6,10 @@ use super::layout::TERM;
 use crate::effects::{Effect, Term};
 use crate::scalar::Scalar;
 
+/// Bits 0 to 3 of an effect's code, and where bits 4 and 5 of it stand, which no
+/// effect has set so far.
 const EFFECT: u8 = 0x0f;
+const EFFECT_HIGH: u8 = 0xc0;
 const COMPONENT: u8 = 0x10;
 const ALL_LINKS: u8 = 0x20;
 
@@ -25,7 +28,8 @@ pub(super) fn to_bytes<T: Scalar>(index: u8, term: &Term<T>) -> Result<[u8; TERM
     let refuse = |field| flaw(index, field, Flaw::Implausible);
     let effect = term.effect;
     let code = Effect::NAMES.iter().position(|(e, _)| *e == effect);
-    let mut first = code.ok_or(refuse("effect"))? as u8;
+    let code = code.filter(|code| *code < 64).ok_or(refuse("effect"))? as u8;
+    let mut first = code & EFFECT | code << 2 & EFFECT_HIGH;
     let all = effect == Effect::ThermalExpansion && term.joint == Term::<T>::ALL;
     if all {
         first |= ALL_LINKS;
@@ -64,7 +68,8 @@ pub(super) fn to_bytes<T: Scalar>(index: u8, term: &Term<T>) -> Result<[u8; TERM
 /// stand there, [`check`] has judged them.
 pub(super) fn from_bytes<T: Scalar>(bytes: &[u8; TERM]) -> Option<Term<T>> {
     let [first, joints, o0, o1, c0, c1, c2, c3] = *bytes;
-    let (effect, _) = Effect::NAMES.get(usize::from(first & EFFECT))?;
+    let code = first & EFFECT | (first & EFFECT_HIGH) >> 2;
+    let (effect, _) = Effect::NAMES.get(usize::from(code))?;
     Some(Term {
         effect: *effect,
         joint: if first & ALL_LINKS != 0 { Term::<T>::ALL } else { joints & 0x0f },
@@ -82,9 +87,7 @@ pub(super) fn check(index: u8, bytes: &[u8; TERM], joints: u8, masses: bool) -> 
     let [first, numbers, ..] = *bytes;
     let Some(term) = from_bytes::<f32>(bytes) else { return unknown("effect") };
     let all = first & ALL_LINKS != 0;
-    if first & !(EFFECT | COMPONENT | ALL_LINKS) != 0
-        || all && term.effect != Effect::ThermalExpansion
-    {
+    if all && term.effect != Effect::ThermalExpansion {
         return unknown("flags");
     }
     if term.component != 0 && !has_component(term.effect) {

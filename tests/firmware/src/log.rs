@@ -36,7 +36,7 @@ pub fn events(slot: &[u8; 1024]) -> Option<Events> {
     *damaged.get_mut(100)? ^= 0x10;
 
     let state = State::at(24.0);
-    let position = RealPosition::of(&arm, &START, &state, None);
+    let position = RealPosition::of(&arm, &START, &state);
     let settings = Settings { ramp_ticks: 2, ..Settings::new(Task::Pose) };
     let mut compensator = Compensator::new(arm, settings, &START).ok()?;
     let off = compensator.tick(&START, &state);

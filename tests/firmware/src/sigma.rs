@@ -2,7 +2,7 @@
 //! and xtask.
 
 use crc::{CRC_64_XZ, Crc};
-use truearm::blob::Blob;
+use truearm::blob::{Blob, Covariance};
 use truearm::{Arm, State};
 
 use crate::vectors::{JOINTS, Joints, state};
@@ -12,7 +12,8 @@ pub const POSES: usize = 64;
 
 static CRC64: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 
-/// One standard deviation of the tool point; zeros without a covariance.
+/// One standard deviation of the tool point; zeros without a covariance of the
+/// arm.
 #[inline(never)]
 pub fn sigma(
     blob: &Blob,
@@ -20,7 +21,8 @@ pub fn sigma(
     q: &Joints,
     state: &State<f32, JOINTS>,
 ) -> [f32; 3] {
-    blob.covariance().map_or([0.0; 3], |covariance| covariance.point_sigma(arm, q, state))
+    let sigma = |covariance: Covariance| covariance.point_sigma(arm, q, state).ok();
+    blob.covariance().and_then(sigma).unwrap_or([0.0; 3])
 }
 
 /// CRC-64/XZ of the bits of all.
