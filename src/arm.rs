@@ -5,9 +5,9 @@ use heapless::Vec;
 use nalgebra::Vector3;
 
 use crate::effects::{
-    Approach, Bending, FoldedTerms, Inputs, Load, MAX_TERMS, Masses, Tables, Term, Weights,
+    Approach, FoldedTerms, GravityModel, Load, MAX_TERMS, Masses, Tables, Term, TermInputs,
 };
-use crate::kinematics::{Chain, Link, MdhParameters, Pose, Twist};
+use crate::kinematics::{Chain, Deflection, Link, MdhParameters, Pose, Twist};
 use crate::scalar::Scalar;
 
 /// Most joints of an arm: what a blob has numbers for.
@@ -96,7 +96,7 @@ pub struct Arm<'t, T, const N: usize> {
     folded: FoldedTerms<T, N>,
     /// Only where a term depends on gravity: whether to compute loads is
     /// decided here and not in every tick.
-    weights: Option<Weights<T, N>>,
+    gravity: Option<GravityModel<T, N>>,
     reference_temperature: T,
     orientation_identified: bool,
 }
@@ -117,7 +117,7 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         }
         let nominal = Chain::new(&p.nominal, Pose::identity(), tool);
         let folded = FoldedTerms::new(&p.terms);
-        let weights = p.masses.filter(|_| folded.needs_load()).map(|masses| masses.on(&nominal));
+        let gravity = p.masses.filter(|_| folded.needs_load()).map(|masses| masses.on(&nominal));
         Self {
             robot_id: p.robot_id,
             sequence: p.sequence,
@@ -128,7 +128,7 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
             terms: p.terms.clone(),
             tables: p.tables,
             folded,
-            weights,
+            gravity,
             reference_temperature: p.reference_temperature,
             orientation_identified: p.orientation_identified,
         }
@@ -210,7 +210,7 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         if self.terms.is_empty() {
             self.real.forward(q)
         } else {
-            self.real.forward_bent(q, &self.bending(q, state))
+            self.real.forward_deflected(q, &self.deflection(q, state))
         }
     }
 
@@ -225,25 +225,25 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         if self.terms.is_empty() {
             self.real.jacobian_into(q, columns)
         } else {
-            self.real.jacobian_bent_into(q, &self.bending(q, state), columns)
+            self.real.jacobian_deflected_into(q, &self.deflection(q, state), columns)
         }
     }
 
-    /// What all terms together do to the arm. Gravity loads are those of the
+    /// How far all terms together deflect the arm. Gravity loads are those of the
     /// nominal chain: a correction of a millimetre changes a torque by less
     /// than a link's mass is known.
     #[must_use]
-    pub fn bending(&self, q: &[T; N], state: &State<T, N>) -> Bending<T, N> {
-        self.folded.bending(&self.inputs(q, state))
+    pub fn deflection(&self, q: &[T; N], state: &State<T, N>) -> Deflection<T, N> {
+        self.folded.deflection(&self.inputs(q, state))
     }
 
     /// What the terms depend on at joint values `q` in a state of the arm.
     #[inline]
-    pub(crate) fn inputs(&self, q: &[T; N], state: &State<T, N>) -> Inputs<T, N> {
-        let load = self.weights.as_ref().map_or(Load::none(), |weights| {
-            weights.load(&self.nominal, &self.nominal.turns(q), state.payload)
+    pub(crate) fn inputs(&self, q: &[T; N], state: &State<T, N>) -> TermInputs<T, N> {
+        let load = self.gravity.as_ref().map_or(Load::none(), |gravity| {
+            gravity.load(&self.nominal, &self.nominal.turns(q), state.payload)
         });
-        Inputs {
+        TermInputs {
             q: *q,
             load,
             approach: state.approach,

@@ -40,15 +40,11 @@ impl<T: Scalar, const N: usize> CheckPoint<T, N> {
         arm.real_pose_in(&self.q, &self.state).translation
     }
 
-    /// The same with its derivatives, taken at the bent joints.
+    /// The same with its derivatives, taken where the joints really are.
     #[must_use]
     pub fn linearised(&self, arm: &Arm<T, N>) -> (Vector3<T>, IdentificationJacobian<T, N>) {
-        let bending = arm.bending(&self.q, &self.state);
-        let mut bent = self.q;
-        for (q, bend) in bent.iter_mut().zip(&bending.joints) {
-            *q += *bend;
-        }
-        let point = arm.real().forward_bent(&self.q, &bending).translation;
-        (point, arm.real().identification_jacobian(&bent))
+        let deflection = arm.deflection(&self.q, &self.state);
+        let point = arm.real().forward_deflected(&self.q, &deflection).translation;
+        (point, arm.real().identification_jacobian(&deflection.deflected(&self.q)))
     }
 }

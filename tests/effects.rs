@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::Approach::{self, Negative, Positive, Unknown};
-use truearm::effects::{Bending, Effect, FoldedTerms, Inputs, Load, Masses, Term};
+use truearm::effects::{Effect, Load, Masses, Term, TermInputs, deflection};
+use truearm::kinematics::Deflection;
 use truearm::{Arm, ArmParameters, Chain, JointKind, Link, MdhParameters, Pose, State, Tables};
 
 const TOOL: [f64; 3] = [0.05, -0.03, 0.12];
@@ -132,19 +133,17 @@ fn column_error<const N: usize>(links: &[Link<f64>; N]) -> (f64, usize) {
         let q = joints(&mut rng, links);
         let load = masses(&mut rng).load(&nominal, &q, 3.0);
         let approach = [0; N].map(|_| if rng.random_bool(0.5) { Positive } else { Negative });
-        let inputs = Inputs { q, load, approach, warmth: 8.0 };
+        let inputs = TermInputs { q, load, approach, warmth: 8.0 };
         for term in all_terms::<N>() {
             let basis = term.basis(&inputs);
-            let bending =
-                |bend: f64| Bending::of(&[Term { coefficient: bend / basis, ..term }], &inputs);
-            let point = |bend: f64| chain.forward_bent(&q, &bending(bend)).translation;
+            let bent =
+                |bend: f64| deflection(&[Term { coefficient: bend / basis, ..term }], &inputs);
+            let point = |bend: f64| chain.forward_deflected(&q, &bent(bend)).translation;
             // The base turns by a rotation vector: its column is that of small ones.
             let bends =
                 if term.effect == Effect::BaseCompliance { vec![0.0] } else { vec![0.0, 2e-3] };
             for bend in bends {
-                let mut bent = q;
-                (0..N).for_each(|j| bent[j] += bending(bend).joints[j]);
-                let jacobian = chain.identification_jacobian(&bent);
+                let jacobian = chain.identification_jacobian(&bent(bend).deflected(&q));
                 let about = |axis: usize| {
                     let own = base.rotation.column(axis);
                     (0..3).map(|i| jacobian.base_rotation[i] * own[i]).sum::<Vector3<f64>>()
@@ -188,8 +187,8 @@ fn growth_of_all_links_scales_their_lengths() {
         for _ in 0..50 {
             let q = joints(&mut rng, links);
             let warmth = rng.random_range(-30.0..30.0);
-            let inputs = Inputs { q, load: Load::none(), approach: [Unknown; N], warmth };
-            let pose = chain.forward_bent(&q, &Bending::of(&[term], &inputs));
+            let inputs = TermInputs { q, load: Load::none(), approach: [Unknown; N], warmth };
+            let pose = chain.forward_deflected(&q, &deflection(&[term], &inputs));
             let mut exact = identity();
             for (l, q) in links.iter().zip(q) {
                 let mut p = l.parameters;
@@ -237,7 +236,7 @@ fn sides_of_a_gap() {
     ] {
         let load = Load { torque: [0.0, torque], moment: [0.0; 2] };
         let approaches = [Unknown, approach];
-        let inputs = Inputs { q: [0.3, 0.4], load, approach: approaches, warmth: 0.0 };
+        let inputs = TermInputs { q: [0.3, 0.4], load, approach: approaches, warmth: 0.0 };
         let term = Term { order: friction, ..term(Effect::Backlash, 1, 0) };
         // The link lags on the other side of the gap.
         assert_eq!(term.basis(&inputs), -side, "{approach:?} {torque} {friction}");
@@ -285,19 +284,19 @@ fn an_arm_bends_by_its_terms_and_its_state() {
         p.masses.unwrap().load(&chain, &Q, payload).torque[1]
     };
     let state = State { approach: [Positive; 6], payload: 5.0, temperature: 31.0 };
-    let bending = arm.bending(&Q, &state);
-    assert_eq!(bending.joints, [0.0, 1e-5 * torque(5.0), -1e-4, 0.0, 0.0, 0.0]);
-    assert!(bending.growth.iter().all(|g| (g - 1e-4).abs() < 1e-18));
-    assert_eq!(arm.real_pose_in(&Q, &state), arm.real().forward_bent(&Q, &bending));
+    let deflection = arm.deflection(&Q, &state);
+    assert_eq!(deflection.joints, [0.0, 1e-5 * torque(5.0), -1e-4, 0.0, 0.0, 0.0]);
+    assert!(deflection.growth.iter().all(|g| (g - 1e-4).abs() < 1e-18));
+    assert_eq!(arm.real_pose_in(&Q, &state), arm.real().forward_deflected(&Q, &deflection));
 
     // Without a state: gravity acts, payload, warmth and approach do not.
-    let at_rest = arm.bending(&Q, &State::at(21.0));
+    let at_rest = arm.deflection(&Q, &State::at(21.0));
     assert_eq!(at_rest.joints, [0.0, 1e-5 * torque(0.0), 0.0, 0.0, 0.0, 0.0]);
     assert_eq!(at_rest.growth, [0.0; 6]);
-    assert_eq!(arm.real_pose(&Q), arm.real().forward_bent(&Q, &at_rest));
+    assert_eq!(arm.real_pose(&Q), arm.real().forward_deflected(&Q, &at_rest));
 
     let longer = arm.with_tool(Pose::translation(0.0, 0.0, 0.5));
-    assert_eq!(longer.bending(&Q, &state), bending);
+    assert_eq!(longer.deflection(&Q, &state), deflection);
     assert_ne!(longer.real_pose(&Q), longer.real().forward(&Q));
 }
 
@@ -324,18 +323,23 @@ fn folded_terms_give_the_sum_of_the_terms() {
             let any = repertoire[rng.random_range(0..repertoire.len())];
             terms.push(Term { coefficient: rng.random_range(-1e-3..1e-3), ..any }).unwrap();
         }
-        let inputs = Inputs {
-            q: [0; 6].map(|_| rng.random_range(-6.2..6.2)),
-            load: Load {
-                torque: [0; 6].map(|_| rng.random_range(-50.0..50.0)),
-                moment: [0; 2].map(|_| rng.random_range(-90.0..90.0)),
-            },
+        let q = [0; 6].map(|_| rng.random_range(-6.2..6.2));
+        let state = State {
             approach: [0; 6].map(|_| Approach::of_motion(f64::from(rng.random_range(-1..=1)))),
-            warmth: rng.random_range(-9.0..9.0),
+            payload: rng.random_range(0.0..9.0),
+            temperature: rng.random_range(10.0..30.0),
         };
-        let (folded, sum) =
-            (FoldedTerms::<f64, 6>::new(&terms).bending(&inputs), Bending::of(&terms, &inputs));
-        let parts = |b: &Bending<f64, 6>| [&b.joints[..], &b.base[..], &b.growth[..]].concat();
+        let parameters = ArmParameters { terms, ..parameters(&[]) };
+        let (arm, masses) = (Arm::new(&parameters), parameters.masses.unwrap());
+        let inputs = TermInputs {
+            q,
+            load: masses.load(arm.nominal(), &q, state.payload),
+            approach: state.approach,
+            warmth: state.temperature - parameters.reference_temperature,
+        };
+        let folded = arm.deflection(&q, &state);
+        let sum = deflection(&parameters.terms, &inputs);
+        let parts = |d: &Deflection<f64, 6>| [&d.joints[..], &d.base[..], &d.growth[..]].concat();
         for (folded, sum) in parts(&folded).into_iter().zip(parts(&sum)) {
             assert!((folded - sum).abs() < 1e-14, "{folded} {sum}");
         }

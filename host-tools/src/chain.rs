@@ -2,7 +2,7 @@
 //! `Chain<f64, N>` that the controller links, chosen by N.
 
 use nalgebra::Vector3;
-use truearm::effects::{Bending, Inputs, Load, Masses, Term};
+use truearm::effects::{Load, Masses, Term, TermInputs, deflection};
 use truearm::{Approach, Chain, Link, Pose};
 
 /// Calls `$body` with the constant `N` equal to the run-time `$n`.
@@ -66,9 +66,9 @@ pub struct RowInputs {
 }
 
 impl RowInputs {
-    fn fixed<const N: usize>(&self, q: &[f64]) -> Inputs<f64, N> {
+    fn fixed<const N: usize>(&self, q: &[f64]) -> TermInputs<f64, N> {
         let or_zero = |v: &[f64]| v.try_into().unwrap_or([0.0; N]);
-        Inputs {
+        TermInputs {
             q: fixed(q),
             load: Load { torque: or_zero(&self.torque), moment: self.moment },
             approach: self.approach.as_slice().try_into().unwrap_or([Approach::Unknown; N]),
@@ -126,8 +126,8 @@ impl<const N: usize> Kinematics for SizedArm<N> {
     }
 
     fn bent(&self, q: &[f64], terms: &[Term<f64>], inputs: &RowInputs) -> Pose<f64> {
-        let bending = Bending::of(terms, &inputs.fixed::<N>(q));
-        self.chain.forward_bent(&fixed(q), &bending)
+        let deflection = deflection(terms, &inputs.fixed::<N>(q));
+        self.chain.forward_deflected(&fixed(q), &deflection)
     }
 
     fn derivatives(
@@ -137,12 +137,8 @@ impl<const N: usize> Kinematics for SizedArm<N> {
         inputs: &RowInputs,
     ) -> (Derivatives, Vec<Vector3<f64>>) {
         let inputs = inputs.fixed::<N>(q);
-        let bending = Bending::of(terms, &inputs);
-        let mut bent = inputs.q;
-        for (q, bend) in bent.iter_mut().zip(&bending.joints) {
-            *q += bend;
-        }
-        let j = self.chain.identification_jacobian(&bent);
+        let deflection = deflection(terms, &inputs);
+        let j = self.chain.identification_jacobian(&deflection.deflected(&inputs.q));
         // Base compliance turns about the axes of the robot, not the tracker.
         let r = &self.chain.base().rotation;
         let turn = |k: usize| {
@@ -157,7 +153,7 @@ impl<const N: usize> Kinematics for SizedArm<N> {
         let [rx, ry, rz] = j.base_rotation;
         let [tx, ty, tz] = j.base_translation;
         let links = j.links.iter().map(|l| [l.alpha, l.a, l.theta, l.d, l.beta]).collect();
-        let point = self.chain.forward_bent(&inputs.q, &bending).translation;
+        let point = self.chain.forward_deflected(&inputs.q, &deflection).translation;
         (Derivatives { point, base: [rx, ry, rz, tx, ty, tz], about, tool: j.tool, links }, columns)
     }
 

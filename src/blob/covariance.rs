@@ -130,11 +130,8 @@ impl<'a> Covariance<'a> {
         self.check(arm)?;
         let terms = arm.terms();
         let inputs = arm.inputs(q, state);
-        let mut bent = *q;
-        for (q, bend) in bent.iter_mut().zip(&arm.bending(q, state).joints) {
-            *q += *bend;
-        }
-        let jacobian = arm.real().identification_jacobian(&bent);
+        let joints = arm.deflection(q, state).deflected(q);
+        let jacobian = arm.real().identification_jacobian(&joints);
         let zero = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
         let tool = if self.is_own_tool(arm) { jacobian.tool } else { [zero; 3] };
         let link = |c: &crate::kinematics::LinkColumns<T>| LinkParameter::ALL.map(|p| *c.get(p));

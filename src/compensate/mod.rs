@@ -6,7 +6,7 @@ mod outcome;
 mod settings;
 
 use crate::arm::{Arm, State};
-use crate::kinematics::{Pose, Twist, axis, cross};
+use crate::kinematics::{Pose, Twist, axes, cross};
 use crate::scalar::Scalar;
 use damped::{Damped, Rule};
 
@@ -285,10 +285,10 @@ fn finite<T: Scalar, const M: usize>(values: &[T; M]) -> bool {
 /// cross products of the axes, short of the angle by a sixth of its cube.
 #[inline]
 fn error_at<T: Scalar>(real: &Pose<T>, nominal: &Pose<T>) -> Twist<T> {
-    let part = |j| cross(&axis(&real.rotation, j), &axis(&nominal.rotation, j));
+    let ([a, b, c], [x, y, z]) = (axes(&real.rotation), axes(&nominal.rotation));
     Twist {
         linear: nominal.translation - real.translation,
-        angular: (part(0) + part(1) + part(2)) * T::from_f32(0.5),
+        angular: (cross(&a, &x) + cross(&b, &y) + cross(&c, &z)) * T::from_f32(0.5),
     }
 }
 

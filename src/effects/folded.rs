@@ -1,13 +1,14 @@
 use heapless::Vec;
 
 use super::MAX_TERMS;
-use super::inputs::Inputs;
-use super::term::{Bending, Effect, Term};
+use super::inputs::TermInputs;
+use super::term::{Effect, Term};
+use crate::kinematics::Deflection;
 use crate::scalar::Scalar;
 
 /// Terms sorted at load time into what a tick has to compute: one sine-cosine
 /// for both components of a periodic error, one product a compliant joint. It
-/// gives what [`Bending::of`] gives, summed in another order.
+/// gives what [`super::deflection`] gives, summed in another order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoldedTerms<T, const N: usize> {
     /// rad per N m of each joint.
@@ -112,7 +113,7 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
         }
     }
 
-    /// Whether gravity torques have to be computed for [`Self::bending`].
+    /// Whether gravity torques have to be computed for [`Self::deflection`].
     #[must_use]
     pub fn needs_load(&self) -> bool {
         self.needs_load
@@ -121,8 +122,8 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
     /// What all terms together do.
     #[must_use]
     #[inline]
-    pub fn bending(&self, inputs: &Inputs<T, N>) -> Bending<T, N> {
-        let mut out = Bending {
+    pub fn deflection(&self, inputs: &TermInputs<T, N>) -> Deflection<T, N> {
+        let mut out = Deflection {
             joints: [T::ZERO; N],
             base: [T::ZERO; 2],
             growth: self.growth.map(|g| g * inputs.warmth),

@@ -4,7 +4,7 @@ use super::statics::Load;
 /// What terms depend on at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Inputs<T, const N: usize> {
+pub struct TermInputs<T, const N: usize> {
     /// Encoder readings, rad or m.
     pub q: [T; N],
     /// Gravity.

@@ -1,6 +1,6 @@
 use nalgebra::Vector3;
 
-use crate::kinematics::{Chain, Joint, Turns, axis, cross, dot, rotate};
+use crate::kinematics::{Chain, Turns, axes, cross, dot, rotate};
 use crate::scalar::Scalar;
 
 /// Masses that load an arm; SI units.
@@ -39,14 +39,14 @@ impl<T: Scalar, const N: usize> Load<T, N> {
     }
 }
 
-/// Masses on a chain, reduced to what a tick has to compute.
+/// What gravity does to a chain, reduced to what a tick has to compute.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Weights<T, const N: usize> {
+pub(crate) struct GravityModel<T, const N: usize> {
     gravity: Vector3<T>,
     mass: [T; N],
-    /// Mass times centre of mass of each link in its hinge's turned frame, kg m.
+    /// Mass times centre of mass of each link in its joint's turned frame, kg m.
     moment: [[T; 3]; N],
-    /// Payload point in the last hinge's turned frame, m.
+    /// Payload point in the last joint's turned frame, m.
     payload: [T; 3],
 }
 
@@ -54,15 +54,15 @@ impl<T: Scalar, const N: usize> Masses<T, N> {
     /// Folds the masses for this chain, at load time. The chain's base pose
     /// must be the frame of `gravity`.
     #[must_use]
-    pub fn on(&self, chain: &Chain<T, N>) -> Weights<T, N> {
+    pub(crate) fn on(&self, chain: &Chain<T, N>) -> GravityModel<T, N> {
         let mut moment = [[T::ZERO; 3]; N];
         for (i, out) in moment.iter_mut().enumerate() {
             if let (Some(m), Some(com)) = (self.mass.get(i), self.com.get(i)) {
-                *out = chain.in_hinge(i, com).map(|x| x * *m);
+                *out = chain.in_turned_frame(i, com).map(|x| x * *m);
             }
         }
-        let payload = chain.in_hinge(N.saturating_sub(1), &self.payload_com);
-        Weights { gravity: self.gravity, mass: self.mass, moment, payload }
+        let payload = chain.in_turned_frame(N.saturating_sub(1), &self.payload_com);
+        GravityModel { gravity: self.gravity, mass: self.mass, moment, payload }
     }
 
     /// Gravity torque of every joint and overturning moment of the base, at
@@ -74,7 +74,7 @@ impl<T: Scalar, const N: usize> Masses<T, N> {
     }
 }
 
-impl<T: Scalar, const N: usize> Weights<T, N> {
+impl<T: Scalar, const N: usize> GravityModel<T, N> {
     /// As [`Masses::load`]: gravity is turned outwards from joint to joint, the
     /// first moment of all that hangs on a joint is summed inwards.
     #[must_use]
@@ -83,21 +83,22 @@ impl<T: Scalar, const N: usize> Weights<T, N> {
         let mut load = Load::none();
         let mut pull = [[T::ZERO; 3]; N];
         let root = &chain.root().rotation;
-        let mut g = [0, 1, 2].map(|j| dot(&axis(root, j), &self.gravity));
-        for (Joint { hinge, turn, .. }, pull) in turns.of(chain.hinges()).zip(&mut pull) {
+        let mut g = axes(root).map(|axis| dot(&axis, &self.gravity));
+        for ((joint, (turn, _)), pull) in chain.joints().iter().zip(turns.each()).zip(&mut pull) {
             g = turn.undo(g);
             *pull = g;
-            g = hinge.untwist(g);
+            g = joint.untwist(g);
         }
         let mut mass = payload;
         let mut moment = self.payload.map(|x| x * payload);
-        let weights = self.mass.iter().zip(&self.moment);
-        let joints = turns.of(chain.hinges()).zip(weights).zip(pull.iter().zip(&mut load.torque));
-        for (i, ((joint, (m, own)), (g, torque))) in joints.enumerate().rev() {
-            let Joint { hinge, q, turn } = joint;
-            if i + 1 < N {
-                moment = hinge.twist(moment);
-                for (moment, offset) in moment.iter_mut().zip(&hinge.offset) {
+        let joints = chain.joints().iter().zip(turns.each());
+        let links = self.mass.iter().zip(&self.moment);
+        let loads = pull.iter().zip(&mut load.torque);
+        let mut tip = true;
+        for (((joint, (turn, q)), (m, own)), (g, torque)) in joints.zip(links).zip(loads).rev() {
+            if !core::mem::take(&mut tip) {
+                moment = joint.twist(moment);
+                for (moment, offset) in moment.iter_mut().zip(&joint.offset) {
                     *moment += *offset * mass;
                 }
             }
@@ -105,8 +106,8 @@ impl<T: Scalar, const N: usize> Weights<T, N> {
                 *moment += *own;
             }
             mass += *m;
-            *torque = if hinge.prismatic() {
-                moment[2] += q * mass;
+            *torque = if joint.prismatic() {
+                moment[2] += *q * mass;
                 g[2] * mass
             } else {
                 moment[0] * g[1] - moment[1] * g[0]
@@ -118,7 +119,8 @@ impl<T: Scalar, const N: usize> Weights<T, N> {
         let arm = chain.root().translation - base.translation;
         let moment = rotate(root, &Vector3::new(x, y, z)) + arm * mass;
         let about = cross(&moment, &self.gravity);
-        load.moment = [0, 1].map(|j| dot(&axis(&base.rotation, j), &about));
+        let [x, y, _] = axes(&base.rotation);
+        load.moment = [dot(&x, &about), dot(&y, &about)];
         load
     }
 }

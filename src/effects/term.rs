@@ -1,8 +1,8 @@
 use nalgebra::Vector3;
 
 use super::approach::Approach;
-use super::inputs::Inputs;
-use crate::kinematics::{JointKind, Link, LinkColumns};
+use super::inputs::TermInputs;
+use crate::kinematics::{Deflection, JointKind, Link, LinkColumns};
 use crate::scalar::Scalar;
 
 /// What an arm does beyond rigid geometry. Each variant says what one
@@ -139,7 +139,7 @@ impl<T: Scalar> Term<T> {
     /// The known function that the coefficient multiplies.
     #[must_use]
     #[inline]
-    pub fn basis<const N: usize>(&self, inputs: &Inputs<T, N>) -> T {
+    pub fn basis<const N: usize>(&self, inputs: &TermInputs<T, N>) -> T {
         let joint = usize::from(self.joint);
         let at = |values: &[T; N], joint: u8| values.get(usize::from(joint)).copied();
         let value = match self.effect {
@@ -206,59 +206,30 @@ pub(super) fn side_of_gap<T: Scalar>(friction: T, torque: T, approach: Approach)
     }
 }
 
-/// What all terms together do to an arm at one moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Bending<T, const N: usize> {
-    /// Added to each joint value, rad or m.
-    pub joints: [T; N],
-    /// Rotation of the base about its x and y axes, rad.
-    pub base: [T; 2],
-    /// Relative growth of each link's lengths.
-    pub growth: [T; N],
-}
-
-impl<T: Scalar, const N: usize> Bending<T, N> {
-    /// Joint values with what the terms add.
-    #[must_use]
-    #[inline]
-    pub fn bent(&self, q: &[T; N]) -> [T; N] {
-        let mut joints = *q;
-        for (q, bend) in joints.iter_mut().zip(&self.joints) {
-            *q += *bend;
-        }
-        joints
-    }
-
-    /// Whether any link changes its lengths.
-    #[must_use]
-    #[inline]
-    pub fn grows(&self) -> bool {
-        self.growth.iter().any(|g| *g != T::ZERO)
-    }
-
-    /// Sums the terms.
-    #[must_use]
-    #[inline]
-    pub fn of(terms: &[Term<T>], inputs: &Inputs<T, N>) -> Self {
-        let mut out = Self { joints: [T::ZERO; N], base: [T::ZERO; 2], growth: [T::ZERO; N] };
-        for term in terms {
-            let amount = term.coefficient * term.basis(inputs);
-            let slot = match term.effect {
-                Effect::BaseCompliance => out.base.get_mut(usize::from(term.component)),
-                Effect::ThermalExpansion if term.joint == Term::<T>::ALL => {
-                    for growth in &mut out.growth {
-                        *growth += amount;
-                    }
-                    None
+/// What all terms together do to an arm, summed as they come. An [`crate::Arm`]
+/// has them folded instead.
+#[must_use]
+pub fn deflection<T: Scalar, const N: usize>(
+    terms: &[Term<T>],
+    inputs: &TermInputs<T, N>,
+) -> Deflection<T, N> {
+    let mut out = Deflection::none();
+    for term in terms {
+        let amount = term.coefficient * term.basis(inputs);
+        let slot = match term.effect {
+            Effect::BaseCompliance => out.base.get_mut(usize::from(term.component)),
+            Effect::ThermalExpansion if term.joint == Term::<T>::ALL => {
+                for growth in &mut out.growth {
+                    *growth += amount;
                 }
-                Effect::ThermalExpansion => out.growth.get_mut(usize::from(term.joint)),
-                _ => out.joints.get_mut(usize::from(term.joint)),
-            };
-            if let Some(slot) = slot {
-                *slot += amount;
+                None
             }
+            Effect::ThermalExpansion => out.growth.get_mut(usize::from(term.joint)),
+            _ => out.joints.get_mut(usize::from(term.joint)),
+        };
+        if let Some(slot) = slot {
+            *slot += amount;
         }
-        out
     }
+    out
 }

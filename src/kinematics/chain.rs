@@ -1,9 +1,9 @@
 use nalgebra::{Matrix3, Vector3};
 
-use super::hinge::{Hinge, Joint, Turn, Turns};
-use super::link::{JointKind, Link};
-use super::pose::{Pose, axis, cross, rotate};
-use crate::effects::Bending;
+use super::deflection::Deflection;
+use super::folded_joint::{FoldedJoint, Turn, TurnedJoint, Turns};
+use super::link::Link;
+use super::pose::{Pose, axes, cross, from_axes, rotate};
 use crate::scalar::Scalar;
 
 /// A serial chain ready for the control loop: base, N links, tool
@@ -14,7 +14,7 @@ use crate::scalar::Scalar;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chain<T, const N: usize> {
     pub(super) links: [Link<T>; N],
-    pub(super) hinges: [Hinge<T>; N],
+    pub(super) joints: [FoldedJoint<T>; N],
     pub(super) base: Pose<T>,
     pub(super) tool: Pose<T>,
     /// All before the first joint, `base Rx(alpha_1) Tx(a_1)`.
@@ -37,8 +37,8 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
                 translation: Vector3::new(first.parameters.a, o, o),
             });
         }
-        let hinges = Hinge::between(links);
-        Self { links: *links, hinges, base, tool, root, tip: tool }.with_tool(tool)
+        let joints = FoldedJoint::between(links);
+        Self { links: *links, joints, base, tool, root, tip: tool }.with_tool(tool)
     }
 
     /// The same chain with another tool pose in the last frame.
@@ -77,23 +77,22 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         &self.root
     }
 
-    pub(crate) fn hinges(&self) -> &[Hinge<T>; N] {
-        &self.hinges
+    pub(crate) fn joints(&self) -> &[FoldedJoint<T>; N] {
+        &self.joints
     }
 
-    /// A point of the link `index` (from 0) in the turned frame of its hinge.
-    pub(crate) fn in_hinge(&self, index: usize, p: &Vector3<T>) -> [T; 3] {
+    /// A point of the link `index` (from 0) in the turned frame of its joint.
+    pub(crate) fn in_turned_frame(&self, index: usize, p: &Vector3<T>) -> [T; 3] {
         let p = [p.x, p.y, p.z];
-        match (self.hinges.get(index), self.links.get(index)) {
-            (Some(hinge), Some(link)) => hinge.inside(link, p),
+        match (self.joints.get(index), self.links.get(index)) {
+            (Some(joint), Some(link)) => joint.inside(link, p),
             _ => p,
         }
     }
 
     /// Sines and cosines of all joint angles at joint values `q`.
-    #[must_use]
     #[inline]
-    pub fn turns(&self, q: &[T; N]) -> Turns<T, N> {
+    pub(crate) fn turns(&self, q: &[T; N]) -> Turns<T, N> {
         let mut joints = self.turned(q);
         let none = Turn { sin: T::ZERO, cos: T::ONE };
         Turns { turns: [(); N].map(|()| joints.next().map_or(none, |joint| joint.turn)), q: *q }
@@ -111,55 +110,60 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[inline]
     pub fn forward(&self, q: &[T; N]) -> Pose<T> {
         let (root, tip) = (&self.root.translation, &self.tip.translation);
-        self.carry(self.turned(q), |hinge, _| hinge.offset, root, tip)
+        self.tool_to_base(self.turned(q), |joint, _| joint.offset, root, tip)
     }
 
-    /// Tool pose with everything bent that terms bend: joints, lengths, base.
+    /// The same of the deflected arm: joints, lengths and base.
     #[must_use]
     #[inline]
-    pub fn forward_bent(&self, q: &[T; N], bending: &Bending<T, N>) -> Pose<T> {
-        let joints = bending.bent(q);
-        let mut pose = if bending.grows() {
-            let (root, tip) = self.grown_ends(&bending.growth);
-            self.carry(self.turned(&joints), Self::grown(&bending.growth), &root, &tip)
+    pub fn forward_deflected(&self, q: &[T; N], deflection: &Deflection<T, N>) -> Pose<T> {
+        let joints = deflection.deflected(q);
+        let mut pose = if deflection.grows() {
+            let (root, tip) = self.grown_ends(&deflection.growth);
+            self.tool_to_base(self.turned(&joints), Self::grown(&deflection.growth), &root, &tip)
         } else {
             self.forward(&joints)
         };
-        self.tilt(&mut pose, bending);
+        self.tilt(&mut pose, deflection);
         pose
     }
 
     /// Tilts a pose with the base.
     #[inline]
-    pub(super) fn tilt(&self, pose: &mut Pose<T>, bending: &Bending<T, N>) {
-        let [x, y] = bending.base;
+    pub(super) fn tilt(&self, pose: &mut Pose<T>, deflection: &Deflection<T, N>) {
+        let [x, y] = deflection.base;
         if x != T::ZERO || y != T::ZERO {
-            let r = &self.base.rotation;
-            pose.tilt(&self.base.translation, &(axis(r, 0) * x + axis(r, 1) * y));
+            let [about_x, about_y, _] = axes(&self.base.rotation);
+            pose.tilt(&self.base.translation, &(about_x * x + about_y * y));
         }
     }
 
-    /// Every hinge with its angle.
+    /// Every joint with its angle.
     #[inline]
     pub(super) fn turned<'a>(
         &'a self,
         q: &'a [T; N],
-    ) -> impl DoubleEndedIterator<Item = Joint<'a, T>> + ExactSizeIterator {
-        self.hinges.iter().zip(q).map(|(hinge, q)| Joint { hinge, q: *q, turn: hinge.turn(*q) })
+    ) -> impl DoubleEndedIterator<Item = TurnedJoint<'a, T>> {
+        self.joints.iter().zip(q).map(|(joint, q)| TurnedJoint {
+            joint,
+            q: *q,
+            turn: joint.turn(*q),
+        })
     }
 
     /// From each joint's axis to the next, with every link's growth.
     #[inline]
-    pub(super) fn grown(growth: &[T; N]) -> impl Fn(&Hinge<T>, usize) -> [T; 3] {
+    pub(super) fn grown(growth: &[T; N]) -> impl Fn(&FoldedJoint<T>, usize) -> [T; 3] {
         let of = |index: usize| growth.get(index).copied().unwrap_or(T::ZERO);
-        move |hinge, index| hinge.grown(of(index), of(index + 1))
+        move |joint, index| joint.grown(of(index), of(index + 1))
     }
 
     /// Translations of root and tip, with the growth of the first and the last link.
     pub(super) fn grown_ends(&self, growth: &[T; N]) -> (Vector3<T>, Vector3<T>) {
         let (mut root, mut tip) = (self.root.translation, self.tip.translation);
         if let (Some(link), Some(growth)) = (self.links.first(), growth.first()) {
-            root += axis(&self.base.rotation, 0) * (link.parameters.a * *growth);
+            let [along, ..] = axes(&self.base.rotation);
+            root += along * (link.parameters.a * *growth);
         }
         if let (Some(link), Some(growth)) = (self.links.last(), growth.last()) {
             tip.z += link.parameters.d * *growth;
@@ -171,43 +175,33 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     /// (joints counted from 0), `root` and `tip` in place of the translations
     /// before the first and behind the last joint.
     #[inline]
-    fn carry<'a>(
+    fn tool_to_base<'a>(
         &'a self,
-        joints: impl DoubleEndedIterator<Item = Joint<'a, T>> + ExactSizeIterator,
-        offset: impl Fn(&Hinge<T>, usize) -> [T; 3],
+        joints: impl DoubleEndedIterator<Item = TurnedJoint<'a, T>>,
+        offset: impl Fn(&FoldedJoint<T>, usize) -> [T; 3],
         root: &Vector3<T>,
         tip: &Vector3<T>,
     ) -> Pose<T> {
-        let column = |j: usize| {
-            let m = &self.tip.rotation;
-            [m[(0, j)], m[(1, j)], m[(2, j)]]
-        };
-        let mut state = [column(0), column(1), [tip.x, tip.y, tip.z]];
-        let mut joints = joints.enumerate().rev();
+        let [mut x, mut y, _] = self.tip.rotation.data.0;
+        let mut p = [tip.x, tip.y, tip.z];
+        let mut joints = joints.rev();
         let mut next = joints.next();
-        while let Some((_, Joint { hinge, q, turn })) = next {
-            if hinge.kind == JointKind::Prismatic {
-                state[2][2] += q;
+        let mut index = N.wrapping_sub(1);
+        while let Some(TurnedJoint { joint, q, turn }) = next {
+            if joint.prismatic() {
+                p[2] += q;
             }
-            for v in &mut state {
-                *v = turn.apply(*v);
-            }
+            (x, y, p) = (turn.apply(x), turn.apply(y), turn.apply(p));
             next = joints.next();
-            let Some((index, Joint { hinge: before, .. })) = next else { break };
-            for v in &mut state {
-                *v = before.twist(*v);
-            }
-            for (p, offset) in state[2].iter_mut().zip(offset(before, index)) {
+            let Some(TurnedJoint { joint: before, .. }) = next else { break };
+            index = index.wrapping_sub(1);
+            (x, y, p) = (before.twist(x), before.twist(y), before.twist(p));
+            for (p, offset) in p.iter_mut().zip(offset(before, index)) {
                 *p += offset;
             }
         }
-        let [x, y, p] = state.map(|[x, y, z]| Vector3::new(x, y, z));
-        let x = rotate(&self.root.rotation, &x);
-        let y = rotate(&self.root.rotation, &y);
-        let z = cross(&x, &y);
-        Pose {
-            rotation: Matrix3::from_columns(&[x, y, z]),
-            translation: rotate(&self.root.rotation, &p) + root,
-        }
+        let [x, y, p] =
+            [x, y, p].map(|[x, y, z]| rotate(&self.root.rotation, &Vector3::new(x, y, z)));
+        Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p + root }
     }
 }

@@ -1,10 +1,10 @@
 use nalgebra::Vector3;
 
 use super::chain::Chain;
-use super::hinge::{Hinge, Joint};
+use super::deflection::Deflection;
+use super::folded_joint::{FoldedJoint, TurnedJoint};
 use super::link::{JointKind, LinkParameter, MdhParameters};
-use super::pose::{Pose, axis, cross};
-use crate::effects::Bending;
+use super::pose::{Pose, axes, cross, from_axes, rotate};
 use crate::scalar::Scalar;
 
 /// Velocity of the tool for one joint moving at 1 rad/s or 1 m/s.
@@ -123,62 +123,63 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[inline]
     pub(crate) fn jacobian_into(&self, q: &[T; N], columns: &mut [Twist<T>; N]) -> Pose<T> {
         let (root, tip) = (&self.root.translation, &self.tip.translation);
-        self.walk(self.turned(q), |hinge, _| hinge.offset, root, tip, columns)
+        self.base_to_tool(self.turned(q), |joint, _| joint.offset, root, tip, columns)
     }
 
-    /// The same of the chain bent by its terms. The columns are to the joint
-    /// values; they leave out how the terms change with these and the tilt of
-    /// the base, both of which are a thousandth of a column.
+    /// The same of the deflected arm. The columns are to the joint values; they
+    /// leave out how the deflection changes with these and the tilt of the base,
+    /// both of which are a thousandth of a column.
     #[inline]
-    pub(crate) fn jacobian_bent_into(
+    pub(crate) fn jacobian_deflected_into(
         &self,
         q: &[T; N],
-        bending: &Bending<T, N>,
+        deflection: &Deflection<T, N>,
         columns: &mut [Twist<T>; N],
     ) -> Pose<T> {
-        let joints = bending.bent(q);
-        let mut pose = if bending.grows() {
-            let (root, tip) = self.grown_ends(&bending.growth);
-            let offset = Self::grown(&bending.growth);
-            self.walk(self.turned(&joints), offset, &root, &tip, columns)
+        let joints = deflection.deflected(q);
+        let mut pose = if deflection.grows() {
+            let (root, tip) = self.grown_ends(&deflection.growth);
+            let offset = Self::grown(&deflection.growth);
+            self.base_to_tool(self.turned(&joints), offset, &root, &tip, columns)
         } else {
             self.jacobian_into(&joints, columns)
         };
-        self.tilt(&mut pose, bending);
+        self.tilt(&mut pose, deflection);
         pose
     }
 
-    /// From base to tool; arguments as those of `carry`.
+    /// From base to tool; arguments as those of `tool_to_base`.
     #[inline]
-    fn walk<'a>(
+    fn base_to_tool<'a>(
         &'a self,
-        joints: impl Iterator<Item = Joint<'a, T>>,
-        offset: impl Fn(&Hinge<T>, usize) -> [T; 3],
+        joints: impl Iterator<Item = TurnedJoint<'a, T>>,
+        offset: impl Fn(&FoldedJoint<T>, usize) -> [T; 3],
         root: &Vector3<T>,
         tip: &Vector3<T>,
         columns: &mut [Twist<T>; N],
     ) -> Pose<T> {
-        let r = &self.root.rotation;
-        let (mut x, mut y, mut z) = (axis(r, 0), axis(r, 1), axis(r, 2));
+        let [mut x, mut y, mut z] = axes(&self.root.rotation);
         let mut o = *root;
-        for (index, (Joint { hinge, q, turn }, out)) in joints.zip(columns.iter_mut()).enumerate() {
+        for (index, (TurnedJoint { joint, q, turn }, out)) in
+            joints.zip(columns.iter_mut()).enumerate()
+        {
             // The joint's axis and, until the tool point is known, a point on it.
             *out = Twist { linear: o, angular: z };
             (x, y) = (x * turn.cos + y * turn.sin, y * turn.cos - x * turn.sin);
-            if hinge.prismatic() {
+            if joint.prismatic() {
                 o += z * q;
             }
             if index + 1 < N {
-                let [a, b, c] = offset(hinge, index);
+                let [a, b, c] = offset(joint, index);
                 o += x * a + y * b + z * c;
-                let (sin, cos) = (hinge.sin_twist, hinge.cos_twist);
+                let (sin, cos) = (joint.sin_twist, joint.cos_twist);
                 (y, z) = (y * cos + z * sin, z * cos - y * sin);
             }
         }
-        let flange = Pose { rotation: nalgebra::Matrix3::from_columns(&[x, y, z]), translation: o };
+        let flange = Pose { rotation: from_axes([x, y, z]), translation: o };
         let pose = flange.compose(&Pose { translation: *tip, ..self.tip });
-        for (hinge, twist) in self.hinges.iter().zip(columns) {
-            if hinge.prismatic() {
+        for (joint, twist) in self.joints.iter().zip(columns) {
+            if joint.prismatic() {
                 *twist = Twist { linear: twist.angular, ..Twist::zero() };
             } else {
                 twist.linear = cross(&twist.angular, &(pose.translation - twist.linear));
@@ -191,11 +192,10 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     /// (rad or m). Exact, not a difference quotient.
     #[must_use]
     pub fn identification_jacobian(&self, q: &[T; N]) -> IdentificationJacobian<T, N> {
-        let r = &self.base.rotation;
-        let (mut x, mut y, mut z) = (axis(r, 0), axis(r, 1), axis(r, 2));
+        let [mut x, mut y, mut z] = axes(&self.base.rotation);
         let mut o = self.base.translation;
         let mut joints = self.links.iter().zip(q);
-        let axes = [(); N].map(|()| {
+        let on_the_way = [(); N].map(|()| {
             let (before, x_before) = (o, x);
             let Some((link, &q)) = joints.next() else {
                 return Axes { x, before, z, on_z: o, y, after: o };
@@ -216,30 +216,27 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
             (x, z) = (x * cos - z * sin, x * sin + z * cos);
             Axes { x: x_before, before, z: axis, on_z: on_axis, y, after: o }
         });
-        let flange = Pose { rotation: nalgebra::Matrix3::from_columns(&[x, y, z]), translation: o };
+        let flange = Pose { rotation: from_axes([x, y, z]), translation: o };
         let pose = flange.compose(&self.tool);
         let p = pose.translation;
-        let links = axes.map(|at| LinkColumns {
+        let links = on_the_way.map(|at| LinkColumns {
             alpha: cross(&at.x, &(p - at.before)),
             a: at.x,
             theta: cross(&at.z, &(p - at.on_z)),
             d: at.z,
             beta: cross(&at.y, &(p - at.after)),
         });
-        let outer = Pose::identity().rotation;
-        let unit = [axis(&outer, 0), axis(&outer, 1), axis(&outer, 2)];
+        let unit = axes(&Pose::identity().rotation);
         let arm = p - self.base.translation;
         // The tool point moves along the axes of the last frame; a rotation of
         // the tool frame does not turn these.
-        let flange = pose.rotation;
-        let tool_axes = self.tool.rotation.transpose();
-        let flange_axis = |j: usize| super::pose::rotate(&flange, &axis(&tool_axes, j));
+        let flange_axes = axes(&self.tool.rotation.transpose());
         IdentificationJacobian {
             point: p,
             links,
             base_rotation: unit.map(|e| cross(&e, &arm)),
             base_translation: unit,
-            tool: [flange_axis(0), flange_axis(1), flange_axis(2)],
+            tool: flange_axes.map(|axis| rotate(&pose.rotation, &axis)),
         }
     }
 }

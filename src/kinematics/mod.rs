@@ -1,15 +1,17 @@
-//! Rigid kinematics: MD-H links, the chain, its Jacobians.
+//! Kinematics of a serial arm: MD-H links, the chain, its Jacobians, and how
+//! far it is from rigid.
 
 mod chain;
-mod hinge;
+mod deflection;
+mod folded_joint;
 mod jacobian;
 mod link;
 mod pose;
 
 pub use chain::Chain;
-pub(crate) use hinge::Joint;
-pub use hinge::Turns;
+pub use deflection::Deflection;
+pub(crate) use folded_joint::Turns;
 pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, Twist};
 pub use link::{JointKind, Link, LinkParameter, MdhParameters};
 pub use pose::Pose;
-pub(crate) use pose::{axis, cross, dot, rotate};
+pub(crate) use pose::{axes, cross, dot, from_axes, rotate};

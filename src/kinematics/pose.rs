@@ -1,4 +1,4 @@
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{ArrayStorage, Matrix3, Vector3};
 
 use crate::scalar::Scalar;
 
@@ -74,10 +74,9 @@ impl<T: Scalar> Pose<T> {
     /// `self * other`: first `other`, then `self`.
     #[must_use]
     pub fn compose(&self, other: &Self) -> Self {
-        let column = |j: usize| rotate(&self.rotation, &axis(&other.rotation, j));
-        let (x, y) = (column(0), column(1));
+        let [x, y, _] = axes(&other.rotation).map(|axis| rotate(&self.rotation, &axis));
         Self {
-            rotation: Matrix3::from_columns(&[x, y, cross(&x, &y)]),
+            rotation: from_axes([x, y, cross(&x, &y)]),
             translation: self.transform_point(&other.translation),
         }
     }
@@ -97,8 +96,9 @@ impl<T: Scalar> Pose<T> {
         let half = *w * T::from_f32(0.5);
         let scale = (T::ONE + T::ONE) / (T::ONE + dot(&half, &half));
         let turned = |p: &Vector3<T>| p + cross(&half, &(p + cross(&half, p))) * scale;
-        let (x, y) = (turned(&axis(&self.rotation, 0)), turned(&axis(&self.rotation, 1)));
-        self.rotation = Matrix3::from_columns(&[x, y, cross(&x, &y)]);
+        let [x, y, _] = axes(&self.rotation);
+        let (x, y) = (turned(&x), turned(&y));
+        self.rotation = from_axes([x, y, cross(&x, &y)]);
         self.translation = turned(&(self.translation - centre)) + centre;
     }
 
@@ -109,18 +109,32 @@ impl<T: Scalar> Pose<T> {
     }
 }
 
-/// Column `j` of a rotation matrix: an axis of the moved frame.
+// A matrix is taken apart by its columns: `m[(i, j)]` can panic, and built for
+// size the compiler does not see that it never does.
+
+/// The columns of a rotation matrix: the axes of the moved frame.
 #[inline]
-pub(crate) fn axis<T: Scalar>(m: &Matrix3<T>, j: usize) -> Vector3<T> {
-    Vector3::new(m[(0, j)], m[(1, j)], m[(2, j)])
+pub(crate) fn axes<T: Scalar>(m: &Matrix3<T>) -> [Vector3<T>; 3] {
+    let [[a, b, c], [d, e, f], [g, h, i]] = m.data.0;
+    [Vector3::new(a, b, c), Vector3::new(d, e, f), Vector3::new(g, h, i)]
+}
+
+/// The rotation matrix of three axes.
+#[inline]
+pub(crate) fn from_axes<T: Scalar>([x, y, z]: [Vector3<T>; 3]) -> Matrix3<T> {
+    Matrix3::from_array_storage(ArrayStorage([[x.x, x.y, x.z], [y.x, y.y, y.z], [z.x, z.y, z.z]]))
 }
 
 /// `m * v`, summed in a fixed order, so that no build of nalgebra can change
 /// a bit of it.
 #[inline]
 pub(crate) fn rotate<T: Scalar>(m: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
-    let row = |i: usize| m[(i, 0)] * v.x + m[(i, 1)] * v.y + m[(i, 2)] * v.z;
-    Vector3::new(row(0), row(1), row(2))
+    let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = m.data.0;
+    Vector3::new(
+        xx * v.x + xy * v.y + xz * v.z,
+        yx * v.x + yy * v.y + yz * v.z,
+        zx * v.x + zy * v.y + zz * v.z,
+    )
 }
 
 #[inline]

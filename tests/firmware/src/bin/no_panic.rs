@@ -29,7 +29,7 @@ fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), AcceptanceError> {
     black_box(arm.real_pose(black_box(q)));
     let state = State { approach: q.map(Approach::of_motion), payload: q[0], temperature: q[1] };
     black_box(arm.real_pose_in(black_box(q), black_box(&state)));
-    black_box(arm.bending(black_box(q), black_box(&state)));
+    black_box(arm.deflection(black_box(q), black_box(&state)));
     if let Some(covariance) = blob.covariance() {
         let _ =
             black_box(covariance.point_sigma(black_box(&arm), black_box(q), black_box(&state)));

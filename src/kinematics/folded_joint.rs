@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 /// constant angles of the joints on either side, so that beta costs nothing:
 /// a joint is `Rz(theta + q) T(offset) Rx(twist)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hinge<T> {
+pub struct FoldedJoint<T> {
     pub kind: JointKind,
     /// Constant part of the angle about the joint axis.
     theta: T,
@@ -42,22 +42,29 @@ pub struct Turns<T, const N: usize> {
     pub(super) q: [T; N],
 }
 
-/// A hinge at joint value `q`.
-pub struct Joint<'a, T> {
-    pub hinge: &'a Hinge<T>,
+/// A joint at joint value `q`.
+pub struct TurnedJoint<'a, T> {
+    pub joint: &'a FoldedJoint<T>,
     pub q: T,
     pub turn: Turn<T>,
 }
 
 impl<T: Scalar, const N: usize> Turns<T, N> {
-    /// Every hinge with its angle.
+    /// Angle and value of every joint.
     #[inline]
+    pub fn each(&self) -> impl DoubleEndedIterator<Item = (&Turn<T>, &T)> + ExactSizeIterator {
+        self.turns.iter().zip(&self.q)
+    }
+
+    /// Every joint with its angle.
+    #[inline]
+    #[allow(dead_code, reason = "of use to whatever takes a pose at known sines")]
     pub fn of<'a>(
         &'a self,
-        hinges: &'a [Hinge<T>; N],
-    ) -> impl DoubleEndedIterator<Item = Joint<'a, T>> + ExactSizeIterator {
+        joints: &'a [FoldedJoint<T>; N],
+    ) -> impl DoubleEndedIterator<Item = TurnedJoint<'a, T>> {
         let turns = self.turns.iter().zip(&self.q);
-        hinges.iter().zip(turns).map(|(hinge, (turn, q))| Joint { hinge, q: *q, turn: *turn })
+        joints.iter().zip(turns).map(|(joint, (turn, q))| TurnedJoint { joint, q: *q, turn: *turn })
     }
 }
 
@@ -75,10 +82,10 @@ impl<T: Scalar> Turn<T> {
     }
 }
 
-impl<T: Scalar> Hinge<T> {
-    /// The hinges of a chain of links. The way behind the last is the tip's.
+impl<T: Scalar> FoldedJoint<T> {
+    /// The joints of a chain of links. The way behind the last is the tip's.
     pub fn between<const N: usize>(links: &[Link<T>; N]) -> [Self; N] {
-        let mut hinges = links.map(|link| {
+        let mut joints = links.map(|link| {
             let (sin_theta, cos_theta) = link.parameters.theta.sin_cos_once();
             Self {
                 kind: link.kind,
@@ -94,15 +101,15 @@ impl<T: Scalar> Hinge<T> {
             }
         });
         let mut behind = T::ZERO;
-        for (i, hinge) in hinges.iter_mut().enumerate() {
-            hinge.theta += behind;
+        for (i, joint) in joints.iter_mut().enumerate() {
+            joint.theta += behind;
             behind = T::ZERO;
             if let (Some(this), Some(next)) = (links.get(i), links.get(i + 1)) {
-                behind = hinge.reach(this, next);
+                behind = joint.reach(this, next);
             }
-            (hinge.sin_theta, hinge.cos_theta) = hinge.theta.sin_cos_once();
+            (joint.sin_theta, joint.cos_theta) = joint.theta.sin_cos_once();
         }
-        hinges
+        joints
     }
 
     /// Takes in the way from `this` link to the `next`; returns the turn about
@@ -156,7 +163,7 @@ impl<T: Scalar> Hinge<T> {
         let MdhParameters { d, beta, .. } = link.parameters;
         let (s, c) = beta.sin_cos_once();
         let [x, y, z] = [c * p[0] + s * p[2], p[1], c * p[2] - s * p[0] + d];
-        // What the hinge turns more than the link, on this side of it.
+        // What the joint turns more than the link, on this side of it.
         let (s, c) = self.before.sin_cos_once();
         [c * x + s * y, c * y - s * x, z]
     }
