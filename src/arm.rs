@@ -234,7 +234,13 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     /// than a link's mass is known.
     #[must_use]
     pub fn deflection(&self, q: &[T; N], state: &State<T, N>) -> Deflection<T, N> {
-        self.folded.deflection(&self.inputs(q, state))
+        self.deflection_at(&self.inputs(q, state))
+    }
+
+    /// The same, where the inputs are known.
+    #[inline]
+    pub(crate) fn deflection_at(&self, inputs: &TermInputs<T, N>) -> Deflection<T, N> {
+        self.folded.deflection(inputs)
     }
 
     /// What the terms depend on at joint values `q` in a state of the arm.

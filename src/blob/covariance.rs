@@ -87,16 +87,12 @@ impl<'a> Covariance<'a> {
             return Err(CovarianceError::WrongSequence { blob, arm });
         }
         let records = blob.records.chunks_exact(RECORD);
-        let same_links = records.zip(arm.nominal().links()).zip(arm.real().links()).all(
-            |((record, nominal), real)| {
-                let [kind, ..] = head_of(record);
-                let link = Link {
-                    kind: kind_of(kind).unwrap_or_default(),
-                    parameters: mdh(&fields::NOMINAL, record),
-                };
-                link == *nominal && link.corrected(&mdh(&fields::CORRECTION, record)) == *real
-            },
-        );
+        let same_links = records.zip(arm.real().links()).all(|(record, real)| {
+            let [kind, ..] = head_of(record);
+            let kind = kind_of(kind).unwrap_or_default();
+            let link = Link { kind, parameters: mdh(&fields::NOMINAL, record) };
+            link.corrected(&mdh(&fields::CORRECTION, record)) == *real
+        });
         let terms = term::each(blob.terms).map(term::from_bytes);
         let same_terms = terms.eq(arm.terms().iter().copied().map(Some));
         if blob.joints() == N && same_links && same_terms {
@@ -130,7 +126,7 @@ impl<'a> Covariance<'a> {
         self.check(arm)?;
         let terms = arm.terms();
         let inputs = arm.inputs(q, state);
-        let joints = arm.deflection(q, state).deflected(q);
+        let joints = arm.deflection_at(&inputs).deflected(q);
         let jacobian = arm.real().identification_jacobian(&joints);
         let zero = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
         let tool = if self.is_own_tool(arm) { jacobian.tool } else { [zero; 3] };

@@ -138,13 +138,13 @@ impl<'a> Blob<'a> {
 
 #[inline(never)]
 fn real<T: Scalar>(field: &Field, bytes: &[u8]) -> T {
-    let [value, ..] = field.read(bytes);
+    let [value] = field.read(bytes);
     T::from_f32(value)
 }
 
 #[inline(never)]
 pub(super) fn vector<T: Scalar>(field: &Field, bytes: &[u8]) -> Vector3<T> {
-    let [x, y, z, ..] = field.read(bytes).map(T::from_f32);
+    let [x, y, z] = field.read(bytes).map(T::from_f32);
     Vector3::new(x, y, z)
 }
 
@@ -155,6 +155,5 @@ pub(super) fn mdh<T: Scalar>(field: &Field, bytes: &[u8]) -> MdhParameters<T> {
 
 #[inline(never)]
 fn range<T: Scalar>(field: &Field, bytes: &[u8], present: bool) -> Option<[T; 2]> {
-    let [low, high, ..] = field.read(bytes).map(T::from_f32);
-    present.then_some([low, high])
+    present.then_some(field.read(bytes).map(T::from_f32))
 }

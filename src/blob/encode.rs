@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::check::Blob;
 use super::error::DecodeError;
-use super::fields::{self, Field};
+use super::fields;
 use super::layout::{
     CHECKSUM, CREATED, FLAG_COVARIANCE, FLAG_MASSES, FLAG_ORIENTATION, FLAGS, HAS_COVERED,
     HAS_LIMITS, HEADER, LAYOUT, LENGTH, MAGIC, RECORD, ROBOT_ID, SEQUENCE, TERM, checksum,
@@ -148,14 +148,14 @@ pub fn encode_with<T: Scalar, const N: usize>(
     ] {
         put(header.get_mut(place), bytes);
     }
-    write(&fields::BASE_TRANSLATION, header, p.base_translation.as_slice());
-    write(&fields::BASE_ROTATION, header, p.base_rotation.as_slice());
-    write(&fields::TOOL, header, p.tool.as_slice());
-    write(&fields::RMS_BEFORE, header, &[p.rms_before]);
-    write(&fields::RMS_AFTER, header, &[p.rms_after]);
-    write(&fields::REFERENCE_TEMPERATURE, header, &[p.reference_temperature]);
-    write(&fields::GRAVITY, header, masses.gravity.as_slice());
-    write(&fields::PAYLOAD_POINT, header, masses.payload_com.as_slice());
+    fields::BASE_TRANSLATION.write(header, p.base_translation.as_slice());
+    fields::BASE_ROTATION.write(header, p.base_rotation.as_slice());
+    fields::TOOL.write(header, p.tool.as_slice());
+    fields::RMS_BEFORE.write(header, &[p.rms_before]);
+    fields::RMS_AFTER.write(header, &[p.rms_after]);
+    fields::REFERENCE_TEMPERATURE.write(header, &[p.reference_temperature]);
+    fields::GRAVITY.write(header, masses.gravity.as_slice());
+    fields::PAYLOAD_POINT.write(header, masses.payload_com.as_slice());
 
     let (records, rest) = rest.split_at_mut_checked(N * RECORD).unwrap_or_default();
     let joints = p.nominal.iter().zip(&p.corrections);
@@ -171,12 +171,12 @@ pub fn encode_with<T: Scalar, const N: usize>(
         let has = |range: &Option<_>, bit| if range.is_some() { bit } else { 0 };
         let presence = has(limits, HAS_LIMITS) | has(covered, HAS_COVERED);
         put(record.get_mut(..2), &[kind, presence]);
-        write(&fields::NOMINAL, record, &link.parameters.to_array());
-        write(&fields::CORRECTION, record, &correction.to_array());
-        write(&fields::LIMITS, record, &limits.unwrap_or([T::ZERO; 2]));
-        write(&fields::COVERED, record, &covered.unwrap_or([T::ZERO; 2]));
-        write(&fields::MASS, record, &[*mass]);
-        write(&fields::CENTRE_OF_MASS, record, com.as_slice());
+        fields::NOMINAL.write(record, &link.parameters.to_array());
+        fields::CORRECTION.write(record, &correction.to_array());
+        fields::LIMITS.write(record, &limits.unwrap_or([T::ZERO; 2]));
+        fields::COVERED.write(record, &covered.unwrap_or([T::ZERO; 2]));
+        fields::MASS.write(record, &[*mass]);
+        fields::CENTRE_OF_MASS.write(record, com.as_slice());
     }
 
     let (places, rest) = rest.split_at_mut_checked(p.terms.len() * TERM).unwrap_or_default();
@@ -197,11 +197,4 @@ pub fn encode_with<T: Scalar, const N: usize>(
 fn put(place: Option<&mut [u8]>, bytes: &[u8]) {
     let place = place.unwrap_or_default();
     place.iter_mut().zip(bytes).for_each(|(place, byte)| *place = *byte);
-}
-
-#[inline(never)]
-fn write<T: Scalar>(field: &Field, bytes: &mut [u8], values: &[T]) {
-    let mut all = [0.0; Field::MOST];
-    all.iter_mut().zip(values).for_each(|(to, value)| *to = value.to_f64() as f32);
-    field.write(bytes, all);
 }

@@ -1,10 +1,10 @@
 //! Where the numbers of a blob stand, once: what a reader checks, decodes and
 //! what a writer encodes is what these rows say.
 
-use super::check::Reader;
 use super::error::{DecodeError, FieldName, Flaw, Record};
 use super::layout::{HAS_COVERED, HAS_LIMITS};
 use crate::kinematics::LinkParameter;
+use crate::scalar::Scalar;
 
 /// One or more binary32 numbers in a row.
 pub(super) struct Field {
@@ -84,9 +84,6 @@ fields! { IN_RECORD,
 }
 
 impl Field {
-    /// Most numbers of a field.
-    pub const MOST: usize = 5;
-
     fn count(&self) -> usize {
         match self.members {
             One => 1,
@@ -118,47 +115,51 @@ impl Field {
         }
     }
 
-    /// Its numbers in the header or a joint's record; those it has not are 0.
-    // Never inlined: a blob is read once.
-    #[inline(never)]
-    pub fn read(&self, bytes: &[u8]) -> [f32; Self::MOST] {
-        let mut values = [0.0; Self::MOST];
-        let mut reader = Reader(bytes.get(usize::from(self.offset)..).unwrap_or(&[]));
-        for value in values.iter_mut().take(self.count()) {
-            *value = reader.f32();
-        }
-        values
+    fn places<'a>(&self, bytes: &'a [u8]) -> &'a [[u8; 4]] {
+        bytes.get(usize::from(self.offset)..).unwrap_or(&[]).as_chunks().0
     }
 
-    /// Writes them; more than it has do not count.
+    /// Its first numbers in the header or a joint's record.
+    #[inline]
+    pub fn read<const K: usize>(&self, bytes: &[u8]) -> [f32; K] {
+        let mut places = self.places(bytes).iter();
+        // A checked blob has them all.
+        [(); K].map(|()| places.next().map_or(f32::NAN, |place| f32::from_le_bytes(*place)))
+    }
+
+    /// Writes these numbers there.
     #[inline(never)]
-    pub fn write(&self, bytes: &mut [u8], values: [f32; Self::MOST]) {
+    pub fn write<T: Scalar>(&self, bytes: &mut [u8], values: &[T]) {
         let places = bytes.get_mut(usize::from(self.offset)..).unwrap_or(&mut []);
-        let places = places.as_chunks_mut().0.iter_mut().take(self.count());
-        for (place, value) in places.zip(values) {
-            *place = value.to_le_bytes();
+        for (place, value) in places.as_chunks_mut().0.iter_mut().zip(values) {
+            *place = (value.to_f64() as f32).to_le_bytes();
         }
     }
 
     fn check(&self, record: Record, bytes: &[u8], present: bool) -> Result<(), DecodeError> {
-        let flaw = |index, flaw| {
-            let name = FieldName { record, group: self.name, member: self.member(index) };
-            Err(DecodeError::Field(name, flaw))
-        };
-        let values = self.read(bytes);
-        for (index, value) in values.into_iter().enumerate().take(self.count()) {
+        let mut before = f32::NEG_INFINITY;
+        for (index, place) in self.places(bytes).iter().enumerate().take(self.count()) {
+            let value = f32::from_le_bytes(*place);
             let (low, high) = if present { self.bounds(index) } else { (0.0, 0.0) };
-            if !value.is_finite() {
-                return flaw(index, Flaw::NotFinite);
+            // NaN fails as well.
+            if !(low <= value && value <= high) {
+                let finite = value.is_finite();
+                let flaw = if finite { Flaw::Implausible } else { Flaw::NotFinite };
+                return self.refuse(record, index, flaw);
             }
-            if value < low || value > high {
-                return flaw(index, Flaw::Implausible);
+            if value < before && matches!(self.members, Ends) {
+                return self.refuse(record, 0, Flaw::Inverted);
             }
+            before = value;
         }
-        match (self.members, values) {
-            (Ends, [low, high, ..]) if low > high => flaw(0, Flaw::Inverted),
-            _ => Ok(()),
-        }
+        Ok(())
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn refuse(&self, record: Record, index: usize, flaw: Flaw) -> Result<(), DecodeError> {
+        let name = FieldName { record, group: self.name, member: self.member(index) };
+        Err(DecodeError::Field(name, flaw))
     }
 }
 
