@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::arm::{Arm, State};
-use crate::kinematics::IdentificationJacobian;
+use crate::parameters::Linearised;
 use crate::scalar::Scalar;
 
 /// One measured tool point.
@@ -40,11 +40,10 @@ impl<T: Scalar, const N: usize> CheckPoint<T, N> {
         arm.real_pose_in(&self.q, &self.state).translation
     }
 
-    /// The same with its derivatives, taken where the joints really are.
+    /// The same with its derivatives to every parameter, taken where the joints
+    /// really are.
     #[must_use]
-    pub fn linearised(&self, arm: &Arm<T, N>) -> (Vector3<T>, IdentificationJacobian<T, N>) {
-        let deflection = arm.deflection(&self.q, &self.state);
-        let point = arm.real().forward_deflected(&self.q, &deflection).translation;
-        (point, arm.real().identification_jacobian(&deflection.deflected(&self.q)))
+    pub fn linearised<'a>(&self, arm: &'a Arm<T, N>) -> Linearised<'a, T, N> {
+        arm.linearised(&self.q, &self.state)
     }
 }

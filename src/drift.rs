@@ -16,13 +16,17 @@
 //! 1972, 400 states); tests/drift.rs measures it. CUSUM rather than EWMA, because its last zero
 //! dates the change: from there on each point's equations are folded into the
 //! triangle of every group, and the group that explains most of the chi-square
-//! for its number of parameters is the suspect.
+//! for its number of parameters is the suspect. Every group is fitted under its
+//! usual prior ([`Parameter::usual_scale`]): an offset that moves no point, of a
+//! joint whose axis the tool lies on, would have to be absurd to explain one, and
+//! explains nothing.
 
 use nalgebra::Vector3;
 
 use crate::arm::Arm;
 use crate::check_point::CheckPoint;
 use crate::kinematics::dot;
+use crate::parameters::{Parameter, USUAL_SCALE};
 use crate::scalar::Scalar;
 use crate::solve::{SolveError, Triangle};
 
@@ -68,28 +72,38 @@ impl FalseAlarms {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Group {
-    /// The offset of a joint, counted from 0.
-    Offset(u8),
-    /// The tool point.
+    /// The offset of a joint, counted from 0: [`Parameter::JointOffset`].
+    JointOffset(u8),
+    /// The tool point: [`Parameter::TOOL`].
     Tool,
-    /// The base or the tracker.
+    /// The base or the tracker: [`Parameter::BASE`].
     Base,
+}
+
+impl core::fmt::Display for Group {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::JointOffset(joint) => write!(f, "{}", Parameter::JointOffset(*joint)),
+            Self::Tool => f.write_str("tool point"),
+            Self::Base => f.write_str("base"),
+        }
+    }
 }
 
 /// How well a group explains what was seen since the change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Suspect<T> {
+pub struct Explanation<T> {
     /// The group.
     pub group: Group,
-    /// Chi-square that it explains, and degrees of freedom it takes for it.
+    /// Chi-square that it explains, less what its shift costs under the prior.
     pub explained: T,
-    /// 1, 3 or 6.
+    /// Parameters it takes for it: 1, 3 or 6.
     pub degrees: u8,
     /// Chi-square of all points since the change.
     pub total: T,
-    /// Fitted shift: of an offset, rad; length of the tool's, m; of the base's
-    /// translation, m.
+    /// Fitted shift: of an offset, rad, or m of a prismatic joint; length of the
+    /// tool's, m; of the base's translation, m.
     pub shift: T,
 }
 
@@ -118,26 +132,36 @@ pub enum DriftError {
     BadSigma,
     /// The point, its baseline or what the model makes of it is not finite.
     NotFinite,
+    /// The point is too far from the model to be counted in standard deviations.
+    Solve(SolveError),
 }
 
 impl core::fmt::Display for DriftError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::BadSigma => "sigma must be a positive number",
-            Self::NotFinite => "a check point is not finite",
-        })
+        match self {
+            Self::BadSigma => f.write_str("sigma must be a positive number"),
+            Self::NotFinite => f.write_str("a check point is not finite"),
+            Self::Solve(error) => write!(f, "a check point cannot be taken: {error}"),
+        }
     }
 }
 
-impl core::error::Error for DriftError {}
+impl core::error::Error for DriftError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Solve(error) => Some(error),
+            _ => None,
+        }
+    }
+}
 
 impl From<SolveError> for DriftError {
-    fn from(_: SolveError) -> Self {
-        Self::NotFinite
+    fn from(error: SolveError) -> Self {
+        Self::Solve(error)
     }
 }
 
-/// The watch over an arm of N joints; `7 N + 91` numbers of memory. A point
+/// The watch over an arm of N joints; `6 N + 81` numbers of memory. A point
 /// costs an identification Jacobian and about `30 N + 700` operations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriftWatch<T, const N: usize> {
@@ -194,15 +218,15 @@ impl<T: Scalar, const N: usize> DriftWatch<T, N> {
     /// out what the model never explained; zero if not known.
     ///
     /// # Errors
-    /// [`DriftError::NotFinite`]; the watch is then as before.
+    /// [`DriftError::NotFinite`], [`DriftError::Solve`]; the watch is then as before.
     pub fn push(
         &mut self,
         arm: &Arm<T, N>,
         point: &CheckPoint<T, N>,
         baseline: &Vector3<T>,
     ) -> Result<Verdict<T>, DriftError> {
-        let (predicted, jacobian) = point.linearised(arm);
-        let innovation = (point.point - predicted - baseline) / self.sigma;
+        let at = point.linearised(arm);
+        let innovation = (point.point - at.point() - baseline) / self.sigma;
         let chi_square = dot(&innovation, &innovation);
         let level = self.level + chi_square - T::from_f64(REFERENCE);
         if !(point.is_finite() && level.is_finite()) {
@@ -211,14 +235,15 @@ impl<T: Scalar, const N: usize> DriftWatch<T, N> {
         let mut next = *self;
         if level > T::ZERO {
             let rhs = [innovation.x, innovation.y, innovation.z];
-            let column = |v: &Vector3<T>| [v.x / self.sigma, v.y / self.sigma, v.z / self.sigma];
-            for (offset, link) in next.offsets.iter_mut().zip(&jacobian.links) {
-                offset.push(&[column(&link.theta)], &rhs)?;
+            let column = |parameter: Parameter| {
+                let v = parameter.column(&at) / self.sigma;
+                [v.x, v.y, v.z]
+            };
+            for (offset, joint) in next.offsets.iter_mut().zip(0_u8..) {
+                offset.push(&[column(Parameter::JointOffset(joint))], &rhs)?;
             }
-            next.tool.push(&jacobian.tool.each_ref().map(column), &rhs)?;
-            let [a, b, c] = jacobian.base_rotation.each_ref().map(column);
-            let [x, y, z] = jacobian.base_translation.each_ref().map(column);
-            next.base.push(&[a, b, c, x, y, z], &rhs)?;
+            next.tool.push(&Parameter::TOOL.map(column), &rhs)?;
+            next.base.push(&Parameter::BASE.map(column), &rhs)?;
             next.level = level;
             next.since = self.since.saturating_add(1);
             next.alarmed = self.alarmed || level > self.threshold;
@@ -239,28 +264,28 @@ impl<T: Scalar, const N: usize> DriftWatch<T, N> {
         })
     }
 
-    /// All groups, joints first, by what they explain of the points since the
-    /// sum was last zero.
-    pub fn groups(&self) -> impl Iterator<Item = Suspect<T>> {
+    /// What each group explains of the points since the sum was last zero; joints
+    /// first.
+    pub fn explanations(&self) -> impl Iterator<Item = Explanation<T>> {
         let offsets = self.offsets.iter().zip(0_u8..).map(|(triangle, joint)| {
-            suspect(Group::Offset(joint), triangle, |[shift]| shift.abs())
+            explanation(Group::JointOffset(joint), triangle, |[shift]| shift.abs())
         });
-        let tool = suspect(Group::Tool, &self.tool, |[x, y, z]| length(x, y, z));
-        let base = suspect(Group::Base, &self.base, |[_, _, _, x, y, z]| length(x, y, z));
+        let tool = explanation(Group::Tool, &self.tool, |[x, y, z]| length(x, y, z));
+        let base = explanation(Group::Base, &self.base, |[_, _, _, x, y, z]| length(x, y, z));
         offsets.chain([tool, base])
     }
 
     /// The group that explains most for its size: chi-square less
     /// `degrees * ln(3 points)`, the Bayesian information criterion. `None`
     /// while the sum is zero, or when no group pays for its parameters. An
-    /// offset of the first joint turns the base and one of the last may move
+    /// offset of the first joint moves the base and one of the last may move
     /// the tool: of equals the smaller group is named.
     #[must_use]
-    pub fn suspect(&self) -> Option<Suspect<T>> {
+    pub fn suspect(&self) -> Option<Explanation<T>> {
         let price = ln(3 * u64::from(self.since));
-        let net = |s: &Suspect<T>| s.explained - T::from_f32(f32::from(s.degrees)) * price;
-        let mut best: Option<Suspect<T>> = None;
-        for group in self.groups().filter(|s| net(s) > T::ZERO) {
+        let net = |s: &Explanation<T>| s.explained - T::from_f32(f32::from(s.degrees)) * price;
+        let mut best: Option<Explanation<T>> = None;
+        for group in self.explanations().filter(|s| net(s) > T::ZERO) {
             if best.is_none_or(|best| net(&group) > net(&best)) {
                 best = Some(group);
             }
@@ -269,14 +294,16 @@ impl<T: Scalar, const N: usize> DriftWatch<T, N> {
     }
 }
 
-fn suspect<T: Scalar, const P: usize>(
+fn explanation<T: Scalar, const P: usize>(
     group: Group,
     triangle: &Triangle<T, P>,
     size: impl Fn([T; P]) -> T,
-) -> Suspect<T> {
-    let shift = triangle.solve(T::ZERO, &[T::ONE; P]).map_or(T::ZERO, |s| size(s.x));
-    let (explained, total) = (triangle.explained_square(), triangle.total_square());
-    Suspect { group, explained, degrees: P as u8, total, shift }
+) -> Explanation<T> {
+    // Of a joint offset, the tool and the base alike, see `Parameter::usual_scale`.
+    let scale = [T::from_f64(USUAL_SCALE); P];
+    let shift = triangle.solve(T::ONE, &scale).map_or(T::ZERO, |s| size(s.x));
+    let explained = triangle.explained_square_with(T::ONE, &scale).unwrap_or(T::ZERO);
+    Explanation { group, explained, degrees: P as u8, total: triangle.total_square(), shift }
 }
 
 fn length<T: Scalar>(x: T, y: T, z: T) -> T {

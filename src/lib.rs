@@ -9,12 +9,14 @@ pub mod compensate;
 pub mod drift;
 pub mod effects;
 pub mod kinematics;
+pub mod parameters;
 pub mod position;
 pub mod reidentify;
 pub mod scalar;
 pub mod sensor;
 pub mod solve;
 pub mod store;
+pub mod streaming;
 
 // The types of these two are part of the interface.
 pub use heapless;

@@ -9,7 +9,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::check_point::CheckPoint;
 use truearm::effects::{Effect, Term};
-use truearm::reidentify::{Reidentified, Reidentify, ReidentifyError, Unknown};
+use truearm::parameters::{Axis, Parameter};
+use truearm::reidentify::{Reidentified, Reidentify, ReidentifyError};
 use truearm::{
     Approach, Arm, ArmParameters, JointKind, LinkParameter, MdhParameters, Pose, Scalar, State,
     Tables,
@@ -122,14 +123,19 @@ fn error<T: Scalar>(parameters: &ArmParameters<T, 6>, truth: &Truth) -> f64 {
     (sum / 200.0).sqrt()
 }
 
-const CRASHED: [Unknown; 5] =
-    [Unknown::offset(1), Unknown::offset(4), Unknown::TOOL[0], Unknown::TOOL[1], Unknown::TOOL[2]];
+const CRASHED: [Parameter; 5] = [
+    Parameter::JointOffset(1),
+    Parameter::JointOffset(4),
+    Parameter::TOOL[0],
+    Parameter::TOOL[1],
+    Parameter::TOOL[2],
+];
 
-const MOVED: [Unknown; 11] = {
-    let mut all = [Unknown::Station(0); 11];
+const MOVED: [Parameter; 11] = {
+    let mut all = [Parameter::STATION[0]; 11];
     let mut i = 0;
     while i < 11 {
-        all[i] = if i < 6 { Unknown::STATION[i] } else { CRASHED[i - 6] };
+        all[i] = if i < 6 { Parameter::STATION[i] } else { CRASHED[i - 6] };
         i += 1;
     }
     all
@@ -139,7 +145,7 @@ const MOVED: [Unknown; 11] = {
 fn exact_points_give_the_arm_back() {
     let truth = Truth::crashed();
     assert!(error(&stored::<f64>(), &truth) > 5e-3);
-    let task = Reidentify::new(CRASHED, 2e-5);
+    let task = Reidentify::new(&stored(), CRASHED, 2e-5);
     let found = task.run(&stored(), &measured(&truth, 10, 0.0, 1)).unwrap();
     // The prior of 20 mrad pulls by (sigma / scale)^2.
     assert!(error(&found.parameters, &truth) < 1e-8, "{found:?}");
@@ -148,7 +154,7 @@ fn exact_points_give_the_arm_back() {
     assert_eq!(found.parameters.sequence, 42);
     assert!(found.rms_before > 3e-3 && found.rms_after < 1e-8);
     assert!(found.steps <= 5);
-    let in_f32 = Reidentify::new(CRASHED, 2e-5_f32);
+    let in_f32 = Reidentify::new(&stored(), CRASHED, 2e-5_f32);
     let found = in_f32.run(&stored(), &measured(&truth, 10, 0.0, 1)).unwrap();
     assert!(error(&found.parameters, &truth) < 1e-6);
 }
@@ -156,11 +162,13 @@ fn exact_points_give_the_arm_back() {
 #[test]
 fn a_moved_tracker_is_found_from_anywhere() {
     let truth = Truth { station: somewhere(), ..Truth::crashed() };
-    let found = Reidentify::new(MOVED, 2e-5).run(&stored(), &measured(&truth, 10, 0.0, 2)).unwrap();
+    let found = Reidentify::new(&stored(), MOVED, 2e-5)
+        .run(&stored(), &measured(&truth, 10, 0.0, 2))
+        .unwrap();
     assert!(error(&found.parameters, &truth) < 1e-7);
     assert!((found.station.translation - truth.station.translation).norm() < 1e-7);
     assert_eq!((found.rank, found.determined), (11, [true; 11]));
-    let in_f32 = Reidentify::new(MOVED, 2e-5_f32);
+    let in_f32 = Reidentify::new(&stored(), MOVED, 2e-5_f32);
     let found = in_f32.run(&stored(), &measured(&truth, 10, 0.0, 2)).unwrap();
     assert!(error(&found.parameters, &truth) < 5e-6, "{}", error(&found.parameters, &truth));
 }
@@ -168,7 +176,7 @@ fn a_moved_tracker_is_found_from_anywhere() {
 #[test]
 fn sigma_is_what_noise_does() {
     let (truth, noise) = (Truth::crashed(), 2e-5);
-    let task = Reidentify::new(CRASHED, noise);
+    let task = Reidentify::new(&stored(), CRASHED, noise);
     let (mut square, mut predicted) = (0.0, 0.0);
     for seed in 0..200 {
         let found = task.run(&stored(), &measured(&truth, 10, noise, seed)).unwrap();
@@ -183,16 +191,16 @@ fn sigma_is_what_noise_does() {
 /// A turned last joint is a moved tool; an offset of joint 1 a turned base.
 #[test]
 fn what_the_points_cannot_tell_is_said() {
-    let [x, y, z] = Unknown::TOOL;
-    let unknowns = [Unknown::offset(5), x, y, z];
-    let task = Reidentify::new(unknowns, 2e-5);
+    let [x, y, z] = Parameter::TOOL;
+    let chosen = [Parameter::JointOffset(5), x, y, z];
+    let task = Reidentify::new(&stored(), chosen, 2e-5);
     let found = task.run(&stored(), &measured(&Truth::same(), 10, 0.0, 3)).unwrap();
     assert_eq!(found.rank, 3);
     // 20 mrad are 1.3 mm at this tool, whose prior is 20 mm.
     assert_eq!(found.determined, [false, true, true, true]);
-    let mut unknowns = [Unknown::offset(0); 7];
-    unknowns[..6].copy_from_slice(&Unknown::STATION);
-    let task = Reidentify::new(unknowns, 2e-5);
+    let mut chosen = [Parameter::JointOffset(0); 7];
+    chosen[..6].copy_from_slice(&Parameter::STATION);
+    let task = Reidentify::new(&stored(), chosen, 2e-5);
     let found = task.run(&stored(), &measured(&Truth::same(), 10, 0.0, 3)).unwrap();
     assert_eq!(found.rank, 6);
     assert!(!found.determined[6]);
@@ -226,9 +234,9 @@ fn any_parameter_can_be_chosen_and_terms_keep_acting() {
             CheckPoint { q, state, point: arm.real_pose_in(&q, &state).translation }
         })
         .collect();
-    let link = |joint, parameter| Unknown::Link { joint, parameter };
-    let unknowns = [link(2, LinkParameter::A), link(3, LinkParameter::Beta)];
-    let found = Reidentify::new(unknowns, 1e-5).run(&parameters, &points).unwrap();
+    let link = |joint, parameter| Parameter::Link { joint, parameter };
+    let chosen = [link(2, LinkParameter::A), link(3, LinkParameter::Beta)];
+    let found = Reidentify::new(&parameters, chosen, 1e-5).run(&parameters, &points).unwrap();
     assert!((found.change[0] - 0.0015).abs() < 1e-6 && (found.change[1] + 0.002).abs() < 1e-6);
     let rest = ArmParameters { sequence: 41, corrections: bent.corrections, ..found.parameters };
     assert_eq!(rest, bent);
@@ -237,8 +245,8 @@ fn any_parameter_can_be_chosen_and_terms_keep_acting() {
 #[test]
 fn bad_input_is_an_error_that_names_it() {
     let good = measured::<f64>(&Truth::same(), 10, 0.0, 5);
-    let run = |unknowns: [Unknown; 5], sigma: f64, points: &[CheckPoint<f64, 6>]| {
-        Reidentify::new(unknowns, sigma).run(&stored(), points).map(|_| ())
+    let run = |chosen: [Parameter; 5], sigma: f64, points: &[CheckPoint<f64, 6>]| {
+        Reidentify::new(&stored(), chosen, sigma).run(&stored(), points).map(|_| ())
     };
     assert_eq!(run(CRASHED, 1e-5, &good), Ok(()));
     assert_eq!(
@@ -252,14 +260,22 @@ fn bad_input_is_an_error_that_names_it() {
     for sigma in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert_eq!(run(CRASHED, sigma, &good), Err(ReidentifyError::BadSigma));
     }
-    for (unknown, bad) in [Unknown::offset(6), Unknown::Tool(3), Unknown::Station(1), CRASHED[0]]
-        .into_iter()
-        .enumerate()
-    {
-        let mut unknowns = CRASHED;
-        unknowns[unknown + 1] = bad;
-        let expected = ReidentifyError::BadUnknown { unknown: unknown + 1 };
-        assert_eq!(run(unknowns, 1e-5, &good), Err(expected));
+    let theta_of_joint_2 = Parameter::Link { joint: 1, parameter: LinkParameter::Theta };
+    let all = [
+        Parameter::JointOffset(6),
+        Parameter::Term(0),
+        Parameter::StationRotation(Axis::Y),
+        // The same as an offset that is there.
+        theta_of_joint_2,
+    ];
+    for (before, parameter) in all.into_iter().enumerate() {
+        let (mut chosen, index) = (CRASHED, before + 1);
+        chosen[index] = parameter;
+        let expected = ReidentifyError::BadParameter { index, parameter };
+        assert_eq!(run(chosen, 1e-5, &good), Err(expected));
+        // Counted from 1 in a text.
+        let said = expected.to_string();
+        assert!(said.contains(&format!("parameter {},", index + 1)), "{said}");
     }
     let mut points = good.clone();
     points[3].state.temperature = f64::NAN;
@@ -270,7 +286,7 @@ fn bad_input_is_an_error_that_names_it() {
         point.q = good[0].q;
         point.point = good[0].point + Vector3::new(i as f64, 0.0, 0.0) * 1e-3;
     }
-    let moved = Reidentify::new(MOVED, 1e-5).run(&stored(), &line);
+    let moved = Reidentify::new(&stored(), MOVED, 1e-5).run(&stored(), &line);
     assert_eq!(moved.map(|_| ()), Err(ReidentifyError::PointsOnALine));
 }
 
@@ -296,7 +312,7 @@ proptest! {
         let mut points = measured::<f32>(&Truth::crashed(), 10, 1e-5, seed);
         points[which].point.x = 10_f32.powf(exponent);
         points[which].q[which % 6] = bad;
-        let mut task = Reidentify::new(MOVED, sigma);
+        let mut task = Reidentify::new(&stored(), MOVED, sigma);
         task.scale[7] = scale;
         match task.run(&stored::<f32>(), &points) {
             Ok(found) => prop_assert!(finite(&found), "{found:?}"),

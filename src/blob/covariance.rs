@@ -13,7 +13,8 @@ use crate::scalar::Scalar;
 use nalgebra::Vector3;
 
 /// Covariance of a blob's parameters, still in place: a triangular factor over
-/// [base translation, base rotation, tool point, links, terms].
+/// [base translation, base rotation, tool point, links, terms]: the order of
+/// [`Parameter::of_arm`](crate::parameters::Parameter::of_arm).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Covariance<'a> {
     pub(super) blob: Blob<'a>,

@@ -71,6 +71,36 @@ impl<T: Scalar> Pose<T> {
         Self { rotation, translation }
     }
 
+    /// The rotation as a vector, axis times angle, of at most half a turn, rad: by the
+    /// quaternion, from its largest component.
+    #[must_use]
+    pub fn rotation_vector(&self) -> Vector3<T> {
+        let (one, two) = (T::ONE, T::ONE + T::ONE);
+        let [x, y, z] = axes(&self.rotation);
+        let (a, b, c) = (y.z - z.y, z.x - x.z, x.y - y.x);
+        let (d, e, f) = (x.y + y.x, x.z + z.x, y.z + z.y);
+        // Four times the quaternion (w, x, y, z) by its transpose.
+        let rows = [
+            (one + x.x + y.y + z.z, [a, b, c], one + x.x + y.y + z.z),
+            (one + x.x - y.y - z.z, [one + x.x - y.y - z.z, d, e], a),
+            (one - x.x + y.y - z.z, [d, one - x.x + y.y - z.z, f], b),
+            (one - x.x - y.y + z.z, [e, f, one - x.x - y.y + z.z], c),
+        ];
+        let [mut best, others @ ..] = rows;
+        for row in others {
+            if row.0 > best.0 {
+                best = row;
+            }
+        }
+        let (_, [x, y, z], w) = best;
+        // The same rotation with a positive w turns by half a turn at most.
+        let sign = if w < T::ZERO { -one } else { one };
+        let v = Vector3::new(x, y, z) * sign;
+        let length = dot(&v, &v).sqrt();
+        let ratio = if length > T::ZERO { length.atan2(w * sign) / length } else { one };
+        v * (two * ratio)
+    }
+
     /// `self * other`: first `other`, then `self`.
     #[must_use]
     pub fn compose(&self, other: &Self) -> Self {

@@ -1,3 +1,4 @@
+use crate::parameters::Parameter;
 use crate::solve::SolveError;
 
 /// Why a re-identification gave no parameters.
@@ -17,20 +18,22 @@ pub enum ReidentifyError {
         /// Its 0-based index.
         point: usize,
     },
-    /// This unknown names no parameter of the arm, repeats an earlier one, or is
+    /// The arm does not have this parameter, an earlier one is the same, or it is
     /// one of fewer than six of the tracker.
-    BadUnknown {
-        /// Its 0-based index.
-        unknown: usize,
+    BadParameter {
+        /// Its 0-based index in the list.
+        index: usize,
+        /// The parameter.
+        parameter: Parameter,
     },
     /// The standard deviation is not a positive number.
     BadSigma,
     /// The points lie on a line, which leaves the tracker's place open.
     PointsOnALine,
-    /// The points do not determine this unknown, which has no prior.
+    /// The points do not determine this parameter, which has no prior.
     Undetermined {
-        /// Its 0-based index.
-        unknown: usize,
+        /// Its 0-based index in the list.
+        index: usize,
     },
     /// The stored set has the last sequence number that can be followed by one.
     LastSequence,
@@ -46,17 +49,20 @@ impl core::fmt::Display for ReidentifyError {
             Self::TooFewPoints { points, needed } => {
                 write!(f, "{points} points where {needed} or more are needed")
             }
-            Self::PointNotFinite { point } => write!(f, "point {point} is not finite"),
-            Self::BadUnknown { unknown } => {
+            Self::PointNotFinite { point } => write!(f, "point {} is not finite", point + 1),
+            Self::BadParameter { index, parameter } => {
+                let place = index + 1;
                 write!(
                     f,
-                    "unknown {unknown} does not exist, or twice, or its five companions do not"
+                    "parameter {place}, {parameter}: not of this arm, or there twice, or without \
+                     the five others of the tracker"
                 )
             }
             Self::BadSigma => f.write_str("sigma must be a positive number"),
             Self::PointsOnALine => f.write_str("the points lie on a line"),
-            Self::Undetermined { unknown } => {
-                write!(f, "the points do not determine unknown {unknown}, which has no prior")
+            Self::Undetermined { index } => {
+                let place = index + 1;
+                write!(f, "the points do not determine parameter {place}, which has no prior")
             }
             Self::LastSequence => f.write_str("no sequence number is left after the stored one"),
             Self::NotConverged => f.write_str("the steps do not become small"),
@@ -65,7 +71,14 @@ impl core::fmt::Display for ReidentifyError {
     }
 }
 
-impl core::error::Error for ReidentifyError {}
+impl core::error::Error for ReidentifyError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Solve(error) => Some(error),
+            _ => None,
+        }
+    }
+}
 
 impl From<SolveError> for ReidentifyError {
     fn from(error: SolveError) -> Self {

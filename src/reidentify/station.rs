@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::ReidentifyError;
 use crate::arm::Arm;
 use crate::check_point::CheckPoint;
-use crate::kinematics::{Pose, axes, cross, dot, from_axes};
+use crate::kinematics::{Pose, cross, dot, from_axes};
 use crate::scalar::Scalar;
 
 /// Where the tracker stands, from three of the points: the first, the one
@@ -53,16 +53,4 @@ fn frame<T: Scalar>(along: &Vector3<T>, aside: &Vector3<T>) -> Option<Matrix3<T>
         let (x, z) = (along / length, normal / height);
         from_axes([x, cross(&z, &x), z])
     })
-}
-
-/// Derivative of a point seen from the tracker to one of its six; `arm` goes
-/// from the commanded frame's origin to the point.
-pub(super) fn column<T: Scalar>(component: u8, arm: &Vector3<T>) -> Vector3<T> {
-    let [x, y, z] = axes(&Pose::identity().rotation);
-    let unit = match component % 3 {
-        0 => x,
-        1 => y,
-        _ => z,
-    };
-    if component < 3 { cross(&unit, arm) } else { unit }
 }

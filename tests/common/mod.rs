@@ -127,3 +127,13 @@ pub fn scara() -> [Link<f64>; 4] {
     arm[2].kind = JointKind::Prismatic;
     arm
 }
+
+/// The UR10 on a horizontal rail: seven joints, the first prismatic.
+pub fn ur10_on_a_rail() -> [Link<f64>; 7] {
+    let rail = [H, 0.05, -0.2, 0.3, 0.0005];
+    let [mut first, second, third, fourth, fifth, sixth] = ur10().map(|l| l.parameters.to_array());
+    first[0] -= H;
+    let mut arm = links([rail, first, second, third, fourth, fifth, sixth]);
+    arm[0].kind = JointKind::Prismatic;
+    arm
+}

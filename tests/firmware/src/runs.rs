@@ -18,7 +18,8 @@
 use crc::{CRC_64_XZ, Crc};
 use truearm::blob::Blob;
 use truearm::check_point::CheckPoint;
-use truearm::reidentify::{Reidentified, Reidentify, ReidentifyError, Unknown};
+use truearm::parameters::Parameter;
+use truearm::reidentify::{Reidentified, Reidentify, ReidentifyError};
 use truearm::{ArmParameters, Pose};
 
 /// First four bytes.
@@ -127,23 +128,20 @@ impl<'a> Runs<'a> {
 
 impl<'t> Run<'t> {
     /// Two joint offsets and the tool: 5 unknowns.
-    pub fn known(&self) -> Result<Known<'t>, ReidentifyError> {
-        Reidentify::new(self.unknowns(), SIGMA).run(&self.stored, &self.known)
+    pub fn known(&self) -> Result<Known<'_>, ReidentifyError> {
+        Reidentify::new(&self.stored, self.chosen(), SIGMA).run(&self.stored, &self.known)
     }
 
     /// The same with the tracker's place: 11 unknowns.
-    pub fn moved(&self) -> Result<Moved<'t>, ReidentifyError> {
-        let own = self.unknowns();
-        let all: [Unknown; 11] = core::array::from_fn(|k| match Unknown::STATION.get(k) {
-            Some(station) => *station,
-            None => own.get(k - 6).copied().unwrap_or(Unknown::Tool(0)),
-        });
-        Reidentify::new(all, SIGMA).run(&self.stored, &self.moved)
+    pub fn moved(&self) -> Result<Moved<'_>, ReidentifyError> {
+        let ([a, b, c, d, e, f], [g, h, i, j, k]) = (Parameter::STATION, self.chosen());
+        let all = [a, b, c, d, e, f, g, h, i, j, k];
+        Reidentify::new(&self.stored, all, SIGMA).run(&self.stored, &self.moved)
     }
 
-    fn unknowns(&self) -> [Unknown; 5] {
-        let [first, second] = self.joints;
-        let [x, y, z] = Unknown::TOOL;
-        [Unknown::offset(first), Unknown::offset(second), x, y, z]
+    fn chosen(&self) -> [Parameter; 5] {
+        let [first, second] = self.joints.map(Parameter::JointOffset);
+        let [x, y, z] = Parameter::TOOL;
+        [first, second, x, y, z]
     }
 }

@@ -14,9 +14,11 @@ use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNo
 use truearm::blob::{Acceptance, AcceptanceError, Blob, DecodeError};
 use truearm::check_point::CheckPoint;
 use truearm::drift::{DriftWatch, FalseAlarms};
-use truearm::reidentify::{Reidentify, Unknown};
-use truearm::solve::StreamingTikhonov;
+use truearm::parameters::Parameter;
+use truearm::reidentify::Reidentify;
+use truearm::solve::{NormalEquations, StreamingTikhonov};
 use truearm::store::{GeometryError, NorSlots, Opened, Slot, Store, StoreError, Stored};
+use truearm::streaming::{self, Lambda};
 use truearm::{Approach, Arm, Compensator, Pose, Settings, State, Task};
 
 /// What a controller calls, on values the compiler knows nothing about.
@@ -55,15 +57,27 @@ fn identification(bytes: &[u8], q: &[f32; 6]) -> Result<(), DecodeError> {
     let parameters = Blob::check(black_box(bytes))?.parameters::<f32, 6>()?;
     let point = CheckPoint::plain(*q, Pose::translation(q[0], q[1], q[2]).translation, q[3]);
     let points = [*black_box(&point); 10];
-    let [x, y, z] = Unknown::TOOL;
-    let unknowns = [Unknown::offset(1), Unknown::offset(2), x, y, z];
-    let _ = black_box(Reidentify::new(black_box(unknowns), q[0]).run(&parameters, &points));
-    let _ = black_box(Reidentify::new(black_box(Unknown::STATION), q[0]).run(&parameters, &points));
+    let [x, y, z] = Parameter::TOOL;
+    let chosen = black_box([Parameter::JointOffset(1), Parameter::Term(2), x, y, z]);
+    let _ = black_box(Reidentify::new(&parameters, chosen, q[0]).run(&parameters, &points));
+    for frame in [Parameter::STATION, Parameter::BASE] {
+        let _ = black_box(Reidentify::new(&parameters, frame, q[0]).run(&parameters, &points));
+    }
+    let settings = streaming::Settings::new(&parameters, chosen, q[0]);
+    if let Ok(mut stream) = settings.start(&parameters) {
+        let _ = black_box(stream.push(black_box(&point)));
+        if let Ok(found) = stream.identified(black_box(Lambda::TwoStep)) {
+            stream.relinearise(black_box(&found));
+        }
+    }
     let arm = Arm::new(&parameters);
     if let Ok(mut watch) = DriftWatch::<f32, 6>::new(q[1], FalseAlarms::default()) {
         let _ = black_box(watch.push(&arm, black_box(&point), &point.point));
         black_box(watch.suspect());
     }
+    let mut normal = NormalEquations::<f32, 6>::new();
+    let _ = black_box(normal.push(q, q[1]));
+    let _ = black_box(normal.solve(q[2], black_box(q)));
     if let Ok(mut stream) = StreamingTikhonov::<f32, 30>::new(black_box(5), q[2]) {
         let _ = black_box(stream.push(black_box(&[[q[0]; 3]; 30]), black_box(&[q[1]; 3])));
         let _ = black_box(stream.push(black_box(&[[q[0]]; 30]), black_box(&[q[1]])));

@@ -1,0 +1,406 @@
+//! What of an arm can be identified: one vocabulary for re-identification,
+//! streaming identification, the drift watch, covariances and terms.
+//!
+//! ```
+//! use truearm::parameters::{Axis, Parameter};
+//! use truearm::LinkParameter;
+//!
+//! let offset = Parameter::JointOffset(1);
+//! let length = Parameter::Link { joint: 2, parameter: LinkParameter::A };
+//! // Joints are counted from 0 in the code and from 1 in a text.
+//! assert_eq!(offset.to_string(), "joint offset of joint 2");
+//! assert_eq!(length.to_string(), "link length a of joint 3");
+//! assert_eq!(Parameter::Tool(Axis::Z).to_string(), "tool point, z");
+//! ```
+
+use core::fmt;
+
+use nalgebra::Vector3;
+
+use crate::arm::{Arm, ArmParameters, State};
+use crate::effects::TermInputs;
+use crate::kinematics::{
+    IdentificationJacobian, JointKind, Link, LinkParameter, MdhParameters, Pose, axes, cross, dot,
+    rotate,
+};
+use crate::scalar::Scalar;
+
+/// The prior standard deviation of what an accident moves: a joint offset, the
+/// tool, the base; rad or m.
+pub(crate) const USUAL_SCALE: f64 = 0.02;
+
+/// An axis of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Axis {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    Z,
+}
+
+impl Axis {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
+    /// The element along it.
+    pub(crate) fn of<V>(self, [x, y, z]: [V; 3]) -> V {
+        match self {
+            Self::X => x,
+            Self::Y => y,
+            Self::Z => z,
+        }
+    }
+
+    pub(crate) fn unit<T: Scalar>(self) -> Vector3<T> {
+        let (o, l) = (T::ZERO, T::ONE);
+        self.of([Vector3::new(l, o, o), Vector3::new(o, l, o), Vector3::new(o, o, l)])
+    }
+}
+
+/// A parameter of an arm, or of where the tracker stands. Joints and terms are
+/// counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Parameter {
+    /// Rotation of the robot's base about an axis of the commanded frame, through
+    /// the base's origin: rad.
+    BaseRotation(Axis),
+    /// Translation of the base along an axis of the commanded frame: m.
+    BaseTranslation(Axis),
+    /// A coordinate of the tool point in the flange frame: m.
+    Tool(Axis),
+    /// The zero of a joint's encoder: theta of a revolute joint, rad; d of a
+    /// prismatic one, m.
+    JointOffset(u8),
+    /// A parameter of a link: twist, length, joint angle, link offset, Hayati's
+    /// beta; rad or m.
+    Link {
+        /// The joint behind it.
+        joint: u8,
+        /// Which of its five.
+        parameter: LinkParameter,
+    },
+    /// The coefficient of a term, by its place in the arm's list, in the unit of
+    /// its effect.
+    Term(u8),
+    /// Where the tracker stands: rotation of the commanded frame about an axis of
+    /// the tracker's frame, rad. Of the measurement, not of the arm: fitted and
+    /// never stored.
+    StationRotation(Axis),
+    /// The same: translation of the commanded frame, m.
+    StationTranslation(Axis),
+}
+
+impl Parameter {
+    /// The tool point.
+    pub const TOOL: [Self; 3] = [Self::Tool(Axis::X), Self::Tool(Axis::Y), Self::Tool(Axis::Z)];
+
+    /// The base: rotations, then translations.
+    pub const BASE: [Self; 6] = [
+        Self::BaseRotation(Axis::X),
+        Self::BaseRotation(Axis::Y),
+        Self::BaseRotation(Axis::Z),
+        Self::BaseTranslation(Axis::X),
+        Self::BaseTranslation(Axis::Y),
+        Self::BaseTranslation(Axis::Z),
+    ];
+
+    /// The tracker's place: rotations, then translations.
+    pub const STATION: [Self; 6] = [
+        Self::StationRotation(Axis::X),
+        Self::StationRotation(Axis::Y),
+        Self::StationRotation(Axis::Z),
+        Self::StationTranslation(Axis::X),
+        Self::StationTranslation(Axis::Y),
+        Self::StationTranslation(Axis::Z),
+    ];
+
+    /// All parameters of an arm of so many joints and terms in the order of a
+    /// covariance: base translation, base rotation, tool point, links, terms.
+    pub fn of_arm(joints: u8, terms: u8) -> impl Iterator<Item = Self> {
+        let base = Axis::ALL.map(Self::BaseTranslation).into_iter();
+        let frames = base.chain(Axis::ALL.map(Self::BaseRotation)).chain(Self::TOOL);
+        let links = (0..joints)
+            .flat_map(|joint| LinkParameter::ALL.map(|parameter| Self::Link { joint, parameter }));
+        frames.chain(links).chain((0..terms).map(Self::Term))
+    }
+
+    /// Whether it is of the tracker and not of the arm.
+    #[must_use]
+    pub const fn is_station(self) -> bool {
+        matches!(self, Self::StationRotation(_) | Self::StationTranslation(_))
+    }
+
+    /// Whether this arm has it. The other functions leave an arm alone that does
+    /// not: its column is zero, its scale is zero, applying it does nothing.
+    #[must_use]
+    pub fn exists_in<T: Scalar, const N: usize>(self, arm: &ArmParameters<'_, T, N>) -> bool {
+        match self {
+            Self::JointOffset(joint) | Self::Link { joint, .. } => usize::from(joint) < N,
+            Self::Term(term) => usize::from(term) < arm.terms.len(),
+            _ => true,
+        }
+    }
+
+    /// The same parameter under its one name: a joint offset by that of its link,
+    /// so that two of a list can be compared.
+    #[must_use]
+    pub fn canonical<T: Scalar, const N: usize>(self, links: &[Link<T>; N]) -> Self {
+        let Self::JointOffset(joint) = self else { return self };
+        let kind = links.get(usize::from(joint)).map_or(JointKind::Revolute, |link| link.kind);
+        Self::Link { joint, parameter: offset_of(kind) }
+    }
+
+    /// How far it may have moved, 1 sigma, unless the user knows better; the prior
+    /// of an identification:
+    ///
+    /// | parameter | scale |
+    /// |---|---|
+    /// | joint offset, tool, base | 20 mrad, 20 mm |
+    /// | the rest of a link | 1 mrad, 1 mm |
+    /// | coefficient of a term | a fiftieth of the largest plausible |
+    /// | tracker | infinite: no prior |
+    #[must_use]
+    pub fn usual_scale<T: Scalar, const N: usize>(self, arm: &ArmParameters<'_, T, N>) -> T {
+        if !self.exists_in(arm) {
+            return T::ZERO;
+        }
+        let kind = |joint: u8| arm.nominal.get(usize::from(joint)).map(|link| link.kind);
+        match self {
+            Self::Link { joint, parameter } if kind(joint).map(offset_of) != Some(parameter) => {
+                T::from_f64(0.001)
+            }
+            Self::Term(term) => arm
+                .terms
+                .get(usize::from(term))
+                .map_or(T::ZERO, |term| T::from_f32(term.effect.plausible()) * T::from_f64(0.02)),
+            Self::StationRotation(_) | Self::StationTranslation(_) => T::ONE / T::ZERO,
+            _ => T::from_f64(USUAL_SCALE),
+        }
+    }
+
+    /// Its unit: `rad`, `m` or that of a term's effect; empty where the arm does not
+    /// have it.
+    #[must_use]
+    pub fn unit<T: Scalar, const N: usize>(self, arm: &ArmParameters<'_, T, N>) -> &'static str {
+        if !self.exists_in(arm) {
+            return "";
+        }
+        match self.canonical(&arm.nominal) {
+            Self::BaseRotation(_) | Self::StationRotation(_) => "rad",
+            Self::Link { parameter, .. } if !parameter.is_length() => "rad",
+            Self::Term(term) => {
+                arm.terms.get(usize::from(term)).map_or("", |term| term.effect.unit())
+            }
+            _ => "m",
+        }
+    }
+
+    /// Changes it by `step`, in its unit. Nothing happens for the tracker's place,
+    /// which is not the arm's. Several rotations of the base at once: [`apply`].
+    pub fn apply<T: Scalar, const N: usize>(self, arm: &mut ArmParameters<'_, T, N>, step: T) {
+        apply(arm, &[self], &[step]);
+    }
+
+    fn apply_alone<T: Scalar, const N: usize>(self, arm: &mut ArmParameters<'_, T, N>, step: T) {
+        let along = |axis: Axis| axis.unit::<T>() * step;
+        match self.canonical(&arm.nominal) {
+            Self::BaseTranslation(axis) => arm.base_translation += along(axis),
+            Self::Tool(axis) => arm.tool += along(axis),
+            Self::Link { joint, parameter } => {
+                if let Some(link) = arm.corrections.get_mut(usize::from(joint)) {
+                    let steps =
+                        LinkParameter::ALL.map(|p| if p == parameter { step } else { T::ZERO });
+                    *link = link.plus(&MdhParameters::from_array(steps));
+                }
+            }
+            Self::Term(term) => {
+                if let Some(term) = arm.terms.get_mut(usize::from(term)) {
+                    term.coefficient += step;
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Changes many parameters, each by its step in its unit. Rotations of the base are
+/// taken as one rotation vector, so that their order does not matter.
+pub fn apply<T: Scalar, const N: usize>(
+    arm: &mut ArmParameters<'_, T, N>,
+    parameters: &[Parameter],
+    steps: &[T],
+) {
+    let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
+    let mut turn = none;
+    for (parameter, step) in parameters.iter().zip(steps) {
+        if let Parameter::BaseRotation(axis) = parameter {
+            turn += axis.unit::<T>() * *step;
+        } else {
+            parameter.apply_alone(arm, *step);
+        }
+    }
+    if turn != none {
+        let before = Pose::from_rotation_vector(none, arm.base_rotation);
+        let after = Pose::from_rotation_vector(none, turn).compose(&before);
+        arm.base_rotation = after.rotation_vector();
+    }
+}
+
+/// The first of a list that the arm does not have or that repeats an earlier one.
+pub(crate) fn first_bad<T: Scalar, const N: usize, const P: usize>(
+    parameters: &[Parameter; P],
+    arm: &ArmParameters<'_, T, N>,
+) -> Option<(usize, Parameter)> {
+    parameters.iter().copied().enumerate().find(|(index, parameter)| {
+        let same =
+            |other: &Parameter| other.canonical(&arm.nominal) == parameter.canonical(&arm.nominal);
+        !parameter.exists_in(arm) || parameters.iter().take(*index).any(same)
+    })
+}
+
+/// Which of a link's parameters the zero of the joint's encoder is.
+const fn offset_of(kind: JointKind) -> LinkParameter {
+    match kind {
+        JointKind::Revolute => LinkParameter::Theta,
+        JointKind::Prismatic => LinkParameter::D,
+    }
+}
+
+impl fmt::Display for Parameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let axis = |axis: Axis| axis.of(["x", "y", "z"]);
+        let number = |index: u8| u16::from(index) + 1;
+        match *self {
+            Self::BaseRotation(a) => write!(f, "base rotation about {}", axis(a)),
+            Self::BaseTranslation(a) => write!(f, "base translation along {}", axis(a)),
+            Self::Tool(a) => write!(f, "tool point, {}", axis(a)),
+            Self::JointOffset(joint) => write!(f, "joint offset of joint {}", number(joint)),
+            Self::Link { joint, parameter } => {
+                let name = match parameter {
+                    LinkParameter::Alpha => "link twist alpha",
+                    LinkParameter::A => "link length a",
+                    LinkParameter::Theta => "joint angle theta",
+                    LinkParameter::D => "link offset d",
+                    LinkParameter::Beta => "Hayati's beta",
+                };
+                write!(f, "{name} of joint {}", number(joint))
+            }
+            Self::Term(term) => write!(f, "coefficient of term {}", number(term)),
+            Self::StationRotation(a) => write!(f, "tracker's rotation about {}", axis(a)),
+            Self::StationTranslation(a) => write!(f, "tracker's translation along {}", axis(a)),
+        }
+    }
+}
+
+/// The tool point of an arm at one pose, and what it needs to be derived by any
+/// [`Parameter`].
+#[derive(Debug, Clone)]
+pub struct Linearised<'a, T, const N: usize> {
+    arm: &'a Arm<'a, T, N>,
+    inputs: TermInputs<T, N>,
+    jacobian: IdentificationJacobian<T, N>,
+    point: Vector3<T>,
+    /// Squared columns below this are what rounding leaves of the difference of two
+    /// points on one axis.
+    noise: T,
+    station: Option<Pose<T>>,
+}
+
+impl<T: Scalar, const N: usize> Arm<'_, T, N> {
+    /// Where the tool point is at encoder readings `q` (rad or m) in a state of the
+    /// arm, with its derivatives, taken where the joints really are.
+    #[must_use]
+    pub fn linearised(&self, q: &[T; N], state: &State<T, N>) -> Linearised<'_, T, N> {
+        let inputs = self.inputs(q, state);
+        let deflection = self.deflection_at(&inputs);
+        let point = self.real().forward_deflected(q, &deflection).translation;
+        let jacobian = self.real().identification_jacobian(&deflection.deflected(q));
+        let levers = jacobian.links.iter().map(|link| &link.theta).chain(&jacobian.base_rotation);
+        let longest = levers.map(|v| dot(v, v)).fold(T::ZERO, |a, b| if b > a { b } else { a });
+        let share = T::EPSILON * T::from_f32(64.0);
+        Linearised {
+            arm: self,
+            inputs,
+            jacobian,
+            point,
+            noise: share * share * longest,
+            station: None,
+        }
+    }
+}
+
+impl<T: Scalar, const N: usize> Linearised<'_, T, N> {
+    /// The same seen by a tracker; the pose is that of the commanded frame in the
+    /// tracker's.
+    #[must_use]
+    pub fn seen_from(self, station: &Pose<T>) -> Self {
+        Self { station: Some(*station), ..self }
+    }
+
+    /// The tool point, m, in the commanded frame or the tracker's.
+    #[must_use]
+    pub fn point(&self) -> Vector3<T> {
+        match &self.station {
+            Some(station) => station.transform_point(&self.point),
+            None => self.point,
+        }
+    }
+
+    /// Derivative of [`Self::point`] to a parameter, m per unit of it. Zero for a
+    /// parameter that the arm does not have, and for a rotation about an axis on which
+    /// the tool point lies to 64 `EPSILON` of the longest lever.
+    #[must_use]
+    pub fn column(&self, parameter: Parameter) -> Vector3<T> {
+        let (jacobian, links) = (&self.jacobian, self.arm.real().links());
+        let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
+        let of_arm = match parameter.canonical(links) {
+            Parameter::BaseRotation(axis) => axis.of(jacobian.base_rotation),
+            Parameter::BaseTranslation(axis) => axis.of(jacobian.base_translation),
+            Parameter::Tool(axis) => axis.of(jacobian.tool),
+            Parameter::Link { joint, parameter } => {
+                let link = jacobian.links.get(usize::from(joint));
+                link.map_or(none, |link| *link.get(parameter))
+            }
+            Parameter::Term(term) => {
+                let term = self.arm.terms().get(usize::from(term));
+                term.map_or(none, |term| {
+                    let basis = term.basis(&self.inputs);
+                    term.column(basis, links, &jacobian.links, &self.own_rotation())
+                })
+            }
+            Parameter::StationRotation(axis) => {
+                let centre = self.station.map_or(none, |station| station.translation);
+                return cross(&axis.unit(), &(self.point() - centre));
+            }
+            Parameter::StationTranslation(axis) => return axis.unit(),
+            Parameter::JointOffset(_) => none,
+        };
+        if dot(&of_arm, &of_arm) < self.noise && !matches!(parameter, Parameter::Term(_)) {
+            return none;
+        }
+        match &self.station {
+            Some(station) => rotate(&station.rotation, &of_arm),
+            None => of_arm,
+        }
+    }
+
+    /// To rotations about the base's own axes.
+    fn own_rotation(&self) -> [Vector3<T>; 3] {
+        let base = self.arm.real().base();
+        let lever = self.jacobian.point - base.translation;
+        axes(&base.rotation).map(|axis| cross(&axis, &lever))
+    }
+}
+
+impl Parameter {
+    /// Derivative of the tool point to it, m per unit, see [`Linearised::column`].
+    #[must_use]
+    pub fn column<T: Scalar, const N: usize>(self, at: &Linearised<'_, T, N>) -> Vector3<T> {
+        at.column(self)
+    }
+}

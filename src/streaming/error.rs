@@ -1,0 +1,80 @@
+use crate::parameters::Parameter;
+use crate::solve::SolveError;
+
+/// Why a point was not taken or no parameters were given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum StreamingError {
+    /// The arm does not have this parameter, an earlier one is the same, or it is
+    /// of the tracker, whose place must be known here.
+    BadParameter {
+        /// Its 0-based index in the list.
+        index: usize,
+        /// The parameter.
+        parameter: Parameter,
+    },
+    /// The standard deviation is not a positive number.
+    BadSigma,
+    /// The point has a number that is none.
+    PointNotFinite,
+    /// Fewer equations than parameters.
+    TooFewPoints {
+        /// Points given.
+        points: u32,
+        /// Points needed.
+        needed: u32,
+    },
+    /// The L-curve has no corner.
+    NoCorner,
+    /// No point was held out to judge lambda by.
+    NothingHeldOut,
+    /// Neither the points nor lambda determine this parameter.
+    Undetermined {
+        /// Its 0-based index in the list.
+        index: usize,
+    },
+    /// The stored set has the last sequence number that can be followed by one.
+    LastSequence,
+    /// A row was refused or a solve failed.
+    Solve(SolveError),
+}
+
+impl core::fmt::Display for StreamingError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::BadParameter { index, parameter } => {
+                let place = index + 1;
+                write!(f, "parameter {place}, {parameter}: not of this arm, or there twice")
+            }
+            Self::BadSigma => f.write_str("sigma must be a positive number"),
+            Self::PointNotFinite => f.write_str("the point is not finite"),
+            Self::TooFewPoints { points, needed } => {
+                write!(f, "{points} points where {needed} or more are needed")
+            }
+            Self::NoCorner => f.write_str("the L-curve has no corner"),
+            Self::NothingHeldOut => f.write_str("no point was held out to judge lambda by"),
+            Self::Undetermined { index } => {
+                let place = index + 1;
+                write!(f, "the points do not determine parameter {place}, and lambda is zero")
+            }
+            Self::LastSequence => f.write_str("no sequence number is left after the stored one"),
+            Self::Solve(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+impl core::error::Error for StreamingError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Solve(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<SolveError> for StreamingError {
+    fn from(error: SolveError) -> Self {
+        Self::Solve(error)
+    }
+}

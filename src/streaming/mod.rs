@@ -1,0 +1,294 @@
+//! Streaming identification: one measured point of this arm after the other, in
+//! memory that does not grow, and at any time parameters of this arm.
+//!
+//! Linear in the parameters: each point's equations are taken at the stored ones. What
+//! that leaves out is of second order, half of the distance that a rotation of the
+//! identified size moves the tool, times that rotation: 0.5 um a metre for 1 mrad, 50 um
+//! for 10 mrad. [`StreamingIdentification::relinearise`] takes the points from then on at
+//! what was found; where only a few points are there and the change is large,
+//! [`crate::reidentify`] iterates over them instead.
+//!
+//! ```
+//! use truearm::check_point::CheckPoint;
+//! use truearm::parameters::Parameter;
+//! use truearm::streaming::{Lambda, Settings};
+//! use truearm::{Arm, ArmParameters, blob::Blob};
+//!
+//! # fn main() -> Result<(), Box<dyn core::error::Error>> {
+//! # let bytes = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
+//! let stored: ArmParameters<f32, 6> = Blob::check(bytes)?.parameters()?;
+//! # let mut slipped = stored.clone();
+//! # Parameter::JointOffset(2).apply(&mut slipped, 1e-3);
+//! # let slipped = Arm::new(&slipped);
+//! # let tracker = |q: &[f32; 6]| slipped.real_pose(q).translation;
+//! // Which parameters, and 20 um a measured coordinate. Every fifth point judges.
+//! let [x, y, z] = Parameter::TOOL;
+//! let offsets = [1, 2, 3, 4].map(Parameter::JointOffset);
+//! let chosen = [offsets[0], offsets[1], offsets[2], offsets[3], x, y, z];
+//! let mut stream = Settings::new(&stored, chosen, 20e-6).start(&stored)?;
+//! for k in 0..40 {
+//!     let q = [0.3, -1.2, 1.4, -0.5, 0.8, 0.2].map(|q| q * (1.0 + 0.7 * (k as f32).sin()));
+//!     stream.push(&CheckPoint::plain(q, tracker(&q), stored.reference_temperature))?;
+//! }
+//! let found = stream.identified(Lambda::Prior)?;
+//! assert!((found.change[1] - 1e-3).abs() < 5e-5, "joint 3 slipped by 1 mrad");
+//! // To be stored, and driven with at once.
+//! let arm = Arm::new(&found.parameters);
+//! # let _ = arm;
+//! # Ok(())
+//! # }
+//! ```
+
+mod error;
+
+pub use error::StreamingError;
+
+use crate::arm::{Arm, ArmParameters};
+use crate::check_point::CheckPoint;
+use crate::parameters::{Parameter, apply, first_bad};
+use crate::reidentify::determined;
+use crate::scalar::Scalar;
+use crate::solve::{StreamingTikhonov, Triangle};
+
+/// What to identify, and how well the points are measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Settings<T, const P: usize> {
+    /// The parameters; each once, none of the tracker's.
+    pub parameters: [Parameter; P],
+    /// How far each may be from the stored one, 1 sigma, in its unit; the unit in which
+    /// lambda weighs it. Infinite for no penalty; such parameters come first.
+    pub scale: [T; P],
+    /// Standard deviation of a measured coordinate, m.
+    pub sigma: T,
+    /// Every so many points one only judges; none if 0.
+    pub every: u32,
+    /// Weight of all earlier points at each new one, above 0, at most 1: they fade with
+    /// a time constant of `1 / (1 - forgetting)` points.
+    pub forgetting: T,
+}
+
+/// How strongly the stored parameters are held to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Lambda<T> {
+    /// As the scales and sigma say, lambda = 1: the maximum a posteriori estimate.
+    Prior,
+    /// At the corner of the L-curve of the fitted points (paper Eq. 15-16).
+    LCurve,
+    /// Best on the held-out points: the paper's two-step rule, see
+    /// [`StreamingTikhonov::choose`].
+    TwoStep,
+    /// This one.
+    Fixed(T),
+}
+
+/// The outcome of [`StreamingIdentification::identified`].
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Identified<'t, T, const N: usize, const P: usize> {
+    /// To be stored: the chosen parameters changed, `sequence` one higher than stored.
+    pub parameters: ArmParameters<'t, T, N>,
+    /// By how much each parameter differs from the stored one, in its unit.
+    pub change: [T; P],
+    /// Standard deviation of each, in its unit, as lambda / scale^2 and the points
+    /// leave it.
+    pub sigma: [T; P],
+    /// Whether the points, rather than the scale, determine it: its standard
+    /// deviation is less than half of `scale / sqrt(lambda)`.
+    pub determined: [bool; P],
+    /// Independent directions among the parameters that the points show.
+    pub rank: usize,
+    /// The lambda used.
+    pub lambda: T,
+    /// RMS 3-D distance of all points from the stored model, m.
+    pub rms_before: T,
+    /// The same from the new model, linearised. Of fitted points: no measure of
+    /// quality.
+    pub rms_after: T,
+    /// RMS 3-D distance of the held-out points from the model of the fitted points
+    /// alone, m, linearised; `None` where none was held out.
+    pub held_out: Option<T>,
+}
+
+/// An identification under way.
+///
+/// Memory: [`crate::solve::Memory`], and the stored parameters with an [`Arm`]. A point
+/// costs an identification Jacobian, P columns and what
+/// [`Triangle::push`] states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StreamingIdentification<'t, T, const N: usize, const P: usize> {
+    settings: Settings<T, P>,
+    stored: ArmParameters<'t, T, N>,
+    /// Where points are linearised, and how far that is from `stored`.
+    arm: Arm<'t, T, N>,
+    change: [T; P],
+    stream: StreamingTikhonov<T, P>,
+    /// Weights of the points that are fitted and that judge.
+    weights: [T; 2],
+}
+
+impl<T: Scalar, const P: usize> Settings<T, P> {
+    /// With the usual prior for this arm, see [`Parameter::usual_scale`]; sigma in m.
+    /// Every fifth point judges, nothing is forgotten.
+    #[must_use]
+    pub fn new<const N: usize>(
+        stored: &ArmParameters<'_, T, N>,
+        parameters: [Parameter; P],
+        sigma: T,
+    ) -> Self {
+        let scale = parameters.map(|p| p.usual_scale(stored));
+        Self { parameters, scale, sigma, every: 5, forgetting: T::ONE }
+    }
+
+    /// Begins, without points, at the stored parameters.
+    ///
+    /// # Errors
+    /// A parameter, sigma or forgetting factor that is none, by name.
+    pub fn start<'t, const N: usize>(
+        self,
+        stored: &ArmParameters<'t, T, N>,
+    ) -> Result<StreamingIdentification<'t, T, N, P>, StreamingError> {
+        if !(self.sigma > T::ZERO && self.sigma.is_finite()) {
+            return Err(StreamingError::BadSigma);
+        }
+        let mut all = self.parameters.iter().copied().enumerate();
+        let of_station = all.find(|(_, parameter)| parameter.is_station());
+        if let Some((index, parameter)) = first_bad(&self.parameters, stored).or(of_station) {
+            return Err(StreamingError::BadParameter { index, parameter });
+        }
+        Ok(StreamingIdentification {
+            settings: self,
+            stored: stored.clone(),
+            arm: Arm::new(stored),
+            change: [T::ZERO; P],
+            stream: StreamingTikhonov::new(self.every, self.forgetting)?,
+            weights: [T::ZERO; 2],
+        })
+    }
+}
+
+impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, T, N, P> {
+    /// Takes a point in the commanded frame; returns whether it only judges.
+    ///
+    /// # Errors
+    /// [`StreamingError::PointNotFinite`], or [`StreamingError::Solve`] where the
+    /// model makes no number of it or it is too far from the model; no point has been
+    /// added then.
+    pub fn push(&mut self, point: &CheckPoint<T, N>) -> Result<bool, StreamingError> {
+        if !point.is_finite() {
+            return Err(StreamingError::PointNotFinite);
+        }
+        let at = point.linearised(&self.arm);
+        let weight = T::ONE / self.settings.sigma;
+        let mut rest = point.point - at.point();
+        let mut columns = [[T::ZERO; 3]; P];
+        let all = columns.iter_mut().zip(&self.settings.parameters).zip(&self.change);
+        for ((column, parameter), change) in all {
+            let derivative = parameter.column(&at);
+            // Counted from the stored parameters, wherever it is linearised.
+            rest += derivative * *change;
+            *column = [derivative.x, derivative.y, derivative.z].map(|v| v * weight);
+        }
+        let judges = self.stream.push(&columns, &[rest.x, rest.y, rest.z].map(|v| v * weight))?;
+        let [fitted, held_out] = &mut self.weights;
+        for (sum, counts) in [(fitted, !judges), (held_out, judges)] {
+            *sum *= self.settings.forgetting;
+            if counts {
+                *sum += T::ONE;
+            }
+        }
+        Ok(judges)
+    }
+
+    /// Points taken.
+    #[must_use]
+    pub fn points(&self) -> u32 {
+        self.stream.points()
+    }
+
+    /// The parameters as all points so far have them.
+    ///
+    /// # Errors
+    /// See [`StreamingError`]; the points stay.
+    pub fn identified(
+        &mut self,
+        rule: Lambda<T>,
+    ) -> Result<Identified<'t, T, N, P>, StreamingError> {
+        let (points, needed) = (self.points(), (P as u32).div_ceil(3));
+        if points < needed {
+            return Err(StreamingError::TooFewPoints { points, needed });
+        }
+        let (lambda, scale) = (self.lambda(rule)?, self.settings.scale);
+        let held_out = self.judge(lambda)?;
+        let all = self.stream.all()?;
+        let change = all.solve(lambda, &scale)?.x;
+        let sigma = all.variances(lambda, &scale)?.map(T::sqrt);
+        if let Some(index) = sigma.iter().position(|s| !s.is_finite()) {
+            return Err(StreamingError::Undetermined { index });
+        }
+        let width = scale.map(|s| s / lambda.sqrt());
+        let [fitted, judging] = self.weights;
+        let rms = |x: &[T; P]| self.rms(&all, x, fitted + judging);
+        let (rms_before, rms_after) = (rms(&[T::ZERO; P]), rms(&change));
+        // Columns of one size; where there is no prior, of rad and m.
+        let rank = all.spectrum(&scale.map(|s| if s.is_finite() { s } else { T::ONE }))?.rank();
+        let mut parameters = self.stored.clone();
+        apply(&mut parameters, &self.settings.parameters, &change);
+        let next = self.stored.sequence.checked_add(1).filter(|next| *next < u32::MAX);
+        parameters.sequence = next.ok_or(StreamingError::LastSequence)?;
+        let determined = determined(&sigma, &width);
+        Ok(Identified {
+            parameters,
+            change,
+            sigma,
+            determined,
+            rank,
+            lambda,
+            rms_before,
+            rms_after,
+            held_out,
+        })
+    }
+
+    /// From now on points are linearised about what was found; those before stay as
+    /// they are, and what they and the scale say is still counted from the stored
+    /// parameters. Worth it where the change is large, see [`crate::streaming`];
+    /// with a forgetting factor the error of the earlier points fades. `found` is a
+    /// result of this identification.
+    pub fn relinearise(&mut self, found: &Identified<'t, T, N, P>) {
+        self.arm = Arm::new(&found.parameters);
+        self.change = found.change;
+    }
+
+    fn lambda(&mut self, rule: Lambda<T>) -> Result<T, StreamingError> {
+        match rule {
+            Lambda::Prior => Ok(T::ONE),
+            Lambda::Fixed(lambda) => Ok(lambda),
+            Lambda::LCurve => {
+                let choice = self.stream.choose(&self.settings.scale)?;
+                choice.l_curve.ok_or(StreamingError::NoCorner)
+            }
+            Lambda::TwoStep => {
+                let choice = self.stream.choose(&self.settings.scale)?;
+                choice.two_step.ok_or(StreamingError::NothingHeldOut)
+            }
+        }
+    }
+
+    /// RMS of the held-out points from the solution of the fitted ones, m.
+    #[inline(never)]
+    fn judge(&mut self, lambda: T) -> Result<Option<T>, StreamingError> {
+        let [_, judging] = self.weights;
+        if judging <= T::ZERO {
+            return Ok(None);
+        }
+        let x = self.stream.fitted()?.solve(lambda, &self.settings.scale)?.x;
+        Ok(Some(self.rms(self.stream.held_out(), &x, judging)))
+    }
+
+    /// RMS 3-D distance of so many points, m.
+    fn rms(&self, triangle: &Triangle<T, P>, x: &[T; P], points: T) -> T {
+        (triangle.residual_square(x) / points).sqrt() * self.settings.sigma
+    }
+}
