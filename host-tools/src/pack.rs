@@ -77,6 +77,7 @@ pub fn pack_with(model: &Model, options: &PackOptions) -> Result<Vec<u8>> {
             {
                 "the layout in src/blob/FORMAT.md says what a term may be; leave this one out"
             }
+            EncodeError::LastSequence => "give a lower --sequence",
             _ => "corrections of this size point to a wrong nominal geometry or a wrong unit",
         };
         Error::data(format!("{}: {e}", model.robot.path.display()), help)

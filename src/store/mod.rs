@@ -15,6 +15,23 @@
 //!
 //! with k = 8 or the word, whichever is longer.
 //!
+//! # What it serves
+//! [`Store::open`] is given the robot's [`Acceptance`](crate::blob::Acceptance)
+//! (its id, its number of joints, perhaps a key) and a buffer. From then on the
+//! store takes what a later `open` with the same two would return, and refuses
+//! the rest by name. It erases
+//!
+//! | what a slot holds | `open` | `store`, if the slot is needed |
+//! |---|---|---|
+//! | an older blob of this robot | only for a copy of the newer one | yes |
+//! | a store that was cut, or damaged before it ended | yes | yes |
+//! | other bytes, a damaged blob | only for a copy of the newer one | yes |
+//! | a whole blob that was refused: longer than the buffer, another robot's, of another number of joints, of another layout or with a part to come, without the key's tag, of the last sequence number | never | never: [`WriteError::Occupied`] |
+//! | what could not be read | never | never, until an `open` reads it |
+//!
+//! Whole is what its checksum says, in whatever layout; only
+//! [`Store::discard`] erases it, on purpose.
+//!
 //! # What `BEGN` and `DONE` are for
 //! A program operation that the power cut short can leave cells which read
 //! right today and wrong tomorrow. A checksum cannot see that, and neither can
@@ -22,20 +39,19 @@
 //! so where four of its bits are programmed, the commit is solid. `BEGN` is
 //! finished before the commit word is begun: a valid blob without `BEGN` was
 //! written by a programmer and is solid too. What has `BEGN` and no `DONE` is
-//! an unfinished store. [`Store::open`] erases it unless it reads as a valid
-//! blob and is the newest. Then it writes that anew from memory: in place where
-//! the other slot has an older blob to fall back to, otherwise to the other
-//! slot, for what is the only blob may have been in use. A `DONE` with more than
+//! an unfinished store. [`Store::open`] erases it unless it is whole. Where it
+//! is the newest valid blob, it writes that anew from memory: in place where the
+//! other slot has an older blob to fall back to or is not the store's to erase,
+//! otherwise to the other slot, for what is the only blob may have been in use.
+//! A `DONE` with more than
 //! two wrong bits may read as none tomorrow, so such a blob, which is solid, is
 //! copied to the other slot as well. A copy begins with `CPY` and the number of
 //! copies in place of `BEGN`: an unfinished copy is given up for its original,
 //! and a solid copy is preferred to its original, which may have been erased in
 //! part since. Only when all this is done does `open` return.
 //!
-//! What `open` returned is final: from then on there is that blob or one that
-//! was stored after it. Everything else is left as it is: blobs of another
-//! robot or of a newer layout, damaged ones, and whatever a programmer wrote,
-//! until a slot is needed for a store or a copy.
+//! What `open` returned is final, unless it says [`Settled::Failed`]: from then
+//! on there is that blob or one that was stored after it.
 //!
 //! # When the power fails
 //! `n` is the blob in use, in slot A; `n+1` is being stored.
@@ -55,7 +71,17 @@
 //! | `open` copies B to A | as in a store | n+1, solid | returns n+1, with or without a copy |
 //!
 //! Without a blob in use, read "nominal" for n; n+1 is then written to A, and
-//! what reads valid after a cut is copied to B.
+//! what reads valid after a cut is copied to B. Where the other slot is not the
+//! store's to erase (F), there is no place for a copy:
+//!
+//! | the power fails while | slot A | slot B | the next `open` |
+//! |---|---|---|---|
+//! | the commit word of the first n is written, or hardly a bit of its `DONE` | F | n, reads valid twice | writes B anew, returns n |
+//! | the same, reads otherwise | F | torn | erases B, nominal |
+//! | `DONE` of the first n is written, many bits are wrong | F | n, solid | returns n as [`Settled::Failed`]: a later one may have to write B anew |
+//! | `open` writes B anew | F | as in a store | as above: n or nominal |
+//!
+//! With an n in use, F leaves no slot for n+1, and `store` writes nothing.
 //!
 //! What is asked of a memory, and why it can be had:
 //!

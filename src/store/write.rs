@@ -66,7 +66,6 @@ impl<M: Medium> Store<M> {
         if !self.settled {
             return Err(StoreError::Unsettled);
         }
-        self.fits(blob.size())?;
         if let Some((slot, stored)) = self.live {
             if self.holds(slot, bytes, &blob).map_err(WriteError::Fault)? {
                 return Ok(Stored::Unchanged);
