@@ -172,6 +172,9 @@ static void refusals(Truearm *arm, uint64_t robot)
     EXPECT(truearm_real_pose(arm, q, &now, &nominal), TRUEARM_ERROR_BAD_APPROACH);
     now.approach[2] = TRUEARM_APPROACH_NEGATIVE;
 
+    float sigma[3];
+    EXPECT(truearm_point_sigma(arm, q, &now, sigma), TRUEARM_ERROR_NO_COVARIANCE);
+
     EXPECT(truearm_nominal_pose(arm, q, &nominal), TRUEARM_ERROR_OK);
     tool[0] = 2;
     EXPECT(truearm_set_tool(arm, tool), TRUEARM_ERROR_BAD_TOOL);

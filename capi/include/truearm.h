@@ -27,7 +27,7 @@
 /*
  Bytes of memory that `truearm_init` needs.
  */
-#define TRUEARM_MEMORY_SIZE 3360
+#define TRUEARM_MEMORY_SIZE 3456
 
 /*
  Alignment of that memory.
@@ -102,6 +102,10 @@ enum TruearmError
    An approach of the state is none of `TruearmApproach`.
    */
   TRUEARM_ERROR_BAD_APPROACH = 14,
+  /*
+   The blob carries no covariance.
+   */
+  TRUEARM_ERROR_NO_COVARIANCE = 15,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -363,7 +367,7 @@ TruearmError truearm_init(uint32_t version,
  Reads a parameter blob (as `truearm pack` writes it), checked byte by byte,
  and starts over with its arm, switched off. What lies behind the blob is
  ignored, so that a whole memory slot may be given. It must stay there as long
- as the arm is used: tables of effects are not copied.
+ as the arm is used: tables of effects and the covariance are not copied.
 
  `robot_id` is the id of this robot, as `truearm inspect` prints it: another
  robot's blob is refused. `joints` are where the arm stands, rad. Refused
@@ -454,6 +458,21 @@ TruearmError truearm_real_pose(struct Truearm *arm,
 TruearmError truearm_nominal_pose(struct Truearm *arm,
                                   const float *joints,
                                   struct TruearmPose *pose);
+
+/*
+ One standard deviation of where the tool really is at encoder readings, rad,
+ along x, y and z of the nominal base frame, m: of the identification, within
+ the joint ranges that it covered. Without a state (NULL) as for
+ `truearm_real_pose`. A tool of `truearm_set_tool` counts as exact. Takes some
+ ten thousand instructions: for a check point, not for every tick.
+
+ # Safety
+ Every pointer is NULL or as typed; `encoders` points to 6 floats, `sigma` to 3.
+ */
+TruearmError truearm_point_sigma(struct Truearm *arm,
+                                 const float *encoders,
+                                 const struct TruearmState *state,
+                                 float *sigma);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -6,12 +6,14 @@
 #![cfg_attr(not(test), no_std)]
 
 mod pointer;
+#[cfg(test)]
+mod tests;
 mod types;
 
 use core::ffi::c_void;
 
-use truearm::blob::{Acceptance, AcceptanceError};
-use truearm::{Arm6, Compensator, Pose, Scalar};
+use truearm::blob::{Acceptance, AcceptanceError, Covariance};
+use truearm::{Arm6, Compensator, Pose, Scalar, State};
 
 use pointer::{handle, input, optional, writable};
 pub use types::{
@@ -24,13 +26,13 @@ use types::{settings_of, state_of};
 /// memory it needs does.
 pub const TRUEARM_VERSION: u32 = 2;
 /// Bytes of memory that `truearm_init` needs.
-pub const TRUEARM_MEMORY_SIZE: usize = 3360;
+pub const TRUEARM_MEMORY_SIZE: usize = 3456;
 /// Alignment of that memory.
 pub const TRUEARM_MEMORY_ALIGN: usize = 8;
 
-// The macros of the header against what is needed.
+// The macros of the header against what is needed, most where pointers are long.
 const _: () = assert!(size_of::<Truearm>() <= TRUEARM_MEMORY_SIZE);
-const _: () = assert!(TRUEARM_MEMORY_SIZE < size_of::<Truearm>() + 64);
+const _: () = assert!(TRUEARM_MEMORY_SIZE < size_of::<Truearm>() + 192);
 const _: () = assert!(align_of::<Truearm>() <= TRUEARM_MEMORY_ALIGN);
 
 /// Written by `truearm_init`: "TARM" and the version.
@@ -43,6 +45,7 @@ pub struct Truearm {
     initialised: u64,
     /// Whether the last tick was one without compensation.
     idle: bool,
+    covariance: Option<Covariance<'static>>,
     compensator: Option<Compensator<'static, f32, TRUEARM_JOINTS>>,
 }
 
@@ -120,7 +123,8 @@ pub unsafe extern "C" fn truearm_init(
             return Err(TruearmError::Alignment);
         }
         let place = memory.cast::<Truearm>();
-        let empty = Truearm { initialised: INITIALISED, idle: true, compensator: None };
+        let empty =
+            Truearm { initialised: INITIALISED, idle: true, covariance: None, compensator: None };
         // SAFETY: the caller's promise; size and alignment have been checked.
         unsafe {
             place.write(empty);
@@ -133,7 +137,7 @@ pub unsafe extern "C" fn truearm_init(
 /// Reads a parameter blob (as `truearm pack` writes it), checked byte by byte,
 /// and starts over with its arm, switched off. What lies behind the blob is
 /// ignored, so that a whole memory slot may be given. It must stay there as long
-/// as the arm is used: tables of effects are not copied.
+/// as the arm is used: tables of effects and the covariance are not copied.
 ///
 /// `robot_id` is the id of this robot, as `truearm inspect` prints it: another
 /// robot's blob is refused. `joints` are where the arm stands, rad. Refused
@@ -166,7 +170,9 @@ pub unsafe extern "C" fn truearm_load(
             _ => TruearmError::BadBlob,
         })?;
         let parameters = blob.parameters().map_err(|_| TruearmError::OtherArm)?;
-        this.start(Arm6::new(&parameters), &settings, &joints)
+        this.start(Arm6::new(&parameters), &settings, &joints)?;
+        this.covariance = blob.covariance();
+        Ok(())
     })())
 }
 
@@ -291,10 +297,7 @@ pub unsafe extern "C" fn truearm_real_pose(
         writable(pose)?;
         let arm = this.arm()?;
         // SAFETY: the caller's promise.
-        let state = match unsafe { optional(state)? } {
-            Some(state) => state_of(&state)?,
-            None => arm.state(),
-        };
+        let state = unsafe { state_or_neutral(arm, state)? };
         finish(pose, &arm.real_pose_in(&q, &state), arm.covers(&q))
     })())
 }
@@ -318,6 +321,55 @@ pub unsafe extern "C" fn truearm_nominal_pose(
         let q = [q[q[0] as usize]; TRUEARM_JOINTS];
         finish(pose, &arm.nominal().forward(&q), arm.covers(&q))
     })())
+}
+
+/// One standard deviation of where the tool really is at encoder readings, rad,
+/// along x, y and z of the nominal base frame, m: of the identification, within
+/// the joint ranges that it covered. Without a state (NULL) as for
+/// `truearm_real_pose`. A tool of `truearm_set_tool` counts as exact. Takes some
+/// ten thousand instructions: for a check point, not for every tick.
+///
+/// # Safety
+/// Every pointer is NULL or as typed; `encoders` points to 6 floats, `sigma` to 3.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_point_sigma(
+    arm: *mut Truearm,
+    encoders: *const f32,
+    state: *const TruearmState,
+    sigma: *mut f32,
+) -> TruearmError {
+    code((|| {
+        // SAFETY: the caller's promise.
+        let (this, q) = unsafe { (handle(arm)?, input(encoders.cast::<[f32; TRUEARM_JOINTS]>())?) };
+        let place = sigma.cast::<[f32; 3]>();
+        writable(place)?;
+        let arm = this.arm()?;
+        // SAFETY: the caller's promise.
+        let state = unsafe { state_or_neutral(arm, state)? };
+        let covariance = this.covariance.ok_or(TruearmError::NoCovariance)?;
+        // It came with this arm's parameters.
+        let sigma =
+            covariance.point_sigma(arm, &q, &state).map_err(|_| TruearmError::NoCovariance)?;
+        if !sigma.iter().all(|value| Scalar::is_finite(*value)) {
+            return Err(TruearmError::NotFinite);
+        }
+        // SAFETY: the caller's promise; not NULL and aligned.
+        unsafe { place.write(sigma) };
+        Ok(())
+    })())
+}
+
+/// # Safety
+/// `state` is NULL or as typed.
+unsafe fn state_or_neutral(
+    arm: &Arm6<'_, f32>,
+    state: *const TruearmState,
+) -> Result<State<f32, TRUEARM_JOINTS>> {
+    // SAFETY: the caller's promise.
+    match unsafe { optional(state)? } {
+        Some(state) => state_of(&state),
+        None => Ok(arm.state()),
+    }
 }
 
 fn finish(place: *mut TruearmPose, pose: &Pose<f32>, covered: bool) -> Result {

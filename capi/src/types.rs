@@ -42,6 +42,8 @@ pub enum TruearmError {
     NotFinite = 13,
     /// An approach of the state is none of `TruearmApproach`.
     BadApproach = 14,
+    /// The blob carries no covariance.
+    NoCovariance = 15,
 }
 
 /// What compensation has to meet.
