@@ -10,7 +10,7 @@
 //! Memory: the points stay with the caller; beside them one [`Triangle`] of P
 //! parameters with a copy for the solve and an [`Arm`] with two sets of
 //! parameters. On a Cortex-M4F in
-//! `f32` ten points take 0.24 million instructions for five unknowns, 0.7 million
+//! `f32` ten points take 0.27 million instructions for five unknowns, 0.77 million
 //! for eleven (counted by tests/firmware/src/bin/reidentify.rs).
 
 mod error;
