@@ -20,6 +20,9 @@ pub fn run() -> Result {
 fn run_examples(package: &Path) -> Result {
     for entry in fs::read_dir(package.join("examples"))? {
         let path = entry?.path();
+        if path.extension().is_none_or(|extension| extension != "rs") {
+            continue;
+        }
         let name = path.file_stem().unwrap_or_default();
         let mut run = cargo(package, "run --locked --example");
         call(run.arg(name).arg("--target-dir").arg(target_dir()))?;
