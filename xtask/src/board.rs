@@ -1,5 +1,5 @@
 //! The board whose parameters are in an EEPROM: QEMU with an AT24C32 backed by
-//! a file and a TMP105, and the image `store` on it.
+//! a file and a TMP105, and an image on it.
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
@@ -65,13 +65,42 @@ impl Board {
         self.dir.join("eeprom.bin")
     }
 
-    /// Switches it on, with a temperature in thousandths of a degree and
-    /// perhaps a blob in memory; `verb` is for the image.
+    /// Switches it on with the image `store`, a temperature in thousandths of a
+    /// degree and perhaps a blob in memory; `verb` is for the image.
     pub fn start(&self, verb: &str, milli_celsius: i32, blob: Option<&Path>) -> Result<Running> {
+        let mut more = vec!["-serial".to_owned(), "none".to_owned()];
+        if let Some(blob) = blob {
+            let blob = escaped(blob);
+            let device = format!("loader,file={blob},addr=0x00300000,force-raw=on");
+            more.extend(["-device".to_owned(), device]);
+        }
+        self.launch("store", verb, milli_celsius, &more)
+    }
+
+    /// Switches it on with another image, to be talked to over its serial port.
+    pub fn start_talking(&self, image: &str) -> Result<(Running, TcpStream)> {
+        let listener = TcpListener::bind("127.0.0.1:0")?;
+        listener.set_nonblocking(true)?;
+        // A delay for each short line would be most of the time.
+        let serial = format!("tcp:{},nodelay=on", listener.local_addr()?);
+        let mut running = self.launch(image, "boot", 20_000, &["-serial".to_owned(), serial])?;
+        let port = running.connected(&listener)?;
+        port.set_nonblocking(false)?;
+        port.set_nodelay(true)?;
+        port.set_read_timeout(Some(LIMIT))?;
+        Ok((running, port))
+    }
+
+    fn launch(
+        &self,
+        name: &str,
+        verb: &str,
+        milli_celsius: i32,
+        more: &[String],
+    ) -> Result<Running> {
         let output = self.dir.join("output.txt");
-        let comma = |path: &Path| path.display().to_string().replace(',', ",,");
         let mut qemu = Command::new("qemu-system-arm");
-        qemu.args("-machine mps2-an386 -cpu cortex-m4 -nographic -serial none".split(' '));
+        qemu.args("-machine mps2-an386 -cpu cortex-m4 -nographic".split(' ')).args(more);
         // Stopped at first: a temperature of the command line is lost at reset.
         let listener = TcpListener::bind("127.0.0.1:0")?;
         listener.set_nonblocking(true)?;
@@ -79,16 +108,12 @@ impl Board {
         let words = format!("arg={verb},arg={:016x}", self.robot);
         let semihosting = format!("enable=on,target=native,{words}");
         qemu.args(["-semihosting-config", &semihosting]);
-        let drive = format!("if=none,id=params,format=raw,file={}", comma(&self.eeprom()));
+        let drive = format!("if=none,id=params,format=raw,file={}", escaped(&self.eeprom()));
         qemu.args(["-drive", &drive, "-device"]);
         // Of the board's buses named i2c the first, the one at 0x4002a000.
         qemu.arg(format!("at24c-eeprom,bus=i2c,address=0x50,rom-size={EEPROM},drive=params"));
         qemu.args(["-device", "tmp105,bus=i2c,address=0x48,id=sensor"]);
-        if let Some(blob) = blob {
-            let device = format!("loader,file={},addr=0x00300000,force-raw=on", comma(blob));
-            qemu.args(["-device", &device]);
-        }
-        qemu.arg("-kernel").arg(image("store"));
+        qemu.arg("-kernel").arg(image(name));
         qemu.stdin(Stdio::null()).stdout(File::create(&output)?).stderr(Stdio::inherit());
         let child = qemu.spawn().map_err(|error| format!("qemu-system-arm: {error}"))?;
         let mut running = Running { child, output, monitor: None };
@@ -164,12 +189,31 @@ impl Running {
         Ok(())
     }
 
-    /// Ends the power; what was printed until then.
-    pub fn cut(mut self) -> Result<String> {
+    /// Ends the power.
+    pub fn kill(&mut self) -> Result {
         self.child.kill()?;
         self.child.wait()?;
+        Ok(())
+    }
+
+    /// The same; what was printed until then.
+    pub fn cut(mut self) -> Result<String> {
+        self.kill()?;
         Ok(fs::read_to_string(&self.output)?)
     }
+}
+
+impl Drop for Running {
+    /// Whatever went wrong: no board stays on.
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A lone comma would end the name.
+fn escaped(path: &Path) -> String {
+    path.display().to_string().replace(',', ",,")
 }
 
 /// A file's bytes as an EEPROM.

@@ -4,7 +4,9 @@
 mod board;
 mod budgets;
 mod c;
+mod check_poses;
 mod ci;
+mod demo;
 mod firmware;
 mod line;
 mod log;
@@ -66,6 +68,8 @@ enum Verb {
         #[command(subcommand)]
         study: study::Study,
     },
+    /// An arm that notices what happened to it and mends itself
+    Demo(demo::Options),
     /// Formatting, lints and everything of `test`
     Ci,
 }
@@ -82,6 +86,7 @@ fn main() -> ExitCode {
         Verb::Package => package::run(),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),
+        Verb::Demo(options) => qemu::ensure_tools().and_then(|()| demo::run(&options)),
         Verb::Ci => ci::run(),
     };
     match result {

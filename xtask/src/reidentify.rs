@@ -6,11 +6,11 @@ mod format;
 
 use std::fs;
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use truearm::{Arm, Chain, Pose};
+use truearm::{Arm, Pose};
 use truearm_host::files::Robot;
 use truearm_host::identify::{Identification, Options, identify};
 use truearm_host::pack::pack;
@@ -18,7 +18,7 @@ use truearm_host::pack::pack;
 use crate::run::{Result, target_dir};
 use crate::study::simulate::{Truth, UR10_LIKE, normal, parse, rms, robot, state_of};
 use crate::vectors::{Files, shipped};
-use crate::{firmware, qemu};
+use crate::{check_poses, firmware, qemu};
 use format::{HEADER, JOINTS, Known, MAGIC, Moved, POINTS, Run, Runs, SIGMA};
 
 const RUNS: u64 = 60;
@@ -154,42 +154,12 @@ fn simulate(
     Ok(Accident { bytes, after, full, commanded, judged_at })
 }
 
-/// Ten poses for every accident, chosen before any: of 1,000 random ones, one
-/// by one those that leave the least variance of the tool point over other
-/// poses (I-optimal) when six joint offsets and the tool are unknown. They know
-/// the nominal arm only, and not which joints will slip.
+/// Ten poses for every accident: for six joint offsets and the tool, of which
+/// nobody knows which will slip.
 fn check_poses(robot: &Robot) -> Vec<[f64; JOINTS]> {
-    let Ok(nominal) = <[_; JOINTS]>::try_from(robot.nominal()) else { return Vec::new() };
-    let tool = Pose { translation: robot.tool, ..Pose::identity() };
-    let chain = Chain::new(&nominal, Pose::identity(), tool);
-    let mut rng = ChaCha8Rng::seed_from_u64(4242);
-    let mut random = |count: usize| -> Vec<([f64; JOINTS], DMatrix<f64>)> {
-        let pose = |_| {
-            // As an f32 holds it: what the controller reads is where it was.
-            let q = [0; JOINTS].map(|_| f64::from(rng.random_range(-2.6..2.6_f32)));
-            let j = chain.identification_jacobian(&q);
-            let columns: Vec<_> = j.links.iter().map(|l| l.theta).chain(j.tool).collect();
-            let rows = DMatrix::from_fn(3, columns.len(), |i, k| columns[k][i]);
-            (q, rows.transpose() * rows)
-        };
-        (0..count).map(pose).collect()
-    };
-    let mean = random(300).iter().fold(DMatrix::zeros(9, 9), |sum, (_, square)| sum + square);
-    let mut candidates = random(1000);
-    // The usual prior of the controller, in units of the noise.
-    let mut information = DMatrix::identity(9, 9) * (f64::from(SIGMA) / 0.02).powi(2);
-    let mut chosen = Vec::new();
-    while chosen.len() < POINTS {
-        let left = |square: &DMatrix<f64>| {
-            (&information + square).try_inverse().map_or(f64::MAX, |c| (c * &mean).trace())
-        };
-        let scores: Vec<f64> = candidates.iter().map(|c| left(&c.1)).collect();
-        let best = (0..scores.len()).min_by(|a, b| scores[*a].total_cmp(&scores[*b]));
-        let (q, square) = candidates.swap_remove(best.unwrap_or(0));
-        information += square;
-        chosen.push(q);
-    }
-    chosen
+    check_poses::choose(robot, POINTS, f64::from(SIGMA), |jacobian| {
+        jacobian.links.iter().map(|link| link.theta).chain(jacobian.tool).collect()
+    })
 }
 
 impl Accident {

@@ -4,7 +4,7 @@
 #![allow(dead_code, reason = "each test file uses a part")]
 
 #[path = "../../../tests/common/mod.rs"]
-mod oracle;
+pub mod oracle;
 
 pub mod arm;
 pub mod coverage;

@@ -33,8 +33,7 @@ fn tick_path(bytes: &[u8], q: &[f32; 6]) -> Result<(), AcceptanceError> {
     black_box(arm.real_pose_in(black_box(q), black_box(&state)));
     black_box(arm.deflection(black_box(q), black_box(&state)));
     if let Some(covariance) = blob.covariance() {
-        let _ =
-            black_box(covariance.point_sigma(black_box(&arm), black_box(q), black_box(&state)));
+        let _ = black_box(covariance.point_sigma(black_box(&arm), black_box(q), black_box(&state)));
     }
     black_box(arm.with_tool(*black_box(arm.nominal().tool())));
     black_box(arm.covers(black_box(q)));

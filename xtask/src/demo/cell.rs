@@ -1,0 +1,211 @@
+//! The robot cell that the controller works in: a real arm, by the exact
+//! constructions of the simulator, in front of a tracker. Nothing of its
+//! kinematics is the crate's.
+
+use std::fmt::{self, Display};
+
+use nalgebra::{Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use truearm::Pose;
+use truearm_host::files::{Model, Robot};
+use truearm_host::identify::{Options, identify};
+
+use crate::run::Result;
+use crate::study::simulate::arm::{Arm, Moment};
+use crate::study::simulate::effects::{Defect, Kind};
+use crate::study::simulate::oracle::{self, Matrix};
+use crate::study::simulate::{UR10_LIKE, normal, parse, robot, vector};
+
+pub type Joints = [f64; 6];
+
+/// Standard deviation of a coordinate that the tracker measures, m.
+pub const NOISE: f64 = 2e-5;
+/// Poses of the first calibration.
+const POSES: usize = 52;
+
+/// What happens to the arm.
+pub enum Event {
+    /// Offsets of two joints, rad.
+    Crash([(usize, f64); 2]),
+    /// The base moved: rotation vector, rad, and translation, m, in its own frame.
+    Loosened(Vector3<f64>, Vector3<f64>),
+}
+
+impl Event {
+    /// What it moved, as the controller names it.
+    pub fn groups(&self) -> String {
+        match self {
+            Self::Crash([(a, _), (b, _)]) => format!("joint-{} joint-{}", a + 1, b + 1),
+            Self::Loosened(..) => "base".into(),
+        }
+    }
+}
+
+impl Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Crash([(a, x), (b, y)]) => {
+                let [x, y] = [x * 1e3, y * 1e3];
+                write!(f, "crash: joint {} by {x:+.2} mrad, joint {} by {y:+.2} mrad", a + 1, b + 1)
+            }
+            Self::Loosened(turn, shift) => {
+                let [turn, shift] = [turn.norm() * 1e3, shift.norm() * 1e3];
+                write!(f, "base loosened: by {shift:.2} mm, {turn:.2} mrad")
+            }
+        }
+    }
+}
+
+/// Arm and tracker.
+pub struct Cell {
+    /// As the identification and the first blob have it.
+    pub model: Model,
+    arm: Arm,
+    /// From the tracker's to the commanded frame, which stays where it is
+    /// whatever happens to the arm.
+    to_commanded: Pose<f64>,
+    /// What the controller's own kinematics believes in.
+    nominal: Arm,
+    dice: ChaCha8Rng,
+}
+
+impl Cell {
+    /// A new arm, calibrated.
+    pub fn new(seed: u64) -> Result<Self> {
+        let mut dice = ChaCha8Rng::seed_from_u64(seed);
+        let robot = robot(UR10_LIKE);
+        let mut arm = real(&robot, &mut dice);
+        // What no parameter of the blob can say, a hundredth of a millimetre.
+        let phase = dice.random_range(0.0..core::f64::consts::TAU);
+        for kind in [
+            Kind::BearingWobble { joint: 1, order: 3.0, phase },
+            Kind::JointPeriodicError { joint: 2, order: 17.0, phase },
+        ] {
+            arm.defects.push(Defect { kind, size: 1e-5 });
+        }
+        let model = calibrate(&robot, &arm, &mut dice)?;
+        let residual = Pose::from_rotation_vector(model.frame_translation, model.frame_rotation);
+        let to_commanded = residual.compose(&model.stations[0].1.inverse());
+        let nominal = Arm {
+            links: robot.nominal().iter().map(|link| link.parameters.to_array()).collect(),
+            station: oracle::identity(),
+            tool: model.markers[0].1,
+            defects: Vec::new(),
+            ..arm.clone()
+        };
+        Ok(Self { model, arm, to_commanded, nominal, dice })
+    }
+
+    /// A random task of the job: elbow bent, everything else free.
+    pub fn task(&mut self) -> [f32; 6] {
+        let mut free = || self.dice.random_range(-2.6..2.6_f32);
+        let [a, d, e, f] = [free(), free(), free(), free()];
+        let (shoulder, elbow) = (-1.8..-0.6, 0.6..2.2);
+        [a, self.dice.random_range(shoulder), self.dice.random_range(elbow), d, e, f]
+    }
+
+    /// So many tasks.
+    pub fn tasks(&mut self, count: usize) -> Vec<[f32; 6]> {
+        (0..count).map(|_| self.task()).collect()
+    }
+
+    /// Where the tool is meant to be at a command, commanded frame, m.
+    pub fn target(&self, command: &[f32; 6]) -> Vector3<f64> {
+        self.nominal.point(&moment(&command.map(f64::from)))
+    }
+
+    /// Where it is at encoder readings.
+    pub fn tool(&self, joints: &Joints) -> Vector3<f64> {
+        self.to_commanded.transform_point(&self.arm.point(&moment(joints)))
+    }
+
+    /// An arm of the same build with these links, base and tool point.
+    pub fn arm_with(&self, links: Vec<[f64; 5]>, base: Matrix<f64>, tool: Vector3<f64>) -> Arm {
+        Arm { links, station: base, tool, ..self.nominal.clone() }
+    }
+
+    /// Where the tracker sees it.
+    pub fn measured(&mut self, joints: &Joints) -> Vector3<f64> {
+        self.tool(joints) + vector(&mut self.dice) * NOISE
+    }
+
+    /// A crash: any two joints, 1 to 5 mrad either way.
+    pub fn crash(&mut self) -> Event {
+        let first = self.dice.random_range(0..6);
+        let second = (first + self.dice.random_range(1..6)) % 6;
+        let mut slip = || {
+            let size = self.dice.random_range(1e-3..5e-3);
+            if self.dice.random_bool(0.5) { size } else { -size }
+        };
+        let slipped = [(first.min(second), slip()), (first.max(second), slip())];
+        for (joint, by) in slipped {
+            self.arm.links[joint][2] += by;
+        }
+        Event::Crash(slipped)
+    }
+
+    /// A loosened base: about 1 mm and 1 mrad.
+    pub fn loosen(&mut self) -> Event {
+        let turn = vector(&mut self.dice).normalize() * self.dice.random_range(0.5e-3..1.5e-3);
+        let shift = vector(&mut self.dice).normalize() * self.dice.random_range(0.5e-3..1.5e-3);
+        self.arm.station = oracle::product(&self.arm.station, &rigid(&turn, &shift));
+        Event::Loosened(turn, shift)
+    }
+}
+
+/// An arm made to the tolerances, its tracker anywhere.
+fn real(robot: &Robot, dice: &mut ChaCha8Rng) -> Arm {
+    let nominal = robot.nominal();
+    let mut made = |p: [f64; 5]| p.map(|x| x + normal(dice) * 1e-3);
+    let links = nominal.iter().map(|link| made(link.parameters.to_array())).collect();
+    Arm {
+        kinds: nominal.iter().map(|link| link.kind).collect(),
+        links,
+        gear_ratios: vec![100.0; nominal.len()],
+        masses: vec![(0.0, Vector3::zeros()); nominal.len()],
+        gravity: Vector3::zeros(),
+        station: rigid(&vector(dice), &(vector(dice) * 2.0)),
+        tool: robot.tool + vector(dice) * 1e-3,
+        defects: Vec::new(),
+    }
+}
+
+/// A first calibration: the tracker's file, identified.
+fn calibrate(robot: &Robot, arm: &Arm, dice: &mut ChaCha8Rng) -> Result<Model> {
+    let mut text = String::from("q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm\n");
+    for _ in 0..POSES {
+        // What the file says is what the joints were: rounded first.
+        let degrees = [0; 6].map(|_| (dice.random_range(-150.0..150.0_f64) * 1e5).round() / 1e5);
+        let point = arm.point(&moment(&degrees.map(f64::to_radians))) + vector(dice) * NOISE;
+        let mut cells: Vec<String> = degrees.iter().map(|q| format!("{q:.5}")).collect();
+        cells.extend(point.iter().map(|x| format!("{:.7}", x * 1e3)));
+        text += &(cells.join(",") + "\n");
+    }
+    let data = parse(robot, &text);
+    Ok(identify(robot, &data, &Options::default(), &|_, _| ())?.model)
+}
+
+/// A rigid motion as a matrix.
+pub fn rigid(turn: &Vector3<f64>, shift: &Vector3<f64>) -> Matrix<f64> {
+    let rotation = Rotation3::from_scaled_axis(*turn);
+    let mut m = oracle::identity();
+    for (i, row) in m.iter_mut().enumerate().take(3) {
+        (0..3).for_each(|j| row[j] = rotation[(i, j)]);
+        row[3] = shift[i];
+    }
+    m
+}
+
+/// At rest at these joints; nothing else matters to this arm.
+pub fn moment(joints: &Joints) -> Moment {
+    Moment {
+        q: joints.to_vec(),
+        before: joints.to_vec(),
+        directions: vec![1; 6],
+        time: 0.0,
+        temperature: 20.0,
+        payload: 0.0,
+        later: false,
+    }
+}
