@@ -143,7 +143,8 @@ impl<M: Medium> Store<M> {
     fn read_stable(&mut self, slot: Slot, bytes: &mut [u8]) -> Result<(), Rejection<M::Error>> {
         for _ in 0..READINGS {
             self.medium.read(slot, 0, bytes).map_err(Rejection::Fault)?;
-            if self.compare(slot, bytes, |_| true).map_err(Rejection::Fault)? {
+            let all = 0..bytes.len();
+            if self.compare(slot, bytes, &[all]).map_err(Rejection::Fault)? {
                 return Ok(());
             }
         }

@@ -1,3 +1,5 @@
+use core::ops::Range;
+
 use super::medium::{Fault, MAX_WORD, Medium, Slot};
 use super::open::Store;
 use super::report::{Progress, StoreError, Stored, WriteError};
@@ -88,7 +90,10 @@ impl<M: Medium> Store<M> {
 
     /// Erases a slot that is not in use, whatever it holds: another robot's
     /// blob, one of a newer layout, one that was longer than the buffer. The
-    /// store never does so by itself.
+    /// store never does so by itself. Where it was [`Settled::Failed`] for that
+    /// slot, open it again then.
+    ///
+    /// [`Settled::Failed`]: super::Settled::Failed
     ///
     /// # Errors
     /// [`StoreError::InUse`], and faults of the memory.
@@ -108,10 +113,8 @@ impl<M: Medium> Store<M> {
 
     /// Whether a slot has the contents of this blob.
     fn holds(&mut self, slot: Slot, bytes: &[u8], blob: &Blob) -> Result<bool, Fault<M::Error>> {
-        let content = blob.content();
-        let size = blob.size();
-        let counts = |offset| content.iter().any(|range| range.contains(&offset));
-        self.compare(slot, bytes.get(..size).unwrap_or(bytes), counts)
+        let bytes = bytes.get(..blob.size()).unwrap_or(bytes);
+        self.compare(slot, bytes, &blob.content())
     }
 
     /// Writes a blob, of which nothing counts until the first word is written.
@@ -145,9 +148,8 @@ impl<M: Medium> Store<M> {
             _ => return Ok(None),
         };
         let done = self.read_mark(slot, Self::DONE)?;
-        let programmed: u32 = done.iter().map(|byte| byte.count_zeros()).sum();
-        let pairs = done.iter().zip(Mark::Done.of(&begun));
-        let wrong: u32 = pairs.map(|(is, right)| (is ^ right).count_ones()).sum();
+        let [done, right] = [done, Mark::Done.of(&begun)].map(u64::from_le_bytes);
+        let (programmed, wrong) = (done.count_zeros(), (done ^ right).count_ones());
         let progress = match (wrong, programmed) {
             (..=WRONG_BITS, _) => Progress::Done,
             (_, BEGUN_BITS..) => Progress::Ending,
@@ -215,23 +217,26 @@ impl<M: Medium> Store<M> {
         bytes: &[u8],
         from: usize,
     ) -> Result<(), WriteError<M::Error>> {
-        let equal = self.compare(slot, bytes, |offset| offset >= from)?;
+        let equal = self.compare(slot, bytes, core::slice::from_ref(&(from..bytes.len())))?;
         if equal { Ok(()) } else { Err(WriteError::ReadBack(slot)) }
     }
 
-    /// Whether a slot begins with these bytes, those that count.
+    /// Whether a slot begins with these bytes, those in one of the ranges.
+    #[inline(never)]
     pub(super) fn compare(
         &mut self,
         slot: Slot,
         bytes: &[u8],
-        counts: impl Fn(usize) -> bool,
+        counts: &[Range<usize>],
     ) -> Result<bool, Fault<M::Error>> {
         for (piece, start) in bytes.chunks(MAX_WORD).zip((0..).step_by(MAX_WORD)) {
             let mut read = [0; MAX_WORD];
             let words = read.get_mut(..piece.len().next_multiple_of(M::WORD)).unwrap_or(&mut []);
             self.medium.read(slot, start, words)?;
             let mut pairs = words.iter().zip(piece).zip(start..);
-            if !pairs.all(|((read, byte), offset)| read == byte || !counts(offset)) {
+            if !pairs.all(|((read, byte), offset)| {
+                read == byte || !counts.iter().any(|range| range.contains(&offset))
+            }) {
                 return Ok(false);
             }
         }
