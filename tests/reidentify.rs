@@ -1,48 +1,24 @@
 //! Re-identification from a few points, on an oracle of 4x4 matrices.
 
+#[path = "common/arms.rs"]
+mod arms;
 mod common;
 
-use common::{forward, identity, ur10};
+use common::{forward, identity, ur10, ur10_on_a_rail};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::check_point::CheckPoint;
 use truearm::effects::{Effect, Term};
-use truearm::parameters::{Axis, Parameter};
+use truearm::parameters::{Axis, Parameter, apply};
 use truearm::reidentify::{Reidentified, Reidentify, ReidentifyError};
-use truearm::{
-    Approach, Arm, ArmParameters, JointKind, LinkParameter, MdhParameters, Pose, Scalar, State,
-    Tables,
-};
+use truearm::{Approach, Arm, ArmParameters, JointKind, Link, LinkParameter, Pose, Scalar, State};
 
 const TOOL: [f64; 3] = [0.06, -0.025, 0.11];
 
 fn stored<T: Scalar>() -> ArmParameters<'static, T, 6> {
-    let of = |v: f64| T::from_f64(v);
-    let zero = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
-    ArmParameters {
-        robot_id: 7,
-        sequence: 41,
-        created: 0,
-        nominal: ur10().map(|l| truearm::Link {
-            kind: l.kind,
-            parameters: MdhParameters::from_array(l.parameters.to_array().map(of)),
-        }),
-        corrections: [MdhParameters::from_array([T::ZERO; 5]); 6],
-        base_translation: zero,
-        base_rotation: zero,
-        tool: Vector3::new(of(TOOL[0]), of(TOOL[1]), of(TOOL[2])),
-        terms: heapless::Vec::new(),
-        tables: Tables::NONE,
-        masses: None,
-        reference_temperature: of(20.0),
-        limits: [None; 6],
-        covered: [None; 6],
-        rms_before: of(1e-3),
-        rms_after: of(2e-5),
-        orientation_identified: false,
-    }
+    arms::stored(ur10(), TOOL)
 }
 
 /// The arm after an accident: what changed, where the tracker stands.
@@ -240,6 +216,65 @@ fn any_parameter_can_be_chosen_and_terms_keep_acting() {
     assert!((found.change[0] - 0.0015).abs() < 1e-6 && (found.change[1] + 0.002).abs() < 1e-6);
     let rest = ArmParameters { sequence: 41, corrections: bent.corrections, ..found.parameters };
     assert_eq!(rest, bent);
+}
+
+/// A base that came loose, on the floor or under a rail, and how stiff a joint is: what
+/// an arm borrows from the vocabulary is found like an offset.
+fn a_loosened_base_is_found<T: Scalar, const N: usize>(links: [Link<f64>; N], exact: f64) {
+    let (was, truth) = (arms::stored::<T, N>(links, TOOL), arms::stored(links, TOOL));
+    for seed in 0..10 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut real = truth.clone();
+        let moved: [f64; 6] = core::array::from_fn(|_| rng.random_range(-0.01..0.01));
+        apply(&mut real, &Parameter::BASE, &moved);
+        let mut tracker = arms::Tracker::<T, N>::new(&real, 0.0, seed);
+        let sigma = T::from_f64(2e-5);
+        let task = Reidentify::new(&was, Parameter::BASE, sigma);
+        let found = task.run(&was, &tracker.points(10)).unwrap();
+        assert!(tracker.error(&was) > 1e-3);
+        assert!(tracker.error(&found.parameters) < exact, "seed {seed}: {found:?}");
+        assert_eq!((found.rank, found.determined), (6, [true; 6]));
+        let same = ArmParameters {
+            base_translation: was.base_translation,
+            base_rotation: was.base_rotation,
+            sequence: was.sequence,
+            ..found.parameters
+        };
+        assert_eq!(same, was);
+    }
+}
+
+#[test]
+fn a_loosened_base_is_found_on_the_floor_and_under_a_rail() {
+    a_loosened_base_is_found::<f64, 6>(ur10(), 1e-7);
+    a_loosened_base_is_found::<f64, 7>(ur10_on_a_rail(), 1e-7);
+    a_loosened_base_is_found::<f32, 6>(ur10(), 3e-6);
+    a_loosened_base_is_found::<f32, 7>(ur10_on_a_rail(), 3e-6);
+}
+
+/// Coefficients of terms beside an offset.
+#[test]
+fn coefficients_of_terms_are_found() {
+    let mut was = stored::<f64>();
+    arms::with_terms(&mut was);
+    let chosen: Vec<_> = [0, 2, 4, 5].into_iter().map(Parameter::Term).collect();
+    let chosen = [Parameter::JointOffset(1), chosen[0], chosen[1], chosen[2], chosen[3]];
+    let mut real = was.clone();
+    let by = chosen.map(|parameter| 0.3 * parameter.usual_scale(&was));
+    apply(&mut real, &chosen, &by);
+    let (arm, mut rng) = (Arm::new(&real), ChaCha8Rng::seed_from_u64(8));
+    let points: Vec<_> = (0..30)
+        .map(|_| {
+            let (q, state) = (joints(&mut rng), arms::state(&mut rng));
+            CheckPoint { q, state, point: arm.real_pose_in(&q, &state).translation }
+        })
+        .collect();
+    let found = Reidentify::new(&was, chosen, 1e-6).run(&was, &points).unwrap();
+    for (k, parameter) in chosen.iter().enumerate() {
+        let error = (found.change[k] - by[k]).abs() / parameter.usual_scale(&was);
+        assert!(error < 1e-4, "{parameter}: {error:e} {found:?}");
+    }
+    assert_eq!(found.determined, [true; 5]);
 }
 
 #[test]

@@ -21,6 +21,7 @@ mod normal;
 mod spectrum;
 mod streaming;
 mod triangle;
+mod turn;
 
 use core::cmp::Ordering;
 
