@@ -7,6 +7,7 @@ mod c;
 mod check_poses;
 mod ci;
 mod demo;
+mod embassy;
 mod firmware;
 mod line;
 mod log;

@@ -1,19 +1,20 @@
 //! `cargo xtask test`: everything that is tested, on the host and under QEMU.
 
 use crate::run::{Result, call, cargo, root, step};
-use crate::{c, firmware, line, log, qemu, store};
+use crate::{c, embassy, firmware, line, log, qemu, store};
 
 pub fn run() -> Result {
     qemu::ensure_tools()?;
     step("host tests", || call(&mut cargo(&root(), "test --workspace")))?;
     firmware::run(None)?;
     step("defmt log", log::check)?;
+    step("control loop under embassy", embassy::check)?;
     c::run()?;
     line::run()?;
     store::run()?;
     eprintln!(
         "\nok: host tests; firmware: image, proof of no panic, bits and budgets under QEMU; \
-         log frames decoded; \
+         log frames decoded; a loop under embassy; \
          the C library; \
          the line from tracker file to controller; \
          parameters that survive in an EEPROM"

@@ -1,0 +1,17 @@
+//! The control loop as an async task, under QEMU: the image judges itself.
+
+use crate::firmware::{build_dir, build_of, directory, image, qemu_command};
+use crate::qemu;
+use crate::run::{Result, call};
+use crate::vectors::shipped;
+
+pub fn check() -> Result {
+    call(&mut build_of(&build_dir(), "--bin embassy --features embassy"))?;
+    let ended = qemu::run(&qemu_command(&image("embassy"), &shipped())?, &directory())?;
+    // Without the line it did not get to the end of its loop.
+    if ended.success && ended.output.contains("embassy: 1000 ticks in 1000 ms") {
+        Ok(())
+    } else {
+        Err("the loop was late, or compensation did not work".into())
+    }
+}
