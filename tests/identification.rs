@@ -238,7 +238,10 @@ proptest! {
     #[test]
     fn no_nan_comes_out(
         seed in any::<u64>(),
-        points in prop::collection::vec((prop::array::uniform3(any::<f32>()), any::<f32>(), prop::bool::ANY), 1..12),
+        points in prop::collection::vec(
+            (prop::array::uniform3(any::<f32>()), any::<f32>(), prop::bool::ANY),
+            1..12,
+        ),
         scale in any::<f32>(),
         lambda in any::<f32>(),
         sigma in prop_oneof![Just(2e-5_f32), any::<f32>()],
@@ -260,7 +263,8 @@ proptest! {
             match stream.identified(rule) {
                 Ok(found) => {
                     let links = found.parameters.corrections.iter().flat_map(|c| c.to_array());
-                    let rest = [found.lambda, found.rms_before, found.rms_after, found.held_out.unwrap_or(0.0)];
+                    let held_out = found.held_out.unwrap_or(0.0);
+                    let rest = [found.lambda, found.rms_before, found.rms_after, held_out];
                     let all = links.chain(found.change).chain(found.sigma).chain(rest);
                     prop_assert!(all.clone().all(|v| v.is_finite()), "{:?}", found);
                 }

@@ -84,7 +84,11 @@ fn single<const N: usize>(arm: &ArmParameters<'static, f64, N>) -> ArmParameters
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 40,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn a_column_is_the_derivative_of_applying(seed in any::<u64>()) {
