@@ -83,6 +83,22 @@ impl<T: Scalar, const N: usize> State<T, N> {
 }
 
 /// An identified arm, folded for the control loop.
+///
+/// ```
+/// use truearm::{Arm6, Pose, State, blob::Blob};
+///
+/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// # let slot = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
+/// let arm = Arm6::<f32>::new(&Blob::check(slot)?.parameters()?);
+/// let arm = arm.with_tool(Pose::translation(0.0, 0.0, 0.15));
+/// let q = [0.1, -1.2, 1.6, -1.2, -1.57, 0.8];
+/// let loaded = State { payload: 3.0, temperature: 24.0, ..arm.state() };
+/// let real = arm.real_pose_in(&q, &loaded);
+/// let off = real.translation - arm.nominal().forward(&q).translation;
+/// assert!(off.norm() > 1e-4, "an arm is not where its drawing says");
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm<'t, T, const N: usize> {
     robot_id: u64,

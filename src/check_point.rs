@@ -7,6 +7,21 @@ use crate::parameters::Linearised;
 use crate::scalar::Scalar;
 
 /// One measured tool point.
+///
+/// ```
+/// use truearm::{Arm6, blob::Blob, check_point::CheckPoint, nalgebra::Vector3};
+///
+/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// # let slot = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
+/// let arm = Arm6::<f32>::new(&Blob::check(slot)?.parameters()?);
+/// let measured = Vector3::new(-0.6, -0.2, 0.5);
+/// let q = [0.1, -1.2, 1.6, -1.2, -1.57, 0.8];
+/// let point = CheckPoint::plain(q, measured, arm.reference_temperature());
+/// let innovation = point.point - point.predicted(&arm);
+/// assert!(point.is_finite() && innovation.norm() > 0.0);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CheckPoint<T, const N: usize> {

@@ -163,6 +163,29 @@ impl From<SolveError> for DriftError {
 
 /// The watch over an arm of N joints; `6 N + 81` numbers of memory. A point
 /// costs an identification Jacobian and about `30 N + 700` operations.
+///
+/// ```
+/// use truearm::drift::{DriftWatch, FalseAlarms, Group};
+/// use truearm::nalgebra::Vector3;
+/// use truearm::parameters::Parameter;
+/// use truearm::{Arm6, blob::Blob, check_point::CheckPoint};
+///
+/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// # let slot = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
+/// let stored = Blob::check(slot)?.parameters()?;
+/// let arm = Arm6::<f32>::new(&stored);
+/// # let mut slipped = stored.clone();
+/// # Parameter::JointOffset(2).apply(&mut slipped, 1e-3);
+/// # let slipped = Arm6::new(&slipped);
+/// # let tracker = |q: &[f32; 6]| slipped.real_pose(q).translation;
+/// let mut watch = DriftWatch::new(20e-6, FalseAlarms::OneIn1000)?;
+/// let q = [0.1, -1.2, 1.6, -1.2, -1.57, 0.8];
+/// let point = CheckPoint::plain(q, tracker(&q), arm.reference_temperature());
+/// let verdict = watch.push(&arm, &point, &Vector3::zeros())?;
+/// assert!(verdict.recalibrate, "joint 3 slipped by 1 mrad");
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriftWatch<T, const N: usize> {
     sigma: T,

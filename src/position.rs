@@ -7,6 +7,21 @@ use crate::kinematics::Pose;
 use crate::scalar::Scalar;
 
 /// Where the tool really is.
+///
+/// ```
+/// use truearm::{Arm6, RealPosition, blob::Blob};
+///
+/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// # let slot = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
+/// let arm = Arm6::<f32>::new(&Blob::check(slot)?.parameters()?);
+/// let position = RealPosition::of(&arm, &[0.1, -1.2, 1.6, -1.2, -1.57, 0.8], &arm.state());
+/// if !position.covered {
+///     // Extrapolated: the identification has seen no such joint values.
+/// }
+/// assert_eq!(position.sigma, None, "no covariance was given");
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RealPosition<T> {

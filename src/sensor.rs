@@ -15,6 +15,16 @@ const TEMPERATURE: u8 = 0;
 ///
 /// # Errors
 /// When the bus fails or nobody answers at the address.
+///
+/// ```
+/// use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
+/// use truearm::sensor::{TEMPERATURE_SENSOR, read_temperature};
+///
+/// let answer = Transaction::write_read(TEMPERATURE_SENSOR, vec![0], vec![0x17, 0x80]);
+/// let mut bus = Mock::new(&[answer]);
+/// assert_eq!(read_temperature(&mut bus, TEMPERATURE_SENSOR), Ok(23.5));
+/// bus.done();
+/// ```
 pub fn read_temperature<I: I2c>(bus: &mut I, address: u8) -> Result<f32, I::Error> {
     let mut bytes = [0; 2];
     bus.write_read(address, &[TEMPERATURE], &mut bytes)?;

@@ -11,6 +11,18 @@ use crate::effects::MAX_TERMS;
 use crate::kinematics::JointKind;
 
 /// A blob of which every byte has been checked, still in place.
+///
+/// ```
+/// use truearm::blob::{Blob, DecodeError};
+///
+/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// # let slot = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
+/// let blob = Blob::check(slot)?;
+/// assert_eq!((blob.joints(), blob.terms()), (6, 0));
+/// assert_eq!(Blob::check(&[0xff; 4096]), Err(DecodeError::NotABlob));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Blob<'a> {
     pub(super) header: &'a [u8; HEADER],

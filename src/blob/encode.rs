@@ -84,6 +84,21 @@ impl From<DecodeError> for EncodeError {
 /// # Errors
 /// Too little room, an order the layout cannot hold, or a value that a reader
 /// would refuse, by name.
+///
+/// ```
+/// use truearm::{ArmParameters6, blob::{Blob, encode, encoded_len}};
+///
+/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// # let slot = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
+/// let mut parameters: ArmParameters6<'_, f32> = Blob::check(slot)?.parameters()?;
+/// parameters.tool.z += 0.01;
+/// parameters.sequence += 1;
+/// let mut bytes = [0; encoded_len(6, 0)];
+/// let length = encode(&parameters, &mut bytes)?;
+/// assert_eq!(Blob::check(bytes.get(..length).unwrap_or(&[]))?.parameters(), Ok(parameters));
+/// # Ok(())
+/// # }
+/// ```
 pub fn encode<T: Scalar, const N: usize>(
     parameters: &ArmParameters<T, N>,
     out: &mut [u8],

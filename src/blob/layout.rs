@@ -59,6 +59,13 @@ pub(super) fn checksum(bytes: &[u8]) -> u32 {
 
 /// The id a blob carries: CRC-64/XZ of model name, a zero byte, and serial.
 /// A controller compares it with its own and refuses another robot's blob.
+///
+/// ```
+/// use truearm::blob::robot_id;
+///
+/// const MINE: u64 = robot_id("UR10", "2019300");
+/// assert_ne!(MINE, robot_id("UR10", "2019301"));
+/// ```
 #[must_use]
 pub const fn robot_id(name: &str, serial: &str) -> u64 {
     const CRC64: Crc<u64, crc::NoTable> = Crc::<u64, crc::NoTable>::new(&CRC_64_XZ);

@@ -11,6 +11,20 @@ use crate::scalar::Scalar;
 ///
 /// Poses are of the tool in the frame the base is given in. Joint values are
 /// rad (revolute) or m (prismatic), in the order of the links.
+///
+/// ```
+/// use truearm::{Chain, JointKind, Link, MdhParameters, Pose};
+///
+/// // Two links of 0.3 m in a plane, the second one carries the tool.
+/// let link = |a| Link {
+///     kind: JointKind::Revolute,
+///     parameters: MdhParameters::from_array([0.0, a, 0.0, 0.0, 0.0]),
+/// };
+/// let tool = Pose::translation(0.3, 0.0, 0.0);
+/// let chain = Chain::new(&[link(0.0), link(0.3)], Pose::identity(), tool);
+/// let point = chain.forward(&[0.0, core::f64::consts::FRAC_PI_2]).translation;
+/// assert!((point.x - 0.3).abs() < 1e-12 && (point.y - 0.3).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chain<T, const N: usize> {
     pub(super) links: [Link<T>; N],

@@ -3,6 +3,16 @@ use nalgebra::{ArrayStorage, Matrix3, Vector3};
 use crate::scalar::Scalar;
 
 /// A rigid transform: `p -> rotation * p + translation`, lengths in metres.
+///
+/// ```
+/// use truearm::{Pose, nalgebra::Vector3};
+///
+/// // A quarter turn about z, then 1 m along x of what it is turned from.
+/// let turn = Vector3::new(0.0, 0.0, core::f64::consts::FRAC_PI_2);
+/// let pose = Pose::from_rotation_vector(Vector3::new(1.0, 0.0, 0.0), turn);
+/// let point = pose.transform_point(&Vector3::new(0.2, 0.0, 0.0));
+/// assert!((point - Vector3::new(1.0, 0.2, 0.0)).norm() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose<T> {
     /// Rotation matrix; its columns are the axes of the moved frame.

@@ -31,6 +31,29 @@ use crate::solve::{SolveError, Triangle};
 const MOST_STEPS: u8 = 10;
 
 /// What to identify anew, and how well the points are measured.
+///
+/// ```
+/// use truearm::parameters::Parameter;
+/// use truearm::reidentify::Reidentify;
+/// use truearm::{Arm6, blob::Blob, check_point::CheckPoint};
+///
+/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// # let slot = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
+/// let stored = Blob::check(slot)?.parameters::<f32, 6>()?;
+/// # let mut crashed = stored.clone();
+/// # Parameter::JointOffset(2).apply(&mut crashed, 5e-3);
+/// # let crashed = Arm6::new(&crashed);
+/// # let tracker = |q: &[f32; 6]| crashed.real_pose(q).translation;
+/// let unknowns = [1, 2].map(Parameter::JointOffset);
+/// let points = [0.1, 0.4, 0.7, 1.0].map(|turn| {
+///     let q = [turn, -1.2, 1.0 + turn, -1.2, -1.57, 0.8];
+///     CheckPoint::plain(q, tracker(&q), stored.reference_temperature)
+/// });
+/// let found = Reidentify::new(&stored, unknowns, 20e-6).run(&stored, &points)?;
+/// assert!((found.change[1] - 5e-3).abs() < 1e-5, "joint 3 moved by 5 mrad");
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reidentify<T, const P: usize> {

@@ -40,6 +40,14 @@ impl Memory {
 
 /// The most parameters, 40 at most, whose state and workspace together fit in
 /// `ram_bytes`.
+///
+/// ```
+/// use truearm::solve::{Memory, most_parameters};
+///
+/// // 16 KiB for an identification in `f32`.
+/// let parameters = most_parameters(16 * 1024, 4);
+/// assert!(Memory::of(parameters, 4).total() <= 16 * 1024);
+/// ```
 #[must_use]
 pub const fn most_parameters(ram_bytes: usize, scalar_bytes: usize) -> usize {
     let mut parameters = 0;

@@ -4,6 +4,20 @@ use super::{Solution, SolveError, check, noise, refusal, room};
 use crate::scalar::Scalar;
 
 /// `U'U`, `U'S` and `S'S`, accumulated row by row; memory P^2.
+///
+/// ```
+/// use truearm::solve::NormalEquations;
+///
+/// # fn main() -> Result<(), truearm::solve::SolveError> {
+/// let mut equations = NormalEquations::<f64, 2>::new();
+/// for (x, y) in [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)] {
+///     equations.push(&[1.0, x], y);
+/// }
+/// let line = equations.solve(0.0, &[1.0; 2])?;
+/// assert!((line.x[0] - 1.0).abs() < 1e-12 && (line.x[1] - 2.0).abs() < 1e-12);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NormalEquations<T, const P: usize> {
     /// Lower triangle of `U'U`.

@@ -15,6 +15,23 @@ const TENTH: f64 = 1.258_925_411_794_167_3;
 /// of `sqrt(points)` (10,000 points of condition 1e3: see tests/streaming.rs).
 ///
 /// Memory and cost: see [`super::Memory`] and [`Triangle::push`].
+///
+/// ```
+/// use truearm::solve::StreamingTikhonov;
+///
+/// # fn main() -> Result<(), truearm::solve::SolveError> {
+/// // Every third row judges; nothing is forgotten.
+/// let mut stream = StreamingTikhonov::<f64, 2>::new(3, 1.0)?;
+/// for x in 0..30 {
+///     let x = f64::from(x) * 0.1;
+///     stream.push(&[[1.0], [x]], &[1.0 + 2.0 * x])?;
+/// }
+/// let lambda = stream.choose(&[1.0; 2])?.two_step.unwrap_or(0.0);
+/// let line = stream.all()?.solve(lambda, &[1.0; 2])?;
+/// assert!((line.x[0] - 1.0).abs() < 1e-3 && (line.x[1] - 2.0).abs() < 1e-3);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StreamingTikhonov<T, const P: usize> {
     settled: Triangle<T, P>,

@@ -16,6 +16,23 @@ use crate::scalar::Scalar;
 /// multiplications more. No weight then falls below half of the least of the row's
 /// and the pivots', and nothing overflows as long as the squares of all rows have a
 /// sum that fits: see [`SolveError::Overflow`].
+///
+/// ```
+/// use truearm::solve::Triangle;
+///
+/// # fn main() -> Result<(), truearm::solve::SolveError> {
+/// let mut triangle = Triangle::<f64, 2>::new();
+/// for (x, y) in [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)] {
+///     // A column a parameter; here of one equation.
+///     triangle.push(&[[1.0], [x]], &[y])?;
+/// }
+/// let line = triangle.solve(0.0, &[1.0; 2])?;
+/// assert!((line.x[0] - 1.0).abs() < 1e-12 && (line.x[1] - 2.0).abs() < 1e-12);
+/// // The same for any lambda, with norms and the corner of the L-curve.
+/// assert_eq!(triangle.spectrum(&[1.0; 2])?.rank(), 2);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Triangle<T, const P: usize> {
     /// Row k from the first element right of its diagonal: `U[k][k + 1 + i]`.
