@@ -4,7 +4,7 @@
 
 use std::fmt::{self, Display};
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Matrix3x6, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
@@ -23,6 +23,11 @@ pub type Joints = [f64; 6];
 pub const NOISE: f64 = 2e-5;
 /// Poses of the first calibration.
 const POSES: usize = 52;
+
+/// Least that a joint's turn moves the tool at a task, in any direction: m per rad.
+const REACH: f64 = 0.1;
+/// Of its difference quotients, rad.
+const STEP: f32 = 1e-3;
 
 /// What happens to the arm.
 pub enum Event {
@@ -97,12 +102,31 @@ impl Cell {
         Ok(Self { model, arm, to_commanded, nominal, dice })
     }
 
-    /// A random task of the job: elbow bent, everything else free.
+    /// A random task of the job, which keeps off the arm's singular poses: elbow
+    /// bent, everything else free.
     pub fn task(&mut self) -> [f32; 6] {
-        let mut free = || self.dice.random_range(-2.6..2.6_f32);
-        let [a, d, e, f] = [free(), free(), free(), free()];
-        let (shoulder, elbow) = (-1.8..-0.6, 0.6..2.2);
-        [a, self.dice.random_range(shoulder), self.dice.random_range(elbow), d, e, f]
+        loop {
+            let mut free = || self.dice.random_range(-2.6..2.6_f32);
+            let [a, d, e, f] = [free(), free(), free(), free()];
+            let (shoulder, elbow) = (-1.8..-0.6, 0.6..2.2);
+            let shoulder = self.dice.random_range(shoulder);
+            let command = [a, shoulder, self.dice.random_range(elbow), d, e, f];
+            if self.reach(&command) > REACH {
+                return command;
+            }
+        }
+    }
+
+    /// Smallest singular value of the tool point's Jacobian, m per rad: in every
+    /// direction the joints move the tool at least so well.
+    fn reach(&self, command: &[f32; 6]) -> f64 {
+        let target = self.target(command);
+        let jacobian = Matrix3x6::from_columns(&core::array::from_fn::<_, 6, _>(|k| {
+            let mut moved = *command;
+            moved[k] += STEP;
+            (self.target(&moved) - target) / f64::from(moved[k] - command[k])
+        }));
+        jacobian.singular_values().min()
     }
 
     /// So many tasks.
