@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that is tested, on the host and under QEMU.
 
 use crate::run::{Result, call, cargo, root, step};
-use crate::{c, embassy, firmware, line, log, qemu, store};
+use crate::{c, demo, embassy, firmware, line, log, qemu, store};
 
 pub fn run() -> Result {
     qemu::ensure_tools()?;
@@ -12,12 +12,14 @@ pub fn run() -> Result {
     c::run()?;
     line::run()?;
     store::run()?;
+    step("an arm that mends itself", demo::check)?;
     eprintln!(
         "\nok: host tests; firmware: image, proof of no panic, bits and budgets under QEMU; \
          log frames decoded; a loop under embassy; \
          the C library; \
          the line from tracker file to controller; \
-         parameters that survive in an EEPROM"
+         parameters that survive in an EEPROM; \
+         an arm that notices what happened to it and mends itself"
     );
     Ok(())
 }

@@ -32,6 +32,11 @@ pub struct Options {
     seed: u64,
 }
 
+/// What a test run has of it: one arm.
+pub fn check() -> Result {
+    run(&Options { arms: 1, seed: 1 })
+}
+
 pub fn run(options: &Options) -> Result {
     call(&mut build("demo"))?;
     let poses = check_poses::choose(&robot(UR10_LIKE), POINTS, cell::NOISE, |jacobian| {
