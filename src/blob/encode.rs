@@ -151,11 +151,41 @@ pub fn encode_with<T: Scalar, const N: usize>(
     });
     out.fill(0);
     let (header, rest) = out.split_at_mut_checked(HEADER).unwrap_or_default();
+    write_header(header, p, &masses, flags, needed);
+    let (records, rest) = rest.split_at_mut_checked(N * RECORD).unwrap_or_default();
+    write_records(records, p, &masses);
+    let (places, rest) = rest.split_at_mut_checked(p.terms.len() * TERM).unwrap_or_default();
+    let places = places.as_chunks_mut().0.iter_mut();
+    for ((term, index), place) in p.terms.iter().zip(0..).zip(places) {
+        *place = term::to_bytes(index, term)?;
+    }
+    let numbers = factor.unwrap_or(&[]).iter();
+    for (place, number) in rest.as_chunks_mut().0.iter_mut().zip(numbers) {
+        *place = number.to_le_bytes();
+    }
+    let (body, tail) = out.split_at_mut(needed - CHECKSUM);
+    tail.copy_from_slice(&checksum(body).to_le_bytes());
+    Blob::check(out)?;
+    Ok(needed)
+}
+
+fn put(place: Option<&mut [u8]>, bytes: &[u8]) {
+    let place = place.unwrap_or_default();
+    place.iter_mut().zip(bytes).for_each(|(place, byte)| *place = *byte);
+}
+
+fn write_header<T: Scalar, const N: usize>(
+    header: &mut [u8],
+    p: &ArmParameters<T, N>,
+    masses: &Masses<T, N>,
+    flags: u8,
+    size: usize,
+) {
     for (place, bytes) in [
         (0..4, &MAGIC[..]),
         (4..6, &LAYOUT.to_le_bytes()),
         (6..8, &[N as u8, p.terms.len() as u8]),
-        (LENGTH, &(needed as u32).to_le_bytes()),
+        (LENGTH, &(size as u32).to_le_bytes()),
         (SEQUENCE, &p.sequence.to_le_bytes()),
         (ROBOT_ID, &p.robot_id.to_le_bytes()),
         (CREATED, &p.created.to_le_bytes()),
@@ -171,8 +201,13 @@ pub fn encode_with<T: Scalar, const N: usize>(
     fields::REFERENCE_TEMPERATURE.write(header, &[p.reference_temperature]);
     fields::GRAVITY.write(header, masses.gravity.as_slice());
     fields::PAYLOAD_POINT.write(header, masses.payload_com.as_slice());
+}
 
-    let (records, rest) = rest.split_at_mut_checked(N * RECORD).unwrap_or_default();
+fn write_records<T: Scalar, const N: usize>(
+    records: &mut [u8],
+    p: &ArmParameters<T, N>,
+    masses: &Masses<T, N>,
+) {
     let joints = p.nominal.iter().zip(&p.corrections);
     let ranges = p.limits.iter().zip(&p.covered);
     let loads = masses.mass.iter().zip(&masses.com);
@@ -193,23 +228,4 @@ pub fn encode_with<T: Scalar, const N: usize>(
         fields::MASS.write(record, &[*mass]);
         fields::CENTRE_OF_MASS.write(record, com.as_slice());
     }
-
-    let (places, rest) = rest.split_at_mut_checked(p.terms.len() * TERM).unwrap_or_default();
-    let places = places.as_chunks_mut().0.iter_mut();
-    for ((term, index), place) in p.terms.iter().zip(0..).zip(places) {
-        *place = term::to_bytes(index, term)?;
-    }
-    let numbers = factor.unwrap_or(&[]).iter();
-    for (place, number) in rest.as_chunks_mut().0.iter_mut().zip(numbers) {
-        *place = number.to_le_bytes();
-    }
-    let (body, tail) = out.split_at_mut(needed - CHECKSUM);
-    tail.copy_from_slice(&checksum(body).to_le_bytes());
-    Blob::check(out)?;
-    Ok(needed)
-}
-
-fn put(place: Option<&mut [u8]>, bytes: &[u8]) {
-    let place = place.unwrap_or_default();
-    place.iter_mut().zip(bytes).for_each(|(place, byte)| *place = *byte);
 }
