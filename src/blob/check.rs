@@ -97,9 +97,10 @@ impl<'a> Blob<'a> {
         // Damage first, so that nothing damaged looks like something to come.
         let stored = u32::from_le_bytes([s0, s1, s2, s3]);
         let size = (stored as usize).max(HEADER + CHECKSUM);
-        let body = bytes.get(..size).and_then(<[u8]>::split_last_chunk);
-        let (body, written) = body.ok_or(truncated(size))?;
-        let (written, computed) = (u32::from_le_bytes(*written), checksum(body));
+        let body = bytes.get(..size - CHECKSUM).ok_or(truncated(size))?;
+        let written = bytes.get(body.len()..).and_then(<[u8]>::first_chunk);
+        let written = u32::from_le_bytes(*written.ok_or(truncated(size))?);
+        let computed = checksum(body);
         if written != computed {
             return Err(DecodeError::Checksum { stored: written, computed });
         }

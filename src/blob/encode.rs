@@ -163,8 +163,8 @@ pub fn encode_with<T: Scalar, const N: usize>(
     for (place, number) in rest.as_chunks_mut().0.iter_mut().zip(numbers) {
         *place = number.to_le_bytes();
     }
-    let (body, tail) = out.split_at_mut(needed - CHECKSUM);
-    tail.copy_from_slice(&checksum(body).to_le_bytes());
+    let (body, tail) = out.split_at_mut_checked(needed - CHECKSUM).unwrap_or_default();
+    put(Some(tail), &checksum(body).to_le_bytes());
     Blob::check(out)?;
     Ok(needed)
 }

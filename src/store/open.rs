@@ -1,6 +1,6 @@
 use super::medium::{Fault, GeometryError, MAX_WORD, Medium, Slot, is_word};
 use super::report::{Opened, Progress, Rejection, Settled, SlotState, Source, WriteError};
-use super::write::{Mark, Marks};
+use super::write::{Mark, Marks, last_four};
 use crate::arm::MAX_JOINTS;
 use crate::blob::{Acceptance, AcceptanceError, Blob, DecodeError, Frame, LAYOUT};
 
@@ -124,10 +124,10 @@ impl<M: Medium> Store<M> {
             Ok(blob) => {
                 let sequence = blob.sequence();
                 let blob = bytes.get(..blob.size()).unwrap_or(bytes);
-                let last = blob.last_chunk();
+                let last = last_four(blob);
                 match self.marks(slot) {
                     Err(fault) => SlotState::Rejected(Rejection::Fault(fault)),
-                    Ok(Some(Marks { progress, copies, last: of })) if Some(&of) == last => {
+                    Ok(Some(Marks { progress, copies, last: of })) if Some(of) == last => {
                         SlotState::Valid { sequence, progress, copies }
                     }
                     Ok(_) => SlotState::Valid { sequence, progress: Progress::Done, copies: 0 },

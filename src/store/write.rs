@@ -41,7 +41,7 @@ impl Mark {
     /// stand for it.
     fn of(self, bytes: &[u8]) -> [u8; MARK] {
         let [a, b, c, d] = self.tag();
-        let [e, f, g, h] = bytes.last_chunk().copied().unwrap_or_default();
+        let [e, f, g, h] = last_four(bytes).unwrap_or_default();
         [a, b, c, d, e, f, g, h]
     }
 }
@@ -199,7 +199,7 @@ impl<M: Medium> Store<M> {
     /// is filled up with 0xff.
     fn program(&mut self, slot: Slot, bytes: &[u8], from: usize) -> Result<(), Fault<M::Error>> {
         let mut skip = from;
-        for (piece, start) in bytes.chunks(MAX_WORD).zip((0..).step_by(MAX_WORD)) {
+        for (piece, start) in pieces(bytes) {
             let mut padded = [0xff; MAX_WORD];
             padded.iter_mut().zip(piece).for_each(|(to, byte)| *to = *byte);
             let words = padded.get(skip..piece.len().next_multiple_of(M::WORD)).unwrap_or(&[]);
@@ -229,7 +229,7 @@ impl<M: Medium> Store<M> {
         bytes: &[u8],
         counts: &[Range<usize>],
     ) -> Result<bool, Fault<M::Error>> {
-        for (piece, start) in bytes.chunks(MAX_WORD).zip((0..).step_by(MAX_WORD)) {
+        for (piece, start) in pieces(bytes) {
             let mut read = [0; MAX_WORD];
             let words = read.get_mut(..piece.len().next_multiple_of(M::WORD)).unwrap_or(&mut []);
             self.medium.read(slot, start, words)?;
@@ -242,4 +242,20 @@ impl<M: Medium> Store<M> {
         }
         Ok(true)
     }
+}
+
+/// Pieces of [`MAX_WORD`] bytes, the last one shorter, each with its offset. By
+/// hand, as slices' own `chunks` can panic where it is built for size.
+fn pieces(bytes: &[u8]) -> impl Iterator<Item = (&[u8], usize)> {
+    let mut start = 0;
+    core::iter::from_fn(move || {
+        let (rest, offset) = (bytes.get(start..).filter(|rest| !rest.is_empty())?, start);
+        start += MAX_WORD;
+        Some((rest.get(..MAX_WORD).unwrap_or(rest), offset))
+    })
+}
+
+/// The end of a blob, which stands in its marks.
+pub(super) fn last_four(bytes: &[u8]) -> Option<[u8; 4]> {
+    bytes.get(bytes.len().checked_sub(4)?..)?.first_chunk().copied()
 }

@@ -3,7 +3,7 @@
 use crate::firmware::directory;
 use crate::run::{Result, call, cargo, root, step};
 use crate::study::fuzz;
-use crate::{c, package, qemu, test};
+use crate::{c, package, proof, qemu, test};
 
 pub fn run() -> Result {
     qemu::ensure_tools()?;
@@ -21,6 +21,7 @@ pub fn run() -> Result {
         })?;
     }
     test::run()?;
+    proof::others()?;
     c::miri()?;
     package::run()?;
     // Of each target: half a minute for both.

@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::qemu::{self, TARGET};
 use crate::run::{Result, call, cargo, root, step, target_dir};
 use crate::vectors::{self, Files};
-use crate::{budgets, m7, refusals, reidentify, sigma};
+use crate::{budgets, m7, proof, refusals, reidentify, sigma};
 
 /// The function that does not exist, see `tests/firmware/src/bin/no_panic.rs`.
 pub const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
@@ -20,7 +20,7 @@ pub fn directory() -> PathBuf {
 
 pub fn run(blob: Option<&Path>) -> Result {
     qemu::ensure_tools()?;
-    step("proof that the tick path cannot panic", prove_no_panic)?;
+    proof::usual()?;
     let files = match blob {
         Some(blob) => files_for(blob)?,
         None => vectors::shipped(),
@@ -64,6 +64,19 @@ pub fn build(binary: &str) -> Command {
     build_in(&build_dir(), binary)
 }
 
+/// Cargo building an image for another target or at another optimisation level.
+/// Each level has a target directory of its own.
+pub fn build_for(target: &str, level: &str, binary: &str) -> Command {
+    let mut command = build_in(&dir_of(level), binary);
+    command.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", level).args(["--target", target]);
+    command
+}
+
+/// Where images are built at this level.
+pub fn dir_of(level: &str) -> PathBuf {
+    if level == "3" { build_dir() } else { build_dir().join(level) }
+}
+
 /// Cargo building an image, in a target directory of its own.
 pub fn build_in(dir: &Path, binary: &str) -> Command {
     build_of(dir, &format!("--bin {binary}"))
@@ -96,22 +109,6 @@ pub fn image_in(dir: &Path, binary: &str) -> PathBuf {
 /// Where the images are built.
 pub fn build_dir() -> PathBuf {
     target_dir().join("firmware")
-}
-
-/// The proof must link, and must not link once there is a panic to reach.
-fn prove_no_panic() -> Result {
-    call(&mut build("no_panic"))?;
-    let mut control = build("no_panic");
-    let output = control.args(["--features", "negative_control"]).output()?;
-    if output.status.success() {
-        return Err("the negative control links: the proof proves nothing".into());
-    }
-    let message = String::from_utf8_lossy(&output.stderr);
-    if !message.contains(PANIC_SYMBOL) {
-        return Err(format!("the negative control failed for another reason:\n{message}").into());
-    }
-    eprintln!("it links; with a panic built in it does not ({PANIC_SYMBOL})");
-    Ok(())
 }
 
 /// The command that runs another binary on these files; builds it first.

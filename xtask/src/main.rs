@@ -13,6 +13,7 @@ mod line;
 mod log;
 mod m7;
 mod package;
+mod proof;
 mod qemu;
 mod refusals;
 mod reidentify;
@@ -45,6 +46,8 @@ enum Verb {
         #[arg(long)]
         blob: Option<PathBuf>,
     },
+    /// That nothing a controller calls can panic, for every target and level
+    Proof,
     /// Instructions, text, stack and static RAM on the controller
     Budgets,
     /// The C library: its header, and a C program on the host and under QEMU
@@ -79,6 +82,9 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().verb {
         Verb::Test => test::run(),
         Verb::Firmware { blob } => firmware::run(blob.as_deref()),
+        Verb::Proof => {
+            qemu::ensure_tools().and_then(|()| proof::usual()).and_then(|()| proof::others())
+        }
         Verb::Budgets => firmware::budgets(),
         Verb::C { header: true } => c::check_header(true),
         Verb::C { header: false } => c::run(),

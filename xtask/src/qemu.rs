@@ -7,6 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::proof;
 use crate::run::{Result, call, exists, shown, step};
 
 /// What rustc calls the controller.
@@ -14,11 +15,14 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 const QEMU: &str = "qemu-system-arm";
 const LIMIT: Duration = Duration::from_secs(60);
 
-/// Installs the target and QEMU where that is possible without asking.
+/// Installs the targets and QEMU where that is possible without asking.
 pub fn ensure_tools() -> Result {
     step("tools", || {
-        if !has_target()? {
-            call(Command::new("rustup").args(["target", "add", TARGET]))?;
+        let installed = installed_targets()?;
+        for target in proof::TARGETS {
+            if !installed.lines().any(|line| line == target) {
+                call(Command::new("rustup").args(["target", "add", target]))?;
+            }
         }
         ensure(
             QEMU,
@@ -30,12 +34,13 @@ pub fn ensure_tools() -> Result {
     })
 }
 
-fn has_target() -> Result<bool> {
+fn installed_targets() -> Result<String> {
     let output = Command::new("rustup").args(["target", "list", "--installed"]).output();
     let output = output.map_err(|error| {
-        format!("rustup: {error}; without rustup, install the Rust target {TARGET} by hand")
+        let targets = proof::TARGETS.join(" ");
+        format!("rustup: {error}; without rustup, install by hand the Rust targets {targets}")
     })?;
-    Ok(String::from_utf8_lossy(&output.stdout).lines().any(|line| line == TARGET))
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 /// Installs a program that is missing by Debian's packages, as root where there

@@ -14,8 +14,8 @@ pub fn run() -> Result {
     store::run()?;
     step("an arm that mends itself", demo::check)?;
     eprintln!(
-        "\nok: host tests; firmware: image, proof of no panic, bits and budgets under QEMU; \
-         log frames decoded; a loop under embassy; \
+        "\nok: host tests; firmware: image, proof of no panic at two levels and on three targets, \
+         bits and budgets under QEMU; log frames decoded; a loop under embassy; \
          the C library; \
          the line from tracker file to controller; \
          parameters that survive in an EEPROM; \
