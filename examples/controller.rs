@@ -7,7 +7,7 @@
 //! `cargo run --example controller`
 
 use truearm::blob::{Acceptance, AcceptanceError};
-use truearm::compensate::Status;
+use truearm::compensate::{Status, TaskError};
 use truearm::{Approach, Arm6, Compensator, Pose, Settings, State, Task, Tick};
 
 /// On a controller: the parameter slot of memory.x.
@@ -16,6 +16,8 @@ static SLOT: &[u8] = include_bytes!("../tests/data/firmware/ur10-terms.blob");
 const ROBOT_ID: u64 = 0x544a_b5f3_0b94_225d;
 /// Seconds of a tick.
 const PERIOD: f32 = 1e-3;
+/// What the work can bear along each axis, m.
+const TOLERANCE: f32 = 1e-3;
 /// Slower than this a joint's approach is that of its last motion, rad/s.
 const STANDSTILL: f32 = 1e-3;
 
@@ -64,6 +66,7 @@ struct Supervisor {
     refused: u32,
     held: u32,
     damped: u32,
+    far: u32,
 }
 
 impl Supervisor {
@@ -77,11 +80,14 @@ impl Supervisor {
             Status::Refused(_) => self.refused += 1,
             _ => return false,
         }
-        // Still accurate to what `position_error` says: count, do not stop.
+        // Nearer to its target than without, by what `left` says not quite there:
+        // go on, unless the work asks for more than that.
         self.held += u32::from(!tick.clamped.is_empty());
-        self.damped += u32::from(tick.damping > 0.0);
-        #[cfg(feature = "defmt")]
-        if !tick.clamped.is_empty() {
+        self.damped += u32::from(tick.damping.is_some_and(|damping| damping > 0.0));
+        let far = |left: TaskError<f32>| left.position.iter().any(|e| e.abs() > TOLERANCE);
+        if tick.status == Status::On && tick.left.is_some_and(far) {
+            self.far += 1;
+            #[cfg(feature = "defmt")]
             defmt::warn!("{}", tick);
         }
         !matches!(tick.status, Status::Refused(_))

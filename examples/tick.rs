@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 // Near a singular pose, or held back by a limit: better than
                 // without, and `position_error` says by what is left.
                 if !done.clamped.is_empty() {
-                    println!("tick {tick}: {:?} left", done.position_error);
+                    println!("tick {tick}: {:?} left", done.left.map(|left| left.position));
                 }
             }
             // Off, being faded in or out.

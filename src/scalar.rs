@@ -64,6 +64,9 @@ pub trait Scalar:
     fn sin_cos_once(self) -> (Self, Self) {
         self.sin_cos()
     }
+    /// `(sin, cos)` of an angle that is small as a rule, by a short series up to
+    /// 1/16 rad and by [`Scalar::sin_cos`] beyond: to the last bit or two.
+    fn sin_cos_near_zero(self) -> (Self, Self);
     /// Angle of the point (x, `self`) from the x axis, rad: `libm`. For load
     /// time, not for a tick.
     fn atan2(self, x: Self) -> Self;
@@ -96,6 +99,18 @@ impl Scalar for f32 {
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
         sin_cos_f32(self)
+    }
+    #[inline]
+    fn sin_cos_near_zero(self) -> (Self, Self) {
+        // Rest of either series below 8e-9.
+        if f32::abs(self) <= 1.0 / 16.0 {
+            let x2 = self * self;
+            let sin = self - self * x2 * (1.0 / 6.0);
+            let cos = 1.0 - x2 * (0.5 - x2 * (1.0 / 24.0));
+            (sin, cos)
+        } else {
+            self.sin_cos_once()
+        }
     }
     fn atan2(self, x: Self) -> Self {
         libm::atan2f(self, x)
@@ -135,6 +150,9 @@ impl Scalar for f64 {
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
         libm::sincos(self)
+    }
+    fn sin_cos_near_zero(self) -> (Self, Self) {
+        self.sin_cos()
     }
     fn atan2(self, x: Self) -> Self {
         libm::atan2(self, x)

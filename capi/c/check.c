@@ -110,7 +110,8 @@ static void ticks(Truearm *arm, uint32_t count)
     for (int t = 0; t < 2; t++) {
         TruearmSettings settings;
         EXPECT(truearm_default_settings(tasks[t], &settings), TRUEARM_ERROR_OK);
-        settings.steps = tasks[t] == TRUEARM_TASK_POSE ? 1 : 3;
+        settings.refinements = tasks[t] == TRUEARM_TASK_POSE ? 1 : 2;
+        settings.trust_nominal_orientation = 1;
         settings.ramp_ticks = 100;
         EXPECT(truearm_set_settings(arm, &settings, pose(0)), TRUEARM_ERROR_OK);
         for (uint32_t i = 0; i < count; i++) {
@@ -159,7 +160,7 @@ static void refusals(Truearm *arm, uint64_t robot)
     damaged[200] ^= 1;
     EXPECT(truearm_load(none, damaged, sizeof damaged, robot, &settings, q), TRUEARM_ERROR_BAD_BLOB);
 
-    settings.steps = 4;
+    settings.refinements = 5;
     EXPECT(truearm_set_settings(arm, &settings, q), TRUEARM_ERROR_BAD_SETTING);
     EXPECT(truearm_set_settings(arm, (TruearmSettings *)((uintptr_t)&settings + 1), q),
            TRUEARM_ERROR_ALIGNMENT);
@@ -185,7 +186,7 @@ static void refusals(Truearm *arm, uint64_t robot)
     EXPECT(truearm_set_active(arm, 1), TRUEARM_ERROR_OK);
     EXPECT(truearm_tick(arm, q, &now, &tick), TRUEARM_ERROR_OK);
     EXPECT(tick.status, TRUEARM_STATUS_RAMPING);
-    settings.steps = 1;
+    settings.refinements = 1;
     EXPECT(truearm_set_settings(arm, &settings, q), TRUEARM_ERROR_ACTIVE);
     EXPECT(truearm_load(arm, blob, blob_size, robot, &settings, q), TRUEARM_ERROR_ACTIVE);
     now.payload_kg = q[2] = __builtin_nanf("");
@@ -207,6 +208,7 @@ int check(const uint8_t *slot, size_t size, const uint8_t *expected)
 
     EXPECT(truearm_init(TRUEARM_VERSION, memory, sizeof memory, &arm), TRUEARM_ERROR_OK);
     EXPECT(truearm_default_settings(TRUEARM_TASK_POSE, &settings), TRUEARM_ERROR_OK);
+    settings.trust_nominal_orientation = 1;
     EXPECT(truearm_load(arm, blob, blob_size, robot, &settings, pose(0)), TRUEARM_ERROR_OK);
     if (failed)
         return 1;

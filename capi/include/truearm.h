@@ -27,7 +27,7 @@
 /*
  Bytes of memory that `truearm_init` needs.
  */
-#define TRUEARM_MEMORY_SIZE 3456
+#define TRUEARM_MEMORY_SIZE 4096
 
 /*
  Alignment of that memory.
@@ -226,17 +226,18 @@ typedef struct TruearmSettings {
    */
   uint8_t task;
   /*
-   Most linearised steps a tick, 1 to 3.
+   1: take the task of a pose although the arm's orientation was not
+   identified, what points cannot see of it being nominal.
    */
-  uint8_t steps;
+  uint8_t trust_nominal_orientation;
+  /*
+   How often what is left is looked at and solved for again, 1 to 4.
+   */
+  uint8_t refinements;
   /*
    Ticks in which compensation is faded in and out.
    */
   uint32_t ramp_ticks;
-  /*
-   Error below which no further step is made, m.
-   */
-  float tolerance_m;
   /*
    An orientation error of 1 rad counts as much as one of this length, m.
    */
@@ -286,19 +287,17 @@ typedef struct TruearmTick {
    */
   TruearmStatus status;
   /*
-   Error of the tool point that the last step found and took back, m.
-   */
-  float step_error_m[3];
-  /*
-   What is left of the error of the tool point, to first order, m.
+   By how much the tool point misses its target at `joints`, m, where
+   `has_error`.
    */
   float position_error_m[3];
   /*
-   What is left of the error of the orientation, as a rotation vector, rad.
+   The same of the orientation, as a rotation vector, rad.
    */
   float rotation_error_rad[3];
   /*
-   Damping near a singular pose, m^2; 0 away from them.
+   Damping near a singular pose, m^2; 0 away from them and where nothing
+   was computed.
    */
   float damping_m2;
   /*
@@ -314,12 +313,17 @@ typedef struct TruearmTick {
    */
   uint16_t held_by_limit;
   /*
-   Linearised steps made.
+   1 if the whole error was taken back: on, not damped, nothing held back.
    */
-  uint8_t steps;
+  uint8_t complete;
+  /*
+   1 if the remaining errors were computed: where a correction was, but not
+   the whole.
+   */
+  uint8_t has_error;
   /*
    1 within the joint ranges that the identification covered; outside of
-   them the correction is extrapolated.
+   them the correction is extrapolated; 0 also where none was computed.
    */
   uint8_t covered;
   /*

@@ -26,7 +26,7 @@ use types::{settings_of, state_of};
 /// memory it needs does.
 pub const TRUEARM_VERSION: u32 = 2;
 /// Bytes of memory that `truearm_init` needs.
-pub const TRUEARM_MEMORY_SIZE: usize = 3456;
+pub const TRUEARM_MEMORY_SIZE: usize = 4096;
 /// Alignment of that memory.
 pub const TRUEARM_MEMORY_ALIGN: usize = 8;
 
@@ -227,8 +227,8 @@ pub unsafe extern "C" fn truearm_set_tool(arm: *mut Truearm, tool: *const f32) -
         let (this, rows) = unsafe { (handle(arm)?, input(tool.cast::<[[f32; 4]; 3]>())?) };
         let tool = types::rigid(&rows)?;
         let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
-        compensator.set_arm(compensator.arm().with_tool(tool));
-        Ok(())
+        let arm = compensator.arm().with_tool(tool);
+        compensator.set_arm(arm).map_err(|_| TruearmError::BadSetting)
     })())
 }
 

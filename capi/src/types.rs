@@ -62,12 +62,13 @@ pub enum TruearmTask {
 pub struct TruearmSettings {
     /// Of `TruearmTask`.
     pub task: u8,
-    /// Most linearised steps a tick, 1 to 3.
-    pub steps: u8,
+    /// 1: take the task of a pose although the arm's orientation was not
+    /// identified, what points cannot see of it being nominal.
+    pub trust_nominal_orientation: u8,
+    /// How often what is left is looked at and solved for again, 1 to 4.
+    pub refinements: u8,
     /// Ticks in which compensation is faded in and out.
     pub ramp_ticks: u32,
-    /// Error below which no further step is made, m.
-    pub tolerance_m: f32,
     /// An orientation error of 1 rad counts as much as one of this length, m.
     pub rotation_length_m: f32,
     /// Singular value of the Jacobian below which damping sets in, m per rad.
@@ -128,13 +129,13 @@ pub struct TruearmTick {
     pub joints: [f32; TRUEARM_JOINTS],
     /// How far it went.
     pub status: TruearmStatus,
-    /// Error of the tool point that the last step found and took back, m.
-    pub step_error_m: [f32; 3],
-    /// What is left of the error of the tool point, to first order, m.
+    /// By how much the tool point misses its target at `joints`, m, where
+    /// `has_error`.
     pub position_error_m: [f32; 3],
-    /// What is left of the error of the orientation, as a rotation vector, rad.
+    /// The same of the orientation, as a rotation vector, rad.
     pub rotation_error_rad: [f32; 3],
-    /// Damping near a singular pose, m^2; 0 away from them.
+    /// Damping near a singular pose, m^2; 0 away from them and where nothing
+    /// was computed.
     pub damping_m2: f32,
     /// Joints held back by max_correction.
     pub held_by_correction: u16,
@@ -142,10 +143,13 @@ pub struct TruearmTick {
     pub held_by_change: u16,
     /// Joints held back by a joint limit.
     pub held_by_limit: u16,
-    /// Linearised steps made.
-    pub steps: u8,
+    /// 1 if the whole error was taken back: on, not damped, nothing held back.
+    pub complete: u8,
+    /// 1 if the remaining errors were computed: where a correction was, but not
+    /// the whole.
+    pub has_error: u8,
     /// 1 within the joint ranges that the identification covered; outside of
-    /// them the correction is extrapolated.
+    /// them the correction is extrapolated; 0 also where none was computed.
     pub covered: u8,
     /// 1 if the data determined the orientation of the flange; otherwise only
     /// the tool point is better than nominal.
@@ -173,8 +177,8 @@ fn task_of(task: u8) -> Result<Task> {
 pub fn settings_of(c: &TruearmSettings) -> Result<Settings<f32, TRUEARM_JOINTS>> {
     Ok(Settings {
         task: task_of(c.task)?,
-        steps: c.steps,
-        tolerance: c.tolerance_m,
+        trust_nominal_orientation: c.trust_nominal_orientation != 0,
+        refinements: c.refinements,
         max_correction: c.max_correction,
         max_change: c.max_change,
         ramp_ticks: c.ramp_ticks,
@@ -187,9 +191,9 @@ pub fn usual(task: u8) -> Result<TruearmSettings> {
     let usual = Settings::<f32, TRUEARM_JOINTS>::new(task_of(task)?);
     Ok(TruearmSettings {
         task,
-        steps: usual.steps,
+        trust_nominal_orientation: u8::from(usual.trust_nominal_orientation),
+        refinements: usual.refinements,
         ramp_ticks: usual.ramp_ticks,
-        tolerance_m: usual.tolerance,
         rotation_length_m: usual.rotation_length,
         singular_m: usual.singular,
         max_correction: usual.max_correction,
@@ -257,15 +261,15 @@ impl From<&Tick<f32, TRUEARM_JOINTS>> for TruearmTick {
                 Status::Refused(Refusal::StateNotFinite) => TruearmStatus::StateNotFinite,
                 _ => TruearmStatus::OutOfRange,
             },
-            step_error_m: tick.step_error,
-            position_error_m: tick.position_error,
-            rotation_error_rad: tick.rotation_error,
-            damping_m2: tick.damping,
+            position_error_m: tick.left.map_or([0.0; 3], |left| left.position),
+            rotation_error_rad: tick.left.map_or([0.0; 3], |left| left.rotation),
+            damping_m2: tick.damping.unwrap_or(0.0),
             held_by_correction: tick.clamped.bound.0,
             held_by_change: tick.clamped.change.0,
             held_by_limit: tick.clamped.limit.0,
-            steps: tick.steps,
-            covered: u8::from(tick.covered),
+            complete: u8::from(tick.is_complete()),
+            has_error: u8::from(tick.left.is_some()),
+            covered: u8::from(tick.covered == Some(true)),
             orientation_identified: u8::from(tick.orientation_identified),
         }
     }

@@ -6,17 +6,7 @@ use nalgebra::Vector3;
 use crate::kinematics::{Twist, dot};
 use crate::scalar::Scalar;
 
-/// The joint change that takes back a task error, and how.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Damped<T, const N: usize> {
-    pub joints: [T; N],
-    /// What is left of the error, to first order.
-    pub left: Twist<T>,
-    /// mu, 0 away from singular poses, m^2.
-    pub damping: T,
-}
-
-/// What to solve besides the error.
+/// What is solved for, and where damping begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rule<T> {
     /// Orientation counts too.
@@ -27,69 +17,69 @@ pub(super) struct Rule<T> {
     pub weight: T,
 }
 
-/// `J' (J J' + mu W)^-1 (error + J c)` for the `error` left at a correction c:
-/// the x that minimises `|J x - (error + J c)|^2 + mu |x|^2`, where W = I for
-/// the position and 1 / weight for the orientation, which weighs an angle by
-/// a length. By square-root-free Cholesky; its pivots give the damping.
+/// `J J' + mu W`, factored, of a Jacobian J; W = I for the position and
+/// 1 / weight for the orientation, which weighs an angle by a length. The x
+/// that minimises `|J x - error|^2 + mu |x|^2` is `J' (J J' + mu W)^-1 error`.
 ///
-/// The smallest pivot p of `J J' = L D L'`, those of the orientation times
-/// `weight`, is at least the square of J's
-/// smallest singular value. Where `p >= threshold`, mu is 0; below, it rises
-/// smoothly to `threshold` in a singular pose:
-/// `mu = threshold (1 - p / threshold)^2`. However damped, |x| is at most
-/// `|error| / (2 sqrt(mu))`.
-// Not inlined: the optimiser would keep whole arrays in registers that it does
-// not have.
-#[inline(never)]
-pub(super) fn solve<T: Scalar, const N: usize>(
-    columns: &[Twist<T>; N],
-    error: &Twist<T>,
-    correction: &[T; N],
-    rule: &Rule<T>,
-) -> Damped<T, N> {
-    let Rule { pose, threshold, weight } = *rule;
-    let gram = if pose { Gram::of_poses(columns) } else { Gram::of_points(columns) };
-    let mut damping = T::ZERO;
-    // Twice at most: without damping, then with the damping this asks for.
-    let factor = loop {
-        let factor = gram.factor([damping, damping / weight], pose);
-        if damping > T::ZERO {
-            break factor;
-        }
-        let mut smallest = factor.position.smallest;
-        if pose && factor.rotation.smallest * weight < smallest {
-            smallest = factor.rotation.smallest * weight;
-        }
-        let near = T::ONE - smallest / threshold;
-        damping = if near > T::ZERO { threshold * near * near } else { T::ZERO };
-        if damping <= T::ZERO {
-            break factor;
-        }
-    };
-    if pose && N == 6 && damping <= T::ZERO {
-        // J can be inverted: the correction stays as it is, the error is added.
-        let y = factor.solve(&gram, error, pose);
-        let mut joints = *correction;
-        for (joint, column) in joints.iter_mut().zip(columns) {
-            *joint += dot(&column.linear, &y.linear) + dot(&column.angular, &y.angular);
-        }
-        return Damped { joints, left: Twist::zero(), damping };
+/// mu follows from the harmonic sum h of the squared singular values s_i of J,
+/// `1 / h = sum 1 / s_i^2`, the trace of the inverse: h is at most the smallest of
+/// them and at least this over their number. Where `h >= threshold`, mu is 0;
+/// below, it rises to `threshold` in a singular pose,
+/// `mu = threshold (1 - h / threshold)^2`. h is smooth in the joints, as the
+/// smallest singular value itself is not.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct System<T> {
+    gram: Gram<T>,
+    factor: BlockFactor<T>,
+    /// mu and mu / weight.
+    pub damping: [T; 2],
+}
+
+impl<T: Scalar> System<T> {
+    /// Of no Jacobian yet.
+    pub fn none() -> Self {
+        let gram = Gram::of_points(&[]);
+        let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
+        let factor = Factor::new(&gram.position, T::ONE);
+        let factor = BlockFactor { position: factor, lifted: [none; 3], rotation: factor };
+        Self { gram, factor, damping: [T::ZERO; 2] }
     }
-    let mut uncorrected = *error;
-    for (column, c) in columns.iter().zip(correction) {
-        uncorrected.linear += column.linear * *c;
-        uncorrected.angular += column.angular * *c;
+
+    /// Becomes that of a Jacobian by columns.
+    // Not inlined: the optimiser would keep whole arrays in registers that it
+    // does not have.
+    #[inline(never)]
+    pub fn set(&mut self, columns: &[Twist<T>], rule: &Rule<T>) {
+        let Rule { pose, threshold, weight } = *rule;
+        self.gram = if pose { Gram::of_poses(columns) } else { Gram::of_points(columns) };
+        self.factor.set(&self.gram, [T::ZERO; 2], pose);
+        let harmonic = self.factor.harmonic(weight, pose);
+        // A pivot that rounding made negative, or NaN: as singular as can be.
+        let near = if harmonic > T::ZERO { T::ONE - harmonic / threshold } else { T::ONE };
+        self.damping = [T::ZERO; 2];
+        if near > T::ZERO {
+            let mu = threshold * near * near;
+            self.damping = [mu, mu / weight];
+            self.damp(pose);
+        }
     }
-    let y = factor.solve(&gram, &uncorrected, pose);
-    let joints = columns.each_ref().map(|column| {
-        let along = dot(&column.linear, &y.linear);
-        if pose { along + dot(&column.angular, &y.angular) } else { along }
-    });
-    let left = Twist { linear: y.linear * damping, angular: y.angular * (damping / weight) };
-    Damped { joints, left, damping }
+
+    #[cold]
+    #[inline(never)]
+    fn damp(&mut self, pose: bool) {
+        self.factor.set(&self.gram, self.damping, pose);
+    }
+
+    /// `(J J' + mu W)^-1 error`: in the directions of the task. With orientation
+    /// or zeros in its place.
+    #[inline]
+    pub fn solve(&self, error: &Twist<T>, pose: bool) -> Twist<T> {
+        self.factor.solve(&self.gram, error, pose)
+    }
 }
 
 /// `J J'` in blocks.
+#[derive(Debug, Clone, PartialEq)]
 struct Gram<T> {
     position: Symmetric<T>,
     /// Linear parts times each coordinate of the angular part.
@@ -98,6 +88,7 @@ struct Gram<T> {
 }
 
 /// Factors of `[[A, B], [B', C]]`: of A, `A^-1 B`, and of the Schur complement `C - B' A^-1 B`.
+#[derive(Debug, Clone, PartialEq)]
 struct BlockFactor<T> {
     position: Factor<T>,
     lifted: [Vector3<T>; 3],
@@ -132,35 +123,52 @@ impl<T: Scalar> Gram<T> {
         }
         Self { position, mixed: [x, y, z], rotation }
     }
-
-    /// With damping of position and orientation.
-    #[inline]
-    fn factor(&self, damping: [T; 2], pose: bool) -> BlockFactor<T> {
-        let position = Factor::new(&self.position, damping[0]);
-        let [x, y, z] = &self.mixed;
-        if !pose {
-            return BlockFactor { position, lifted: self.mixed, rotation: position };
-        }
-        let lifted = [position.solve(x), position.solve(y), position.solve(z)];
-        let c = &self.rotation;
-        let complement = Symmetric {
-            xx: c.xx - dot(x, &lifted[0]),
-            yx: c.yx - dot(y, &lifted[0]),
-            yy: c.yy - dot(y, &lifted[1]),
-            zx: c.zx - dot(z, &lifted[0]),
-            zy: c.zy - dot(z, &lifted[1]),
-            zz: c.zz - dot(z, &lifted[2]),
-        };
-        BlockFactor { position, lifted, rotation: Factor::new(&complement, damping[1]) }
-    }
 }
 
 impl<T: Scalar> BlockFactor<T> {
+    /// Becomes the factors with damping of position and orientation.
+    // Inlined into the tick that is not damped.
+    #[inline]
+    fn set(&mut self, gram: &Gram<T>, damping: [T; 2], pose: bool) {
+        self.position = Factor::new(&gram.position, damping[0]);
+        if !pose {
+            return;
+        }
+        let [x, y, z] = &gram.mixed;
+        self.lifted = [self.position.solve(x), self.position.solve(y), self.position.solve(z)];
+        let (c, l) = (&gram.rotation, &self.lifted);
+        let complement = Symmetric {
+            xx: c.xx - dot(x, &l[0]),
+            yx: c.yx - dot(y, &l[0]),
+            yy: c.yy - dot(y, &l[1]),
+            zx: c.zx - dot(z, &l[0]),
+            zy: c.zy - dot(z, &l[1]),
+            zz: c.zz - dot(z, &l[2]),
+        };
+        self.rotation = Factor::new(&complement, damping[1]);
+    }
+
+    /// One over the trace of the inverse, the orientation weighed: m^2.
+    #[inline]
+    fn harmonic(&self, weight: T, pose: bool) -> T {
+        let position = self.position.inverse();
+        let mut sum = position.xx + position.yy + position.zz;
+        if pose {
+            // Of the block inverse: C^-1 below, A^-1 + (A^-1 B) C^-1 (A^-1 B)' above.
+            let below = self.rotation.inverse();
+            let [x, y, z] = &self.lifted;
+            let across = dot(x, y) * below.yx + dot(x, z) * below.zx + dot(y, z) * below.zy;
+            sum += dot(x, x) * below.xx + dot(y, y) * below.yy + dot(z, z) * below.zz;
+            sum += across + across + (below.xx + below.yy + below.zz) / weight;
+        }
+        T::ONE / sum
+    }
+
     #[inline]
     fn solve(&self, gram: &Gram<T>, error: &Twist<T>, pose: bool) -> Twist<T> {
         let linear = self.position.solve(&error.linear);
         if !pose {
-            return Twist { linear, angular: linear };
+            return Twist { linear, ..Twist::zero() };
         }
         let [x, y, z] = &gram.mixed;
         let rest = error.angular - Vector3::new(dot(x, &linear), dot(y, &linear), dot(z, &linear));
@@ -171,6 +179,7 @@ impl<T: Scalar> BlockFactor<T> {
 }
 
 /// Lower triangle of a symmetric matrix.
+#[derive(Debug, Clone, PartialEq)]
 struct Symmetric<T> {
     xx: T,
     yx: T,
@@ -207,36 +216,43 @@ impl<T: Scalar> Symmetric<T> {
 }
 
 /// `L D L'` of a positive definite matrix.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Factor<T> {
     yx: T,
     zx: T,
     zy: T,
     /// 1 / D.
     inverse: Vector3<T>,
-    smallest: T,
 }
 
 impl<T: Scalar> Factor<T> {
     /// Of `a + damping I`. A pivot of zero gives infinities; the caller sees it
-    /// as `smallest`.
+    /// in the harmonic sum.
     #[inline]
     fn new(a: &Symmetric<T>, damping: T) -> Self {
-        let px = a.xx + damping;
-        let ix = T::ONE / px;
+        let ix = T::ONE / (a.xx + damping);
         let (yx, zx) = (a.yx * ix, a.zx * ix);
-        let py = a.yy + damping - yx * a.yx;
-        let iy = T::ONE / py;
+        let iy = T::ONE / (a.yy + damping - yx * a.yx);
         let rest = a.zy - zx * a.yx;
         let zy = rest * iy;
-        let pz = a.zz + damping - zx * a.zx - zy * rest;
-        let mut smallest = px;
-        for pivot in [py, pz] {
-            if pivot < smallest {
-                smallest = pivot;
-            }
+        let iz = T::ONE / (a.zz + damping - zx * a.zx - zy * rest);
+        Self { yx, zx, zy, inverse: Vector3::new(ix, iy, iz) }
+    }
+
+    /// The inverse matrix: `L^-T D^-1 L^-1`.
+    #[inline]
+    fn inverse(&self) -> Symmetric<T> {
+        let (x, y, z) = (self.inverse.x, self.inverse.y, self.inverse.z);
+        let corner = self.yx * self.zy - self.zx;
+        let (y_yx, z_zy, z_corner) = (y * self.yx, z * self.zy, z * corner);
+        Symmetric {
+            xx: x + y_yx * self.yx + z_corner * corner,
+            yx: -y_yx - z_corner * self.zy,
+            yy: y + z_zy * self.zy,
+            zx: z_corner,
+            zy: -z_zy,
+            zz: z,
         }
-        Self { yx, zx, zy, inverse: Vector3::new(ix, iy, T::ONE / pz), smallest }
     }
 
     #[inline]

@@ -1,90 +1,84 @@
 //! Joint compensation in every tick: the joints at which the *real* tool is
 //! where the nominal model says it is.
+//!
+//! Two layers. The **law** gives the correction c of a command:
+//!
+//! * c depends on the command and on the state of the arm, on nothing else: not
+//!   on the ticks before, nor on the way to the command.
+//! * c is continuous in the command, the payload and the temperature, except
+//!   where a term itself jumps (approach, the side of a gap that gravity
+//!   chooses).
+//! * at q + c the tool is never farther from its target than at q, the command
+//!   as it is, but for 2 % and 2 um: in position, or for [`Task::Pose`] in
+//!   `sqrt(|dp|^2 + rotation_length^2 |dw|^2)`.
+//! * no joint is corrected by more than `max_correction`, nor beyond a limit; all
+//!   joints are scaled by one factor to stay within, so that what is applied is
+//!   a part of the way to the solution.
+//!
+//! What is **applied** goes to c by at most `max_change` a tick and stands there,
+//! exactly, within `ceil(max |c - applied| / max_change)` ticks of a standing
+//! command after the ramp. On the way there, as after [`Compensator::set_arm`],
+//! nothing is claimed but that.
+//!
+//! Each is a property test of `tests/compensate.rs`; `docs/compensation.md` says
+//! why they must hold and where they end.
 
 mod damped;
+mod law;
 mod outcome;
 mod settings;
 
 use crate::arm::{Arm, State};
-use crate::kinematics::{Pose, Twist, axes, cross};
 use crate::scalar::Scalar;
-use damped::{Damped, Rule};
+use law::{Correction, Law, error_between};
 
-pub use outcome::{Clamped, Joints, Refusal, Status, Tick};
+pub use outcome::{Clamped, Joints, Refusal, Status, TaskError, Tick};
 pub use settings::{SettingError, Settings, Task};
 
 /// Turns the controller's nominal joint commands into corrected ones.
-///
-/// The correction c of a command q makes the real tool at q + c meet the
-/// nominal tool at q. It is the smallest that does (damped least squares, see
-/// [`Settings::singular`]), found by linearising at the correction of the tick
-/// before; it depends on the command and the state only, not on the way there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compensator<'t, T, const N: usize> {
     arm: Arm<'t, T, N>,
     settings: Settings<T, N>,
-    rule: Rule<T>,
+    law: Law<T, N>,
     active: bool,
     /// Ticks of the ramp that have passed, 0 to `ramp_ticks`.
     ramp: u32,
-    /// Full correction of the last tick.
-    correction: [T; N],
-    /// What of it was applied.
+    /// The applied correction.
     applied: [T; N],
     /// Joints of the last tick.
     joints: [T; N],
-    /// Joint limits, rad or m.
-    limits: [[T; 2]; N],
-    /// Jacobian of the last step.
-    columns: [Twist<T>; N],
-    step: Step<T, N>,
-}
-
-/// A linearised step.
-#[derive(Debug, Clone, PartialEq)]
-struct Step<T, const N: usize> {
-    /// At the linearisation point.
-    error: Twist<T>,
-    solution: Damped<T, N>,
-    /// Joints held back by `max_correction`.
-    bound: Joints,
+    /// Of the last tick; nothing of it counts in the next.
+    correction: Correction<T, N>,
 }
 
 impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     /// Switched off, for an arm that stands at `joints` (rad or m).
     ///
     /// # Errors
-    /// A setting that makes no sense, by name.
+    /// A setting that makes no sense, by name; [`Task::Pose`] for an arm whose
+    /// orientation was not identified.
     pub fn new(
         arm: Arm<'t, T, N>,
         settings: Settings<T, N>,
         joints: &[T; N],
     ) -> Result<Self, SettingError> {
-        settings.check()?;
+        settings.check(&arm)?;
         if let Some(joint) = joints.iter().position(|q| !q.is_finite()) {
             return Err(SettingError::Start { joint });
         }
-        let zero = [T::ZERO; N];
+        let law = Law::new(&arm, &settings);
+        let applied = [T::ZERO; N];
+        let correction = Correction::none();
         Ok(Self {
-            limits: limits(&arm),
             arm,
-            rule: Rule {
-                pose: settings.task == Task::Pose,
-                threshold: settings.singular * settings.singular,
-                weight: settings.rotation_length * settings.rotation_length,
-            },
             settings,
+            law,
             active: false,
             ramp: 0,
-            correction: zero,
-            applied: zero,
+            applied,
             joints: *joints,
-            columns: [Twist::zero(); N],
-            step: Step {
-                error: Twist::zero(),
-                solution: Damped { joints: zero, left: Twist::zero(), damping: T::ZERO },
-                bound: Joints::default(),
-            },
+            correction,
         })
     }
 
@@ -96,9 +90,14 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
 
     /// Another arm, after a re-identification or with another tool. What is
     /// applied goes over to its correction by at most `max_change` a tick.
-    pub fn set_arm(&mut self, arm: Arm<'t, T, N>) {
-        self.limits = limits(&arm);
+    ///
+    /// # Errors
+    /// [`SettingError::OrientationNotIdentified`]; the arm is then the old one.
+    pub fn set_arm(&mut self, arm: Arm<'t, T, N>) -> Result<(), SettingError> {
+        self.settings.check(&arm)?;
+        self.law = Law::new(&arm, &self.settings);
         self.arm = arm;
+        Ok(())
     }
 
     /// Switches compensation on or off from the next tick on; it is faded in
@@ -117,63 +116,53 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         if idle {
             return self.pass(command);
         }
-        let target = self.arm.nominal().forward(command);
-        let mut steps = 0;
-        loop {
-            if !self.step(command, &target, state) {
-                return self.refuse(command, state);
-            }
-            steps += 1;
-            if steps >= self.settings.steps || self.settings.accepts(&self.step.error) {
-                break;
-            }
+        self.law.correct(&self.arm, command, state, &mut self.correction);
+        if !self.correction.is_finite() {
+            return self.refuse(command, state);
         }
-        let mut clamped = self.apply(command);
-        clamped.bound = self.step.bound;
+        let mut clamped = self.apply(command, true);
+        clamped.bound = self.correction.bound;
+        clamped.limit.join(self.correction.limited);
         let ramped = self.active && self.ramp >= self.settings.ramp_ticks;
         let mut tick = self.report(if ramped { Status::On } else { Status::Ramping });
-        tick.steps = steps;
-        tick.step_error = self.step.error.linear.into();
-        tick.damping = self.step.solution.damping;
+        tick.damping = Some(self.correction.damping());
         tick.clamped = clamped;
-        tick.covered = self.arm.covers(command);
-        if !(ramped && clamped.is_empty() && tick.damping == T::ZERO) {
-            let left = self.left();
-            tick.position_error = left.linear.into();
-            if self.rule.pose {
-                tick.rotation_error = left.angular.into();
-            }
+        tick.covered = Some(self.arm.covers(command));
+        if !tick.is_complete() {
+            tick.left = self.left(state);
         }
         tick
     }
 
-    /// Linearises at the correction and solves for the one that leaves no
-    /// error; false if that is not finite.
-    // Not inlined: with the loop around it the optimiser would compute every
-    // address ahead.
+    /// The law alone: the correction of a command (rad or m) in a state of the
+    /// arm, whatever is applied at present. What a tick goes to.
+    ///
+    /// # Errors
+    /// As [`Status::Refused`] of a tick.
+    pub fn correction(&self, command: &[T; N], state: &State<T, N>) -> Result<[T; N], Refusal> {
+        let mut correction = Correction::none();
+        self.law.correct(&self.arm, command, state, &mut correction);
+        if correction.is_finite() { Ok(correction.joints) } else { Err(refusal(command, state)) }
+    }
+
+    /// By how much the tool misses where the nominal model has it at `command`,
+    /// with the arm at encoder readings `joints`, both rad or m, in this state.
+    #[must_use]
+    pub fn error(&self, command: &[T; N], joints: &[T; N], state: &State<T, N>) -> TaskError<T> {
+        let target = self.arm.nominal().forward(command);
+        let error = error_between(&self.arm.real_pose_in(joints, state), &target);
+        TaskError { position: error.linear.into(), rotation: error.angular.into() }
+    }
+
+    /// The same of the joints of this tick; `None` where the model has no finite
+    /// pose.
+    #[cold]
     #[inline(never)]
-    fn step(&mut self, command: &[T; N], target: &Pose<T>, state: &State<T, N>) -> bool {
-        let mut q = *command;
-        for (q, c) in q.iter_mut().zip(&self.correction) {
-            *q += *c;
-        }
-        let real = self.arm.real_jacobian(&q, state, &mut self.columns);
-        let step = &mut self.step;
-        step.error = error_at(&real, target);
-        step.solution = damped::solve(&self.columns, &step.error, &self.correction, &self.rule);
-        step.bound = Joints::default();
-        // A number times zero is zero; an infinity or a NaN is NaN.
-        let mut zero = T::ZERO;
-        let corrections = self.correction.iter_mut().zip(&self.settings.max_correction);
-        for (i, (x, (correction, most))) in step.solution.joints.iter().zip(corrections).enumerate()
-        {
-            zero += *x * T::ZERO;
-            *correction = *x;
-            if x.abs() > *most {
-                *correction = step.bound.hold(i, *x, *most);
-            }
-        }
-        zero == T::ZERO
+    fn left(&self, state: &State<T, N>) -> Option<TaskError<T>> {
+        let real = self.arm.real_pose_in(&self.joints, state);
+        let error = error_between(&real, &self.correction.target);
+        let left = TaskError { position: error.linear.into(), rotation: error.angular.into() };
+        (finite(&left.position) && finite(&left.rotation)).then_some(left)
     }
 
     /// Switched off: the joints are the command, if that is finite.
@@ -181,7 +170,6 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         if !finite(command) {
             return self.hold(command);
         }
-        self.correction = [T::ZERO; N];
         self.joints = *command;
         self.report(Status::Off)
     }
@@ -193,29 +181,31 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     }
 
     /// Goes back to the command.
+    #[cold]
     #[inline(never)]
     fn refuse(&mut self, command: &[T; N], state: &State<T, N>) -> Tick<T, N> {
-        if !finite(command) {
+        let refusal = refusal(command, state);
+        if matches!(refusal, Refusal::CommandNotFinite { .. }) {
             return self.hold(command);
         }
-        let known = finite(&[state.payload, state.temperature]);
-        let refusal = if known { Refusal::OutOfRange } else { Refusal::StateNotFinite };
-        self.correction = [T::ZERO; N];
-        let clamped = self.apply(command);
+        let clamped = self.apply(command, false);
         Tick { clamped, ..self.report(Status::Refused(refusal)) }
     }
 
     /// Moves what is applied towards the ramped correction, within all bounds;
     /// the joints follow.
     #[inline]
-    fn apply(&mut self, command: &[T; N]) -> Clamped {
+    fn apply(&mut self, command: &[T; N], corrected: bool) -> Clamped {
         let ticks = self.settings.ramp_ticks;
         if self.active {
             self.ramp = if self.ramp < ticks { self.ramp + 1 } else { ticks };
         } else {
             self.ramp = self.ramp.saturating_sub(1);
         }
-        let share = if self.active && self.ramp >= ticks {
+        let share = if !corrected {
+            self.correction.joints = [T::ZERO; N];
+            T::ZERO
+        } else if self.active && self.ramp >= ticks {
             T::ONE
         } else if self.ramp == 0 {
             T::ZERO
@@ -223,80 +213,62 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
             smooth(self.ramp, ticks)
         };
         let mut clamped = Clamped::default();
-        let corrections = self.correction.iter().zip(&self.settings.max_change);
-        let commands = command.iter().zip(&self.limits);
+        let corrections = self.correction.joints.iter().zip(&self.settings.max_change);
+        let commands = command.iter().zip(&self.law.limits);
         let joints = self.joints.iter_mut().zip(&mut self.applied);
-        for (i, (((joint, applied), (q, [low, high])), (correction, change))) in
+        for (i, (((joint, applied), (q, limits)), (correction, change))) in
             joints.zip(commands).zip(corrections).enumerate()
         {
-            let mut moved = *correction * share - *applied;
-            if moved.abs() > *change {
-                moved = clamped.change.hold(i, moved, *change);
-            }
-            *applied += moved;
+            let wanted = *correction * share;
+            let moved = wanted - *applied;
+            *applied = if moved.abs() > *change {
+                clamped.change.hold(i, *applied, moved, *change)
+            } else {
+                wanted
+            };
+            let before = *joint;
             *joint = *q + *applied;
-            if *joint < *low || *joint > *high {
-                *joint = clamped.limit.stop(i, *q, *joint, [*low, *high]);
+            let [low, high] = *limits;
+            if *joint < low || *joint > high {
+                *joint = clamped.limit.stop(i, [*q, *joint, before], *change, *limits);
                 *applied = *joint - *q;
             }
         }
         clamped
     }
 
-    /// What the applied correction leaves of the error, to first order.
-    #[inline(never)]
-    fn left(&self) -> Twist<T> {
-        let solution = &self.step.solution;
-        let Twist { mut linear, mut angular } = solution.left;
-        let missing = solution.joints.iter().zip(&self.applied);
-        for (column, (full, applied)) in self.columns.iter().zip(missing) {
-            linear += column.linear * (*full - *applied);
-            angular += column.angular * (*full - *applied);
-        }
-        Twist { linear, angular }
-    }
-
     fn report(&self, status: Status) -> Tick<T, N> {
         Tick {
             joints: self.joints,
             status,
-            steps: 0,
-            step_error: [T::ZERO; 3],
-            position_error: [T::ZERO; 3],
-            rotation_error: [T::ZERO; 3],
-            damping: T::ZERO,
+            left: None,
+            damping: None,
             clamped: Clamped::default(),
-            covered: false,
+            covered: None,
             orientation_identified: self.arm.orientation_identified(),
         }
     }
 }
 
-/// Joint limits, those of the number type where there are none.
-fn limits<T: Scalar, const N: usize>(arm: &Arm<T, N>) -> [[T; 2]; N] {
-    arm.limits().map(|limit| limit.unwrap_or([-T::MAX, T::MAX]))
+/// Why no correction could be computed.
+#[cold]
+fn refusal<T: Scalar, const N: usize>(command: &[T; N], state: &State<T, N>) -> Refusal {
+    if let Some(joint) = command.iter().position(|q| !q.is_finite()) {
+        return Refusal::CommandNotFinite { joint };
+    }
+    let known = finite(&[state.payload, state.temperature]);
+    if known { Refusal::OutOfRange } else { Refusal::StateNotFinite }
 }
 
 fn finite<T: Scalar, const M: usize>(values: &[T; M]) -> bool {
     values.iter().all(|value| value.is_finite())
 }
 
-/// From the real to the nominal pose. The rotation vector is half the sum of the
-/// cross products of the axes, short of the angle by a sixth of its cube.
-#[inline]
-fn error_at<T: Scalar>(real: &Pose<T>, nominal: &Pose<T>) -> Twist<T> {
-    let ([a, b, c], [x, y, z]) = (axes(&real.rotation), axes(&nominal.rotation));
-    Twist {
-        linear: nominal.translation - real.translation,
-        angular: (cross(&a, &x) + cross(&b, &y) + cross(&c, &z)) * T::from_f32(0.5),
-    }
-}
-
 /// From 0 to 1 without a step in velocity or acceleration at the ends:
 /// `x^3 (10 - 15 x + 6 x^2)`.
 #[inline]
 fn smooth<T: Scalar>(tick: u32, ticks: u32) -> T {
-    // Both below 2^24, or the ramp is hours long.
+    // Both at most 2^24, see the settings: exact.
     let x = T::from_f32(tick as f32 / ticks as f32);
     let c = |c: f32| T::from_f32(c);
     x * x * x * (c(10.0) + x * (x * c(6.0) - c(15.0)))

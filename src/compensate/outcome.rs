@@ -18,44 +18,45 @@ impl Joints {
         self.0 == 0
     }
 
-    fn insert(&mut self, index: usize) {
+    pub(super) fn insert(&mut self, index: usize) {
         self.0 |= 1_u16.checked_shl(index as u32).unwrap_or(0);
     }
 
-    /// Notes that joint `index` is held: `value` at a magnitude of `most`.
+    pub(super) fn join(&mut self, other: Self) {
+        self.0 |= other.0;
+    }
+
+    /// Notes that joint `index` is held: from `value` by `most` in the direction of `by`.
     // Cold: what rarely happens must not cost a tick in which it does not.
     #[cold]
     #[inline(never)]
-    pub(super) fn hold<T: Scalar>(&mut self, index: usize, value: T, most: T) -> T {
+    pub(super) fn hold<T: Scalar>(&mut self, index: usize, value: T, by: T, most: T) -> T {
         self.insert(index);
-        if value > T::ZERO { most } else { -most }
+        if by > T::ZERO { value + most } else { value - most }
     }
 
-    /// The joint, which is beyond a limit, at that limit; or at the command
-    /// where this is beyond it already, as the controller may have reasons.
+    /// Where a joint that would be beyond a limit stands instead: at that limit;
+    /// at the command where this is beyond it already, as the controller may have
+    /// reasons; and not further in than by `change` from where it was `before`,
+    /// if an arm with narrower limits left it outside.
     #[cold]
     #[inline(never)]
     pub(super) fn stop<T: Scalar>(
         &mut self,
         index: usize,
-        command: T,
-        joint: T,
+        [command, joint, before]: [T; 3],
+        change: T,
         [low, high]: [T; 2],
     ) -> T {
-        let stopped = if joint < low {
-            if command < low { command } else { low }
-        } else if command > high {
-            command
+        self.insert(index);
+        let least = |a: T, b: T| if a < b { a } else { b };
+        let most = |a: T, b: T| if a > b { a } else { b };
+        if joint < low {
+            let stop = least(least(low, command), before + change);
+            most(stop, joint)
         } else {
-            high
-        };
-        // Back inwards from a command beyond the limit is free.
-        let outwards = if joint < low { joint < stopped } else { joint > stopped };
-        if outwards {
-            self.insert(index);
-            stopped
-        } else {
-            joint
+            let stop = most(most(high, command), before - change);
+            least(stop, joint)
         }
     }
 }
@@ -64,11 +65,11 @@ impl Joints {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Clamped {
-    /// `max_correction`.
+    /// These would be corrected by more than `max_correction`: all are scaled.
     pub bound: Joints,
-    /// `max_change`.
+    /// These change by `max_change`.
     pub change: Joints,
-    /// A joint limit of the parameters.
+    /// These are near a joint limit of the parameters or at it.
     pub limit: Joints,
 }
 
@@ -128,7 +129,18 @@ pub enum Status {
     Refused(Refusal),
 }
 
-/// What one tick did.
+/// By how much the tool misses: where the nominal model says it is, less where
+/// it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TaskError<T> {
+    /// Of the tool point, m.
+    pub position: [T; 3],
+    /// Of the orientation, as a rotation vector, rad.
+    pub rotation: [T; 3],
+}
+
+/// What one tick did. What a tick had no need to compute is `None`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tick<T, const N: usize> {
@@ -136,25 +148,29 @@ pub struct Tick<T, const N: usize> {
     pub joints: [T; N],
     /// How far it went.
     pub status: Status,
-    /// Linearised steps made.
-    pub steps: u8,
-    /// Error of the tool point that the last step found and took back, m. Where
-    /// it is not small the remainders below, of first order, say less.
-    pub step_error: [T; 3],
-    /// What is left of the error of the tool point at `joints`, to first
-    /// order: where the nominal model says it is, less where it is; m.
-    pub position_error: [T; 3],
-    /// The same of the orientation, as a rotation vector, rad. Zeros in
-    /// [`super::Task::Position`].
-    pub rotation_error: [T; 3],
-    /// mu of the last step, m^2; 0 away from singular poses.
-    pub damping: T,
+    /// By how much the model misses its target at `joints`; computed where
+    /// anything held the correction back and the model has a finite pose. A [complete](Tick::is_complete) tick
+    /// leaves what its [`super::Settings::refinements`] leave.
+    pub left: Option<TaskError<T>>,
+    /// mu of the damped least squares, m^2; 0 away from singular poses.
+    pub damping: Option<T>,
     /// What held joints back.
     pub clamped: Clamped,
     /// Whether the command lies in the joint ranges that the identification
     /// covered. Outside of them the correction is extrapolated.
-    pub covered: bool,
+    pub covered: Option<bool>,
     /// Whether the data determined the flange's orientation; if not, only the
     /// tool point is better than nominal.
     pub orientation_identified: bool,
+}
+
+impl<T: Scalar, const N: usize> Tick<T, N> {
+    /// Whether the whole error was taken back: switched on, not damped, and
+    /// nothing held back.
+    #[must_use]
+    #[inline]
+    pub fn is_complete(&self) -> bool {
+        let damped = self.damping.is_none_or(|damping| damping > T::ZERO);
+        self.status == Status::On && !damped && self.clamped.is_empty()
+    }
 }

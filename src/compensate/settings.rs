@@ -1,4 +1,5 @@
-use crate::kinematics::{Twist, dot};
+use super::damped::Rule;
+use crate::arm::Arm;
 use crate::scalar::Scalar;
 
 /// What a [`super::Compensator`] has to meet.
@@ -20,116 +21,175 @@ pub enum Task {
 pub struct Settings<T, const N: usize> {
     /// Point, or point and orientation.
     pub task: Task,
-    /// Most linearised steps a tick, 1 to 3. One is enough while the arm moves
-    /// steadily: the correction starts from that of the last tick.
-    pub steps: u8,
-    /// Error below which no further step is made, m.
-    pub tolerance: T,
-    /// Largest correction of each joint, rad or m. A correction takes back a
-    /// geometric error and is a few milliradians; the bound keeps a singular
-    /// pose or wrong parameters from moving the arm elsewhere.
+    /// Take [`Task::Pose`] although the arm's orientation was not identified:
+    /// the directions that points cannot see are then taken as nominal, and
+    /// the caller answers for that.
+    pub trust_nominal_orientation: bool,
+    /// How often what is left is looked at and solved for again, 1 to 4. Each
+    /// leaves the error times the misfit of the nominal Jacobian, typically a
+    /// hundredth, and costs the same; the time of a tick does not vary.
+    pub refinements: u8,
+    /// Largest correction of each joint, rad or m, to 0.2. A correction takes
+    /// back a geometric error and is a few milliradians; the bound keeps a
+    /// singular pose or wrong parameters from moving the arm elsewhere.
     pub max_correction: [T; N],
     /// Largest change of a joint's correction from tick to tick, rad or m.
     pub max_change: [T; N],
     /// Ticks in which the correction is faded in and out, with neither a step
-    /// in velocity nor in acceleration.
+    /// in velocity nor in acceleration; at most 2^24.
     pub ramp_ticks: u32,
-    /// Length that weighs orientation against position, m: an error of 1 rad
-    /// counts as much as one of this length.
+    /// Length that weighs orientation against position, m, 0.001 to 10: an
+    /// error of 1 rad counts as much as one of this length.
     pub rotation_length: T,
-    /// Singular value of the Jacobian (m per rad, orientation weighed by
-    /// `rotation_length`) below which damping sets in.
+    /// Singular value of the nominal Jacobian (m per rad or m per m,
+    /// orientation weighed by `rotation_length`), 0.001 to 1: wherever the
+    /// smallest one is below, the solution is damped. Nowhere is it where that is
+    /// above sqrt(3) times this, or sqrt(6) times for a pose.
     pub singular: T,
 }
 
+/// Largest of corrections and of their changes, rad or m: what the blob allows
+/// an angle or a length to be corrected by.
+const MOST_CORRECTION: f32 = 0.2;
+const MOST_REFINEMENTS: u8 = 4;
+/// Counted exactly in `f32`.
+const LONGEST_RAMP: u32 = 1 << 24;
+const ROTATION_LENGTH: [f32; 2] = [0.001, 10.0];
+const SINGULAR: [f32; 2] = [0.001, 1.0];
+
 impl<T: Scalar, const N: usize> Settings<T, N> {
-    /// For an arm of about a metre: one step a tick down to 1 um, corrections up to
-    /// 0.03 rad (m for a prismatic joint), 1 mrad a tick, faded in over 500
-    /// ticks, damping from singular values of 0.05 m per rad on.
+    /// For an arm of about a metre: one refinement, corrections up to 0.03 rad
+    /// (m for a prismatic joint), 1 mrad a tick, faded in over 500 ticks,
+    /// damping from singular values of 0.03 m per rad on (`docs/compensation.md`
+    /// has the study that chose it).
     #[must_use]
     pub fn new(task: Task) -> Self {
         Self {
             task,
-            steps: 1,
-            tolerance: T::from_f32(1e-6),
+            trust_nominal_orientation: false,
+            refinements: 1,
             max_correction: [T::from_f32(0.03); N],
             max_change: [T::from_f32(1e-3); N],
             ramp_ticks: 500,
             rotation_length: T::from_f32(0.3),
-            singular: T::from_f32(0.05),
+            singular: T::from_f32(0.03),
         }
     }
 
-    /// Whether an error is small enough to stop.
-    #[inline]
-    pub(super) fn accepts(&self, error: &Twist<T>) -> bool {
-        let mut square = dot(&error.linear, &error.linear);
-        if self.task == Task::Pose {
-            let length = self.rotation_length;
-            square += dot(&error.angular, &error.angular) * (length * length);
-        }
-        square <= self.tolerance * self.tolerance
+    /// The same, with [`Self::trust_nominal_orientation`].
+    #[must_use]
+    pub fn trusting_nominal_orientation(self) -> Self {
+        Self { trust_nominal_orientation: true, ..self }
     }
 
-    pub(super) fn check(&self) -> Result<(), SettingError> {
-        let positive = |value: T| value > T::ZERO && value.is_finite();
-        let joint = |values: &[T; N]| values.iter().position(|v| !positive(*v));
-        if !(1..=3).contains(&self.steps) {
-            return Err(SettingError::Steps(self.steps));
+    pub(super) fn rule(&self) -> Rule<T> {
+        Rule {
+            pose: self.task == Task::Pose,
+            threshold: self.singular * self.singular,
+            weight: self.rotation_length * self.rotation_length,
         }
-        if !(self.tolerance >= T::ZERO && self.tolerance.is_finite()) {
-            return Err(SettingError::NotPositive("tolerance"));
+    }
+
+    pub(super) fn check(&self, arm: &Arm<'_, T, N>) -> Result<(), SettingError> {
+        // NaN is in no range.
+        let within = |value: T, [low, high]: [f32; 2]| {
+            value >= T::from_f32(low) && value <= T::from_f32(high)
+        };
+        let correction = |value: &T| *value > T::ZERO && within(*value, [0.0, MOST_CORRECTION]);
+        let joint = |values: &[T; N]| values.iter().position(|v| !correction(v));
+        if !(1..=MOST_REFINEMENTS).contains(&self.refinements) {
+            return Err(SettingError::Refinements(self.refinements));
         }
-        if !positive(self.rotation_length) {
-            return Err(SettingError::NotPositive("rotation_length"));
+        if self.ramp_ticks > LONGEST_RAMP {
+            return Err(SettingError::RampTicks(self.ramp_ticks));
         }
-        if !positive(self.singular) {
-            return Err(SettingError::NotPositive("singular"));
+        if !within(self.rotation_length, ROTATION_LENGTH) {
+            return Err(SettingError::RotationLength);
+        }
+        if !within(self.singular, SINGULAR) {
+            return Err(SettingError::Singular);
         }
         if let Some(joint) = joint(&self.max_correction) {
-            return Err(SettingError::Joint { setting: "max_correction", joint });
+            return Err(SettingError::MaxCorrection { joint });
         }
         if let Some(joint) = joint(&self.max_change) {
-            return Err(SettingError::Joint { setting: "max_change", joint });
+            return Err(SettingError::MaxChange { joint });
+        }
+        let trusted = self.trust_nominal_orientation || arm.orientation_identified();
+        if self.task == Task::Pose && !trusted {
+            return Err(SettingError::OrientationNotIdentified);
         }
         Ok(())
     }
 }
 
-/// A setting that makes no sense.
+/// A setting that makes no sense. Joints are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SettingError {
-    /// `steps` is not 1 to 3.
-    Steps(u8),
-    /// This setting must be a positive number.
-    NotPositive(&'static str),
-    /// This setting must be a positive number for every joint.
-    Joint {
-        /// Its name.
-        setting: &'static str,
-        /// Joint, counted from 0.
+    /// `refinements` is not 1 to 4.
+    Refinements(u8),
+    /// `ramp_ticks` is above 2^24.
+    RampTicks(u32),
+    /// `rotation_length` is not 0.001 to 10 m.
+    RotationLength,
+    /// `singular` is not 0.001 to 1 m per rad.
+    Singular,
+    /// `max_correction` is not above 0 and at most 0.2 rad or m.
+    MaxCorrection {
+        /// Of this joint.
+        joint: usize,
+    },
+    /// `max_change` is not above 0 and at most 0.2 rad or m.
+    MaxChange {
+        /// Of this joint.
         joint: usize,
     },
     /// The joint value at the start is not finite.
     Start {
-        /// Joint, counted from 0.
+        /// Of this joint.
         joint: usize,
     },
+    /// [`Task::Pose`], and the arm's orientation was not identified: see
+    /// [`Settings::trust_nominal_orientation`].
+    OrientationNotIdentified,
 }
 
 impl core::fmt::Display for SettingError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Steps(steps) => write!(f, "steps is {steps}, must be 1 to 3"),
-            Self::NotPositive(setting) => write!(f, "{setting} must be a positive number"),
-            Self::Joint { setting, joint } => {
-                write!(f, "{setting} of joint {} must be a positive number", joint + 1)
+            Self::Refinements(given) => {
+                write!(f, "refinements is {given}, must be 1 to {MOST_REFINEMENTS}")
             }
+            Self::RampTicks(given) => {
+                write!(f, "ramp_ticks is {given}, must be at most {LONGEST_RAMP}")
+            }
+            Self::RotationLength => {
+                let [low, high] = ROTATION_LENGTH;
+                write!(f, "rotation_length must be {low} to {high} m")
+            }
+            Self::Singular => {
+                let [low, high] = SINGULAR;
+                write!(f, "singular must be {low} to {high} m per rad")
+            }
+            Self::MaxCorrection { joint } => write!(
+                f,
+                "max_correction of joint {} must be above 0 and at most {MOST_CORRECTION}",
+                joint + 1
+            ),
+            Self::MaxChange { joint } => write!(
+                f,
+                "max_change of joint {} must be above 0 and at most {MOST_CORRECTION}",
+                joint + 1
+            ),
             Self::Start { joint } => {
                 write!(f, "joint {} starts at a value that is not finite", joint + 1)
             }
+            Self::OrientationNotIdentified => f.write_str(
+                "Task::Pose, and the orientation of this arm was not identified: take \
+                 Task::Position, or trust_nominal_orientation if you answer for it",
+            ),
         }
     }
 }

@@ -123,10 +123,24 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
     #[must_use]
     #[inline]
     pub fn deflection(&self, inputs: &TermInputs<T, N>) -> Deflection<T, N> {
+        let mut out = self.smooth(inputs);
+        let _ = self.add_waves(&inputs.q, &mut out.joints);
+        out
+    }
+
+    /// Relative growth of every link at a temperature so far above the reference.
+    pub(crate) fn growth(&self, warmth: T) -> [T; N] {
+        self.growth.map(|g| g * warmth)
+    }
+
+    /// What all but the periodic terms do: those which hardly change from the
+    /// command to the corrected joints.
+    #[inline]
+    pub(crate) fn smooth(&self, inputs: &TermInputs<T, N>) -> Deflection<T, N> {
         let mut out = Deflection {
             joints: [T::ZERO; N],
             base: [T::ZERO; 2],
-            growth: self.growth.map(|g| g * inputs.warmth),
+            growth: self.growth(inputs.warmth),
         };
         if self.needs_load {
             let compliant = self.compliance.iter().zip(&inputs.load.torque);
@@ -144,10 +158,6 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
                 *slot += bend;
             }
         };
-        for Wave { joint, order, cos, sin } in &self.waves {
-            let angle = at(&inputs.q, *joint).map(|q| (q * *order).sin_cos());
-            add(*joint, angle.map(|(s, c)| *cos * c + *sin * s));
-        }
         for Slope { joint, source, coefficient } in &self.slopes {
             add(*joint, at(&inputs.q, *source).map(|q| q * *coefficient));
         }
@@ -159,5 +169,22 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
             add(*joint, side.map(|side| side * *half));
         }
         out
+    }
+
+    /// Adds the periodic terms at joint values `q` to what bends the `joints`;
+    /// returns by how much these terms change with their own joint.
+    #[inline]
+    pub(crate) fn add_waves(&self, q: &[T; N], joints: &mut [T; N]) -> [T; N] {
+        let mut slopes = [T::ZERO; N];
+        for Wave { joint, order, cos, sin } in &self.waves {
+            let joint = usize::from(*joint);
+            let places = (joints.get_mut(joint), slopes.get_mut(joint), q.get(joint));
+            if let (Some(bend), Some(slope), Some(q)) = places {
+                let (s, c) = (*q * *order).sin_cos();
+                *bend += *cos * c + *sin * s;
+                *slope += *order * (*sin * c - *cos * s);
+            }
+        }
+        slopes
     }
 }

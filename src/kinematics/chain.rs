@@ -196,6 +196,22 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         root: &Vector3<T>,
         tip: &Vector3<T>,
     ) -> Pose<T> {
+        let [x, y, p] = self.axes_to_base(joints, offset, root, tip, |_, _| ());
+        Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p }
+    }
+
+    /// The same, short of the third axis: x and y axis of the tool, and the tool
+    /// point. `see` is shown the three in the turned frame of each joint, the
+    /// last first.
+    #[inline]
+    pub(super) fn axes_to_base<'a>(
+        &'a self,
+        joints: impl DoubleEndedIterator<Item = TurnedJoint<'a, T>>,
+        offset: impl Fn(&FoldedJoint<T>, usize) -> [T; 3],
+        root: &Vector3<T>,
+        tip: &Vector3<T>,
+        mut see: impl FnMut(&FoldedJoint<T>, &[[T; 3]; 3]),
+    ) -> [Vector3<T>; 3] {
         let [mut x, mut y, _] = self.tip.rotation.data.0;
         let mut p = [tip.x, tip.y, tip.z];
         let mut joints = joints.rev();
@@ -205,6 +221,7 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
             if joint.prismatic() {
                 p[2] += q;
             }
+            see(joint, &[x, y, p]);
             (x, y, p) = (turn.apply(x), turn.apply(y), turn.apply(p));
             next = joints.next();
             let Some(TurnedJoint { joint: before, .. }) = next else { break };
@@ -214,8 +231,7 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
                 *p += offset;
             }
         }
-        let [x, y, p] =
-            [x, y, p].map(|[x, y, z]| rotate(&self.root.rotation, &Vector3::new(x, y, z)));
-        Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p + root }
+        let turned = |[x, y, z]: [T; 3]| rotate(&self.root.rotation, &Vector3::new(x, y, z));
+        [turned(x), turned(y), turned(p) + root]
     }
 }

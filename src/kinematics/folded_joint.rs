@@ -58,7 +58,6 @@ impl<T: Scalar, const N: usize> Turns<T, N> {
 
     /// Every joint with its angle.
     #[inline]
-    #[allow(dead_code, reason = "of use to whatever takes a pose at known sines")]
     pub fn of<'a>(
         &'a self,
         joints: &'a [FoldedJoint<T>; N],

@@ -1,7 +1,6 @@
 use nalgebra::Vector3;
 
 use super::chain::Chain;
-use super::deflection::Deflection;
 use super::folded_joint::{FoldedJoint, TurnedJoint};
 use super::link::{JointKind, LinkParameter, MdhParameters};
 use super::pose::{Pose, axes, cross, from_axes, rotate};
@@ -124,28 +123,6 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     pub(crate) fn jacobian_into(&self, q: &[T; N], columns: &mut [Twist<T>; N]) -> Pose<T> {
         let (root, tip) = (&self.root.translation, &self.tip.translation);
         self.base_to_tool(self.turned(q), |joint, _| joint.offset, root, tip, columns)
-    }
-
-    /// The same of the deflected arm. The columns are to the joint values; they
-    /// leave out how the deflection changes with these and the tilt of the base,
-    /// both of which are a thousandth of a column.
-    #[inline]
-    pub(crate) fn jacobian_deflected_into(
-        &self,
-        q: &[T; N],
-        deflection: &Deflection<T, N>,
-        columns: &mut [Twist<T>; N],
-    ) -> Pose<T> {
-        let joints = deflection.deflected(q);
-        let mut pose = if deflection.grows() {
-            let (root, tip) = self.grown_ends(&deflection.growth);
-            let offset = Self::grown(&deflection.growth);
-            self.base_to_tool(self.turned(&joints), offset, &root, &tip, columns)
-        } else {
-            self.jacobian_into(&joints, columns)
-        };
-        self.tilt(&mut pose, deflection);
-        pose
     }
 
     /// From base to tool; arguments as those of `tool_to_base`.

@@ -7,10 +7,11 @@ mod folded_joint;
 mod jacobian;
 mod link;
 mod pose;
+mod shared;
 
 pub use chain::Chain;
 pub use deflection::Deflection;
-pub(crate) use folded_joint::Turns;
+pub(crate) use folded_joint::{Turn, Turns};
 pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, Twist};
 pub use link::{JointKind, Link, LinkParameter, MdhParameters};
 pub use pose::Pose;

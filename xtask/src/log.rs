@@ -86,7 +86,9 @@ fn expected(files: &Files) -> Result<Vec<String>> {
     let joint = image::REFUSED;
     let statuses = [off.status, ramping.status, on.status, refused.status];
     let refusal = Status::Refused(Refusal::CommandNotFinite { joint });
-    if statuses != [Status::Off, Status::Ramping, Status::On, refusal] || singular.damping <= 0.0 {
+    if statuses != [Status::Off, Status::Ramping, Status::On, refusal]
+        || singular.damping.is_none_or(|mu| mu <= 0.0)
+    {
         return Err(format!("{statuses:?}, singular: {singular:?}").into());
     }
     let (robot, sequence) = (blob.robot_id(), blob.sequence());

@@ -122,6 +122,7 @@ fn measure(
     print(format_args!("jacobian"), count);
     for (name, task) in [("tick", Task::Pose), ("tick_position", Task::Position)] {
         let settings = Settings { ramp_ticks: 1, ..Settings::new(task) };
+        let settings = settings.trusting_nominal_orientation();
         let Ok(compensator) = Compensator::new(arm.clone(), settings, &[0.0; JOINTS]) else {
             return;
         };

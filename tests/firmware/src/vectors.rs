@@ -18,6 +18,7 @@
 use core::fmt;
 
 use crc::{CRC_64_XZ, Crc, Digest};
+use truearm::compensate::TaskError;
 use truearm::{Approach, Arm, Compensator, Pose, Scalar, Settings, State, Task};
 
 /// First four bytes of a vector file.
@@ -127,8 +128,9 @@ pub fn state<T: Scalar>(index: usize) -> State<T, JOINTS> {
 /// How the compensators work whose ticks are hashed. The poses are far apart,
 /// so that corrections run into their bounds and many a pose is near singular.
 pub fn settings<T: Scalar>(task: Task) -> Settings<T, JOINTS> {
-    let steps = if task == Task::Pose { 1 } else { 3 };
-    Settings { steps, ramp_ticks: 100, ..Settings::new(task) }
+    let refinements = if task == Task::Pose { 1 } else { 2 };
+    let settings = Settings { refinements, ramp_ticks: 100, ..Settings::new(task) };
+    settings.trusting_nominal_orientation()
 }
 
 /// From this tick on they are switched off.
@@ -142,7 +144,7 @@ pub const OFF: usize = 900;
 /// * jacobians: of each pose the columns, linear and angular;
 /// * ticks: in the task of a pose, then of a position, of a compensator that
 ///   starts at rest at the first pose: of each tick the joints, the remaining
-///   errors and the damping.
+///   errors and the damping, zeros where these were not computed.
 pub fn hashes<T: Scalar>(
     arm: &Arm<T, JOINTS>,
     poses: impl Iterator<Item = Joints<T>> + Clone,
@@ -168,8 +170,10 @@ pub fn hashes<T: Scalar>(
             compensator.set_active(index < OFF);
             let tick = compensator.tick(&q, &state(index));
             of_ticks.add(&tick.joints);
-            of_ticks.add(tick.position_error.iter().chain(&tick.rotation_error));
-            of_ticks.add([&tick.damping]);
+            let none = TaskError { position: [T::ZERO; 3], rotation: [T::ZERO; 3] };
+            let left = tick.left.unwrap_or(none);
+            of_ticks.add(left.position.iter().chain(&left.rotation));
+            of_ticks.add([&tick.damping.unwrap_or(T::ZERO)]);
         }
     }
     [of_poses, of_jacobians, of_ticks].map(|hash| hash.0.finalize())

@@ -73,7 +73,7 @@ fn load(memory: &mut &'static mut Memory) {
     **memory = memory::parameter_slots().iter().find_map(|(_, slot)| {
         let arm = Arm::new(&Blob::check(slot).ok()?.parameters().ok()?);
         let start = [0.0; JOINTS];
-        Compensator::new(arm, Settings::new(Task::Pose), &start).ok()
+        Compensator::new(arm, Settings::new(Task::Pose).trusting_nominal_orientation(), &start).ok()
     });
 }
 

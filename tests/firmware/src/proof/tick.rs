@@ -23,7 +23,10 @@ pub fn load_and_tick<T: Scalar>(bytes: &[u8], q: &[T; 6]) -> Result<(), Acceptan
             compensator.set_active(black_box(true));
             compute(compensator.tick(black_box(q), black_box(&state)));
             compute(compensator.arm().terms());
-            compute(compensator.set_arm(arm.with_tool(*black_box(arm.nominal().tool()))));
+            compute(compensator.correction(black_box(q), black_box(&state)).is_ok());
+            compute(compensator.error(black_box(q), black_box(q), black_box(&state)));
+            let arm = arm.with_tool(*black_box(arm.nominal().tool()));
+            compute(compensator.set_arm(arm).is_ok());
         }
     }
     Ok(())

@@ -1,0 +1,159 @@
+//! Poses of chains at angles whose sines are known already: a tick looks at the
+//! nominal and at the identified arm near one command, and these differ by small angles.
+
+use nalgebra::Vector3;
+
+use super::chain::Chain;
+use super::deflection::Deflection;
+use super::folded_joint::{FoldedJoint, Turn, Turns};
+use super::jacobian::Twist;
+use super::pose::{Pose, axes, cross, from_axes};
+use crate::scalar::Scalar;
+
+impl<T: Scalar> Turn<T> {
+    /// By no angle.
+    pub fn none() -> Self {
+        Self { sin: T::ZERO, cos: T::ONE }
+    }
+
+    /// By this angle and another one: four products in place of a sine.
+    #[inline]
+    pub fn then(&self, other: &Self) -> Self {
+        Self {
+            sin: self.sin * other.cos + self.cos * other.sin,
+            cos: self.cos * other.cos - self.sin * other.sin,
+        }
+    }
+}
+
+impl<T: Scalar, const N: usize> Turns<T, N> {
+    /// At joint values zero, of joints without angle.
+    pub(crate) fn none() -> Self {
+        Self { turns: [Turn::none(); N], q: [T::ZERO; N] }
+    }
+
+    /// The joint values.
+    #[inline]
+    pub(crate) fn joints(&self) -> &[T; N] {
+        &self.q
+    }
+
+    // In place: a tick has no time for copies.
+
+    /// Becomes those of `joints` at joint values `q`.
+    #[inline]
+    pub(crate) fn set(&mut self, joints: &[FoldedJoint<T>; N], q: &[T; N]) {
+        let places = self.turns.iter_mut().zip(&mut self.q);
+        for ((turn, own), (joint, q)) in places.zip(joints.iter().zip(q)) {
+            *turn = joint.turn(*q);
+            *own = *q;
+        }
+    }
+
+    /// Becomes `other` with every joint turned on by a constant angle.
+    #[inline]
+    pub(crate) fn set_turned(&mut self, other: &Self, by: &[Turn<T>; N]) {
+        let places = self.turns.iter_mut().zip(&mut self.q);
+        let others = other.turns.iter().zip(&other.q);
+        for ((turn, q), ((other, at), by)) in places.zip(others.zip(by)) {
+            *turn = other.then(by);
+            *q = *at;
+        }
+    }
+
+    /// Becomes `other`, of the same joints, at joint values further by `by`, rad or m.
+    #[inline]
+    pub(crate) fn set_moved(&mut self, other: &Self, joints: &[FoldedJoint<T>; N], by: &[T; N]) {
+        let places = self.turns.iter_mut().zip(&mut self.q);
+        let others = other.turns.iter().zip(&other.q);
+        for ((turn, q), ((other, at), (joint, by))) in places.zip(others.zip(joints.iter().zip(by)))
+        {
+            *q = *at + *by;
+            *turn = *other;
+            if !joint.prismatic() {
+                let (sin, cos) = by.sin_cos_near_zero();
+                *turn = turn.then(&Turn { sin, cos });
+            }
+        }
+    }
+}
+
+impl<T: Scalar, const N: usize> Chain<T, N> {
+    /// By how much the angle of each joint is further than in `other` at the
+    /// same joint value.
+    pub(crate) fn turned_from(&self, other: &Self) -> [Turn<T>; N] {
+        let mut joints = self.joints.iter().zip(&other.joints);
+        [(); N].map(|()| {
+            joints.next().map_or(Turn::none(), |(own, other)| {
+                let (own, other) = (own.turn(T::ZERO), other.turn(T::ZERO));
+                own.then(&Turn { sin: -other.sin, ..other })
+            })
+        })
+    }
+
+    /// Tool pose with the sines taken already; the geometric Jacobian *in the
+    /// frame of the tool* goes into `columns`.
+    ///
+    /// On the way from the tool to the base the axes and the point of the tool
+    /// pass through the frame of every joint. There the joint's axis is z, and
+    /// a column has two products a coordinate; from the base outwards, in the
+    /// frame of the base, it takes half as many operations again.
+    #[inline]
+    pub(crate) fn tool_jacobian(
+        &self,
+        turns: &Turns<T, N>,
+        columns: &mut [Twist<T>; N],
+    ) -> Pose<T> {
+        let (root, tip) = (&self.root.translation, &self.tip.translation);
+        let mut places = columns.iter_mut().rev();
+        let [x, y, p] = self.axes_to_base(
+            turns.of(&self.joints),
+            |joint, _| joint.offset,
+            root,
+            tip,
+            |joint, [x, y, p]| {
+                let Some(column) = places.next() else { return };
+                // The tool's third axis. The z coordinates of all three are the
+                // joint's axis in the frame of the tool.
+                let z = [
+                    x[1] * y[2] - x[2] * y[1],
+                    x[2] * y[0] - x[0] * y[2],
+                    x[0] * y[1] - x[1] * y[0],
+                ];
+                let axis = Vector3::new(x[2], y[2], z[2]);
+                if joint.prismatic() {
+                    *column = Twist { linear: axis, ..Twist::zero() };
+                } else {
+                    // z x p = (-p_y, p_x, 0).
+                    let along = |a: &[T; 3]| a[1] * p[0] - a[0] * p[1];
+                    column.linear = Vector3::new(along(x), along(y), along(&z));
+                    column.angular = axis;
+                }
+            },
+        );
+        Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p }
+    }
+
+    /// Two axes and the point of the tool, with the sines taken already; of the
+    /// `deflected` chain, whose angles are those of `turns` as they are, but
+    /// whose links grow and whose base tilts.
+    #[inline]
+    pub(crate) fn axes_at(
+        &self,
+        turns: &Turns<T, N>,
+        deflected: Option<&Deflection<T, N>>,
+    ) -> [Vector3<T>; 3] {
+        let (root, tip) = (&self.root.translation, &self.tip.translation);
+        let joints = turns.of(&self.joints);
+        let Some(deflected) = deflected else {
+            return self.axes_to_base(joints, |joint, _| joint.offset, root, tip, |_, _| ());
+        };
+        let (root, tip) = self.grown_ends(&deflected.growth);
+        let grown = Self::grown(&deflected.growth);
+        let [x, y, p] = self.axes_to_base(joints, grown, &root, &tip, |_, _| ());
+        let mut pose = Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p };
+        self.tilt(&mut pose, deflected);
+        let [x, y, _] = axes(&pose.rotation);
+        [x, y, pose.translation]
+    }
+}

@@ -1,0 +1,8 @@
+//! The compensator against the arm it compensates: what the law promises, what
+//! is applied of it, what happens to bad input.
+
+mod applied;
+mod arms;
+#[path = "../common/mod.rs"]
+mod common;
+mod law;
