@@ -15,6 +15,7 @@ pub mod export;
 pub mod files;
 pub mod identify;
 pub mod methods;
+pub mod near;
 pub mod pack;
 pub mod plan;
 pub mod plot;

@@ -4,9 +4,10 @@ use nalgebra::Vector3;
 
 use super::{Measurements, Robot};
 use crate::error::{Error, Place, Result};
+use crate::near::Reach;
 
 const POINT: [&str; 3] = ["cmd_x_mm", "cmd_y_mm", "cmd_z_mm"];
-/// Commanded points that agree within this are one pose, m.
+/// Commanded points whose coordinates agree within this are one pose, m.
 const SAME_POINT: f64 = 1e-6;
 
 /// What a controller was told and where the target then was: a file with
@@ -100,13 +101,8 @@ fn points_of(data: &Measurements) -> Result<Vec<Vector3<f64>>> {
 
 /// Numbers the poses by their commanded points.
 fn number(data: &mut Measurements, points: &[Vector3<f64>]) {
-    let mut known: Vec<Vector3<f64>> = Vec::new();
-    for (row, point) in data.rows.iter_mut().zip(points) {
-        let same = known.iter().position(|k| (k - point).norm() <= SAME_POINT);
-        row.pose = same.unwrap_or_else(|| {
-            known.push(*point);
-            known.len() - 1
-        });
-    }
-    data.poses = known.len();
+    let numbers;
+    (numbers, data.poses) =
+        Reach::uniform(3, SAME_POINT).number(points.iter().map(|point| point.as_slice()));
+    data.rows.iter_mut().zip(numbers).for_each(|(row, number)| row.pose = number);
 }

@@ -6,6 +6,7 @@ use truearm::JointKind;
 use super::Robot;
 use super::columns::{Cells, Columns};
 use crate::error::{Error, Place, Result};
+use crate::near::Reach;
 
 /// Rows whose joints agree within this are one pose, rad (0.01 degrees).
 const SAME_ANGLE: f64 = 0.01 * std::f64::consts::PI / 180.0;
@@ -132,7 +133,10 @@ impl Measurements {
             return Err(Error::file(path, Place::default(), "no data rows", "add measurements"));
         }
         if joints.is_some() {
-            data.poses = number_poses(&mut data.rows, robot);
+            let reach = Reach::of_joints(robot, SAME_ANGLE, SAME_LENGTH);
+            let numbers;
+            (numbers, data.poses) = reach.number(data.rows.iter().map(|row| row.q.as_slice()));
+            data.rows.iter_mut().zip(numbers).for_each(|(row, number)| row.pose = number);
         }
         Ok(data)
     }
@@ -181,38 +185,4 @@ impl Measurements {
         }
         range
     }
-}
-
-/// Numbers the rows' poses in order of appearance; returns how many there are.
-fn number_poses(rows: &mut [Row], robot: &Robot) -> usize {
-    let same = |a: &[f64], b: &[f64]| {
-        a.iter().zip(b).zip(&robot.joints).all(|((a, b), joint)| {
-            let limit = match joint.link.kind {
-                JointKind::Revolute => SAME_ANGLE,
-                JointKind::Prismatic => SAME_LENGTH,
-            };
-            (a - b).abs() <= limit
-        })
-    };
-    // The first row of each pose, sorted by the first joint, so that only
-    // near neighbours are compared.
-    let mut firsts: Vec<(f64, usize)> = Vec::new();
-    let mut poses = 0;
-    for i in 0..rows.len() {
-        let key = rows[i].q[0];
-        let reach = SAME_ANGLE.max(SAME_LENGTH);
-        let from = firsts.partition_point(|(k, _)| *k < key - reach);
-        let near = firsts[from..].iter().take_while(|(k, _)| *k <= key + reach);
-        let known = near.map(|(_, j)| *j).find(|j| same(&rows[*j].q, &rows[i].q));
-        rows[i].pose = match known {
-            Some(j) => rows[j].pose,
-            None => {
-                let at = firsts.partition_point(|(k, _)| *k < key);
-                firsts.insert(at, (key, i));
-                poses += 1;
-                poses - 1
-            }
-        };
-    }
-    poses
 }

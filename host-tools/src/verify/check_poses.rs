@@ -1,9 +1,9 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use truearm::JointKind;
 
 use crate::error::{Error, Result};
 use crate::files::{Measurements, Model};
+use crate::near::Reach;
 use crate::plan::Region;
 
 /// Poses are apart when a joint differs by more than this, rad (5 degrees).
@@ -24,19 +24,11 @@ pub fn check_poses(
 ) -> Result<Vec<Vec<f64>>> {
     let robot = &model.robot;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let near = |a: &[f64], b: &[f64]| {
-        a.iter().zip(b).zip(&robot.joints).all(|((a, b), joint)| {
-            let limit = match joint.link.kind {
-                JointKind::Revolute => APART_ANGLE,
-                JointKind::Prismatic => APART_LENGTH,
-            };
-            (a - b).abs() <= limit
-        })
-    };
+    let reach = Reach::of_joints(robot, APART_ANGLE, APART_LENGTH);
     let mut out: Vec<Vec<f64>> = Vec::new();
     for _ in 0..100 {
         for q in region.sample(robot, count, &mut rng)? {
-            let taken = used.is_some_and(|data| data.rows.iter().any(|r| near(&r.q, &q)));
+            let taken = used.is_some_and(|data| data.rows.iter().any(|r| reach.near(&r.q, &q)));
             if out.len() < count && !taken {
                 out.push(q);
             }

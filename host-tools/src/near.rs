@@ -1,0 +1,137 @@
+//! When two poses are one, or near each other.
+
+use std::collections::HashMap;
+
+use truearm::JointKind;
+
+use crate::files::Robot;
+
+/// Edge of a cell, in reaches: wide, so that few points lie within reach of a
+/// second cell, and narrow, so that few are in one.
+const EDGE: f64 = 16.0;
+/// Where the cells begin, in edges: joints rest at round angles, and round
+/// angles must not all lie on a face.
+const ORIGIN: f64 = 0.381_966;
+
+/// How far apart points may be to count as near, a coordinate at a time.
+#[derive(Debug, Clone)]
+pub struct Reach(Vec<f64>);
+
+impl Reach {
+    /// In joint space: within `angle` (rad) of every revolute joint and
+    /// `length` (m) of every prismatic one.
+    #[must_use]
+    pub fn of_joints(robot: &Robot, angle: f64, length: f64) -> Self {
+        let of = |kind| match kind {
+            JointKind::Revolute => angle,
+            JointKind::Prismatic => length,
+        };
+        Self(robot.joints.iter().map(|joint| of(joint.link.kind)).collect())
+    }
+
+    /// The same in every coordinate.
+    #[must_use]
+    pub fn uniform(coordinates: usize, reach: f64) -> Self {
+        Self(vec![reach; coordinates])
+    }
+
+    /// Whether two points are near each other.
+    #[must_use]
+    pub fn near(&self, a: &[f64], b: &[f64]) -> bool {
+        a.iter().zip(b).zip(&self.0).all(|((a, b), reach)| (a - b).abs() <= *reach)
+    }
+
+    /// Numbers points in order of appearance, near ones alike: a point has the
+    /// number of the earliest first point of a number that is near it. Also how
+    /// many numbers there are.
+    #[must_use]
+    pub fn number<'a>(&self, points: impl IntoIterator<Item = &'a [f64]>) -> (Vec<usize>, usize) {
+        let mut firsts: Vec<&[f64]> = Vec::new();
+        let mut cells: HashMap<Vec<i64>, Vec<usize>> = HashMap::new();
+        let numbers = points.into_iter().map(|point| {
+            let around = self.cells(point);
+            let known = around.iter().filter_map(|cell| cells.get(cell)).flatten();
+            known.copied().filter(|k| self.near(firsts[*k], point)).min().unwrap_or_else(|| {
+                firsts.push(point);
+                let own = around.into_iter().next().unwrap_or_default();
+                cells.entry(own).or_default().push(firsts.len() - 1);
+                firsts.len() - 1
+            })
+        });
+        let numbers = numbers.collect();
+        (numbers, firsts.len())
+    }
+
+    /// The cell of a point, then every other one in which a near point may be.
+    fn cells(&self, point: &[f64]) -> Vec<Vec<i64>> {
+        let place = |(x, reach): (&f64, &f64)| x / (reach * EDGE) + ORIGIN;
+        let places: Vec<f64> = point.iter().zip(&self.0).map(place).collect();
+        let mut cells = vec![places.iter().map(|place| place.floor() as i64).collect::<Vec<i64>>()];
+        // A little more than a reach: divisions round.
+        let margin = 1.001 / EDGE;
+        for (axis, place) in places.iter().enumerate() {
+            let inside = place - place.floor();
+            let step = i64::from(inside > 1.0 - margin) - i64::from(inside < margin);
+            if step != 0 {
+                let mut beyond = cells.clone();
+                beyond.iter_mut().for_each(|cell| cell[axis] = cell[axis].saturating_add(step));
+                cells.extend(beyond);
+            }
+        }
+        cells
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// What the numbers mean, without cells.
+    fn plain(reach: &Reach, points: &[Vec<f64>]) -> (Vec<usize>, usize) {
+        let mut firsts: Vec<&[f64]> = Vec::new();
+        let number = |point| {
+            firsts.iter().position(|first| reach.near(first, point)).unwrap_or_else(|| {
+                firsts.push(point);
+                firsts.len() - 1
+            })
+        };
+        let numbers = points.iter().map(Vec::as_slice).map(number).collect();
+        (numbers, firsts.len())
+    }
+
+    proptest! {
+        /// Points on a grid of half reaches, so that many lie exactly a reach
+        /// apart, and some off it.
+        #[test]
+        fn cells_change_no_number(
+            points in prop::collection::vec(prop::collection::vec((-40..40_i32, 0..3_i32), 3), 1..120),
+        ) {
+            let reach = Reach(vec![0.5, 0.25, 2.0]);
+            let coordinate = |((steps, off), reach): (&(i32, i32), &f64)| {
+                f64::from(*steps) * reach / 2.0 + f64::from(*off) * reach * 1e-9
+            };
+            let points: Vec<Vec<f64>> =
+                points.iter().map(|p| p.iter().zip(&reach.0).map(coordinate).collect()).collect();
+            prop_assert_eq!(reach.number(points.iter().map(Vec::as_slice)), plain(&reach, &points));
+        }
+    }
+
+    /// Rows of a file in which joint 1 stands still, every second one a
+    /// repetition of the one before.
+    #[test]
+    fn many_poses_are_numbered_soon() {
+        let count = 60_000;
+        let q = |i: usize| vec![0.0, i as f64 * 1e-3, (i % 97) as f64 * 0.02, 0.5, 0.0, 1.0];
+        let points: Vec<Vec<f64>> = (0..count).map(|i| q(i / 2)).collect();
+        let start = Instant::now();
+        let (numbers, poses) =
+            Reach::uniform(6, 1.7e-4).number(points.iter().map(Vec::as_slice));
+        assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+        assert_eq!(poses, count / 2);
+        assert!(numbers.iter().enumerate().all(|(i, number)| *number == i / 2));
+    }
+}
