@@ -26,6 +26,14 @@ pub enum Error {
         /// What to do about it.
         help: String,
     },
+    /// A command line whose values make no sense.
+    #[error("{message}")]
+    Usage {
+        /// What is wrong.
+        message: String,
+        /// What to do about it.
+        help: String,
+    },
     /// Data that cannot answer what was asked of them.
     #[error("{message}")]
     Data {
@@ -106,6 +114,11 @@ impl Error {
         Self::Data { message: message.into(), help: help.into() }
     }
 
+    /// Of the command line.
+    pub fn usage(message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self::Usage { message: message.into(), help: help.into() }
+    }
+
     /// Of the system.
     pub fn io(path: &Path, source: std::io::Error) -> Self {
         Self::Io { path: path.to_owned(), source }
@@ -116,7 +129,7 @@ impl Error {
     pub fn help(&self) -> &str {
         match self {
             Self::Io { .. } => "",
-            Self::File { help, .. } | Self::Data { help, .. } => help,
+            Self::File { help, .. } | Self::Usage { help, .. } | Self::Data { help, .. } => help,
         }
     }
 }

@@ -3,8 +3,8 @@
 
 mod cli;
 
-use clap::Parser;
+use std::process::ExitCode;
 
-fn main() -> miette::Result<()> {
-    cli::Cli::parse().run()
+fn main() -> ExitCode {
+    cli::run()
 }

@@ -128,8 +128,7 @@ mod tests {
         let q = |i: usize| vec![0.0, i as f64 * 1e-3, (i % 97) as f64 * 0.02, 0.5, 0.0, 1.0];
         let points: Vec<Vec<f64>> = (0..count).map(|i| q(i / 2)).collect();
         let start = Instant::now();
-        let (numbers, poses) =
-            Reach::uniform(6, 1.7e-4).number(points.iter().map(Vec::as_slice));
+        let (numbers, poses) = Reach::uniform(6, 1.7e-4).number(points.iter().map(Vec::as_slice));
         assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
         assert_eq!(poses, count / 2);
         assert!(numbers.iter().enumerate().all(|(i, number)| *number == i / 2));

@@ -171,7 +171,7 @@ fn check_poses_are_others() {
     let region = Region::new(&cell.model.robot, Some(limits)).unwrap();
     let poses = check_poses(&cell.model, &region, Some(&cell.data), 25, 1).unwrap();
     assert_eq!(poses.len(), 25);
-    let text = Region::to_csv(&cell.model.robot, "cmd", &poses);
+    let text = Region::to_csv(&cell.model.robot, "cmd", &poses, &[]);
     assert!(text.starts_with("cmd1_deg,cmd2_deg"));
     let near =
         |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs().to_degrees() <= 5.0);

@@ -8,7 +8,7 @@ use truearm_host::plot::{Axis, Panel, Series, grid};
 use truearm_host::report::Stats;
 
 use super::evaluate::Frames as Anew;
-use super::{table, warn};
+use super::{Said, table, to_json, warn};
 
 /// The paper's methods side by side: errors, reduction, time, size of the corrections.
 #[derive(Args)]
@@ -35,7 +35,7 @@ pub struct Compare {
 }
 
 impl Compare {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         let robot = Robot::read(&self.robot)?;
         let data = Measurements::read(&self.data, &robot)?;
         let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
@@ -44,18 +44,16 @@ impl Compare {
         let judge = other.as_ref().map(|o| (o, anew));
         let found = methods::compare(&robot, &data, judge, frames, &methods::all())?;
         warn(&found.warnings);
-        let json = serde_json::to_string_pretty(&found)
-            .unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
-            + "\n";
-        print!("{}", if self.json { json.clone() } else { words(&found) });
-        let Some(folder) = &self.out else { return Ok(()) };
-        write(&folder.join("compare.json"), json.as_bytes())?;
-        write(&folder.join("errors.svg"), errors(&found).as_bytes())?;
-        write(&folder.join("methods.svg"), bars(&found).as_bytes())?;
-        if !self.json {
-            println!("wrote {}", folder.join("{compare.json,errors.svg,methods.svg}").display());
+        let json = to_json(&found);
+        let mut wrote = String::new();
+        if let Some(folder) = &self.out {
+            write(&folder.join("compare.json"), json.as_bytes())?;
+            write(&folder.join("errors.svg"), errors(&found).as_bytes())?;
+            write(&folder.join("methods.svg"), bars(&found).as_bytes())?;
+            let files = folder.join("{compare.json,errors.svg,methods.svg}");
+            wrote = format!("wrote {}\n", files.display());
         }
-        Ok(())
+        Ok(if self.json { json.into() } else { (words(&found) + &wrote).into() })
     }
 }
 

@@ -7,7 +7,7 @@ use truearm_host::files::{Measurements, Robot};
 
 use super::identify::residuals;
 use super::progress::Bar;
-use super::{deliver, table, warn};
+use super::{Said, deliver, table, warn};
 
 /// Find where model and measurement disagree, name the missing effect, add it,
 /// and show the gap shrink on poses that were not fitted.
@@ -38,7 +38,7 @@ pub struct Diagnose {
 }
 
 impl Diagnose {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         let robot = Robot::read(&self.robot)?;
         let data = Measurements::read(&self.data, &robot)?;
         let holdout = self.holdout.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;

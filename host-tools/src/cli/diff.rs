@@ -5,7 +5,7 @@ use truearm::blob::Blob;
 use truearm_host::Result;
 use truearm_host::compare::compare;
 
-use super::{read_blob, refused};
+use super::{Said, read_blob, refused};
 
 /// Compare two parameter blobs: which parameters moved, and the tool with them.
 #[derive(Args)]
@@ -23,7 +23,7 @@ pub struct Diff {
 }
 
 impl Diff {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         let [a, b] = [&self.before, &self.after].map(|path| Ok((path, read_blob(path)?)));
         let (a, b) = (a?, b?);
         let check = |(path, bytes): &(&PathBuf, Vec<u8>)| {
@@ -31,7 +31,6 @@ impl Diff {
         };
         check(&a)?;
         check(&b)?;
-        print!("{}", compare(&a.1, &b.1, self.poses, self.seed)?);
-        Ok(())
+        Ok(compare(&a.1, &b.1, self.poses, self.seed)?.into())
     }
 }

@@ -5,7 +5,7 @@ use truearm_host::Result;
 use truearm_host::evaluate::{Reregister, evaluate, not_covered};
 use truearm_host::files::{Measurements, Model};
 
-use super::{table, warn};
+use super::{Said, table, to_json, warn};
 
 /// Score a model on measurements it was not identified from.
 #[derive(Args)]
@@ -51,7 +51,7 @@ struct Report<'a> {
 }
 
 impl Evaluate {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         let model = Model::read(&self.model)?;
         let data = Measurements::read(&self.data, &model.robot)?;
         warn(&data.warnings);
@@ -68,11 +68,8 @@ impl Evaluate {
                 validation: &validation,
                 warnings: &data.warnings,
             };
-            let json = serde_json::to_string_pretty(&report);
-            println!("{}", json.unwrap_or_else(|e| unreachable!("a plain struct: {e}")));
-        } else {
-            print!("{}", table::validation(&validation));
+            return Ok(to_json(&report).into());
         }
-        Ok(())
+        Ok(table::validation(&validation).into())
     }
 }

@@ -2,13 +2,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use truearm_host::evaluate::evaluate;
-use truearm_host::files::{Measurements, Robot};
+use truearm_host::files::{Measurements, Robot, Row, csv_text};
 use truearm_host::identify::{LambdaRule, Options, RowResult, Scaling, identify};
 use truearm_host::{Error, Result};
 
 use super::evaluate::Frames;
 use super::progress::Bar;
-use super::{deliver, table, warn};
+use super::{Said, deliver, table, warn};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
 #[derive(Args)]
@@ -49,7 +49,7 @@ enum Mode {
 }
 
 impl Identify {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         let options = self.options()?;
         let robot = Robot::read(&self.robot)?;
         let data = Measurements::read(&self.data, &robot)?;
@@ -83,7 +83,7 @@ impl Identify {
             (None, Scaling::Prior) => LambdaRule::default(),
             (Some("map"), Scaling::Prior) => LambdaRule::MaximumAPosteriori,
             (Some("map"), Scaling::Printed) => {
-                return Err(Error::data(
+                return Err(Error::usage(
                     "--lambda map needs --scaling prior",
                     "lambda = 1 is the maximum a posteriori estimate only where parameters count \
                      tolerances",
@@ -98,7 +98,7 @@ impl Identify {
             (Some(text), _) => match text.parse::<f64>() {
                 Ok(lambda) if lambda >= 0.0 && lambda.is_finite() => LambdaRule::Fixed(lambda),
                 _ => {
-                    return Err(Error::data(
+                    return Err(Error::usage(
                         format!("--lambda {text}"),
                         "give map, l-curve, two-step, gcv, discrepancy, k-fold, ml, or a number from 0 on",
                     ));
@@ -112,21 +112,17 @@ impl Identify {
 /// One line a data row: residuals in mm with nominal geometry, identified, and
 /// held out.
 pub fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
-    let mut out = "row,line,station,marker,flagged,nominal_dx_mm,nominal_dy_mm,nominal_dz_mm,\
-                   dx_mm,dy_mm,dz_mm,held_out_dx_mm,held_out_dy_mm,held_out_dz_mm\n"
-        .to_owned();
-    for (i, (row, result)) in data.rows.iter().zip(rows).enumerate() {
+    let header = "row,line,station,marker,flagged,nominal_dx_mm,nominal_dy_mm,nominal_dz_mm,\
+                  dx_mm,dy_mm,dz_mm,held_out_dx_mm,held_out_dy_mm,held_out_dz_mm";
+    let line = |(i, (row, result)): (usize, (&Row, &RowResult))| {
         let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
-        let flagged = u8::from(result.flagged);
-        out += &format!("{},{},{station},{marker},{flagged}", i + 1, row.line);
-        for v in [result.nominal, result.identified].iter().flat_map(|v| v.iter()) {
-            out += &format!(",{:.5}", v * 1e3);
+        let mut cells = vec![(i + 1).to_string(), row.line.to_string()];
+        cells.extend([station.clone(), marker.clone(), u8::from(result.flagged).to_string()]);
+        for v in [Some(result.nominal), Some(result.identified), result.held_out] {
+            let mm = |axis: usize| v.map_or(String::new(), |v| format!("{:.5}", v[axis] * 1e3));
+            cells.extend((0..3).map(mm));
         }
-        match result.held_out {
-            Some(v) => v.iter().for_each(|x| out += &format!(",{:.5}", x * 1e3)),
-            None => out += ",,,",
-        }
-        out.push('\n');
-    }
-    out
+        cells
+    };
+    csv_text(header.split(','), data.rows.iter().zip(rows).enumerate().map(line))
 }

@@ -6,7 +6,7 @@ use truearm_host::Result;
 use truearm_host::describe::describe;
 use truearm_host::files::{Robot, read_key};
 
-use super::{read_blob, refused, warn};
+use super::{End, Said, read_blob, refused, warn};
 
 /// Print every field of a parameter blob, or why a controller would refuse it.
 #[derive(Args)]
@@ -25,11 +25,11 @@ pub struct Inspect {
 }
 
 impl Inspect {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         let bytes = read_blob(&self.blob)?;
         let refused = |e| refused(&self.blob, &bytes, &e);
         let blob = Blob::check(&bytes).map_err(|e| refused(e.into()))?;
-        print!("{}", describe(&blob, bytes.len()));
+        let mut text = describe(&blob, bytes.len());
 
         let mut asked = Vec::new();
         let mut acceptance = Acceptance::of(blob.robot_id(), blob.joints());
@@ -50,10 +50,13 @@ impl Inspect {
             acceptance = acceptance.not_before(sequence);
             asked.push(format!("sequence {sequence} in force"));
         }
-        acceptance.judge(&blob).map_err(refused)?;
-        if !asked.is_empty() {
-            println!("\naccepted by a controller with: {}", asked.join(", "));
+        if let Err(refusal) = acceptance.judge(&blob) {
+            // What it is helps to see why it is refused.
+            return Ok(Said { text, end: End::Failed(refused(refusal)) });
         }
-        Ok(())
+        if !asked.is_empty() {
+            text += &format!("\naccepted by a controller with: {}\n", asked.join(", "));
+        }
+        Ok(text.into())
     }
 }

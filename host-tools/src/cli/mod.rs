@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each a thin layer over the library.
 
 mod compare;
+mod console;
 mod diagnose;
 mod diff;
 mod evaluate;
@@ -16,18 +17,20 @@ mod unpack;
 mod verify;
 
 use std::path::Path;
+use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use miette::miette;
 use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::explain::explain;
 use truearm_host::files::{Model, write};
 use truearm_host::{Error, Result};
 
+use console::{End, Said, warn};
+
 /// Identify the true geometry of a robot arm from tracker measurements.
 #[derive(Parser)]
-#[command(version, arg_required_else_help = true)]
-pub struct Cli {
+#[command(version, arg_required_else_help = true, after_help = console::TABLE)]
+struct Cli {
     #[command(subcommand)]
     verb: Verb,
 }
@@ -47,10 +50,17 @@ enum Verb {
     Verify(verify::Verify),
 }
 
+/// Runs the verb of the command line; the exit status.
+pub fn run() -> ExitCode {
+    match Cli::try_parse() {
+        Ok(cli) => console::finish(cli.run()),
+        Err(error) => console::usage(&error),
+    }
+}
+
 impl Cli {
-    /// Runs the verb.
-    pub fn run(self) -> miette::Result<()> {
-        let done = match self.verb {
+    fn run(self) -> Result<Said> {
+        match self.verb {
             Verb::Identify(verb) => verb.run(),
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
@@ -62,17 +72,7 @@ impl Cli {
             Verb::Unpack(verb) => verb.run(),
             Verb::Plan(verb) => verb.run(),
             Verb::Verify(verb) => verb.run(),
-        };
-        done.map_err(|e| {
-            if e.help().is_empty() { miette!("{e}") } else { miette!(help = e.help(), "{e}") }
-        })
-    }
-}
-
-/// Remarks go to standard error, so that `--json` stays clean.
-fn warn(warnings: &[String]) {
-    for warning in warnings {
-        eprintln!("warning: {warning}");
+        }
     }
 }
 
@@ -95,7 +95,7 @@ fn to_json(report: &impl serde::Serialize) -> String {
         + "\n"
 }
 
-/// Prints a report, as JSON or in words, and writes the files of a folder.
+/// Writes the files of a folder, and says the report as JSON or in words.
 fn deliver(
     report: &impl serde::Serialize,
     words: impl FnOnce() -> String,
@@ -103,19 +103,15 @@ fn deliver(
     folder: Option<&Path>,
     model: &Model,
     residuals: impl FnOnce() -> String,
-) -> Result<()> {
+) -> Result<Said> {
     let json = to_json(report);
-    if as_json {
-        print!("{json}");
-    } else {
-        print!("{}", words());
+    let mut wrote = String::new();
+    if let Some(folder) = folder {
+        write(&folder.join("model.toml"), model.to_toml().as_bytes())?;
+        write(&folder.join("report.json"), json.as_bytes())?;
+        write(&folder.join("residuals.csv"), residuals().as_bytes())?;
+        let files = folder.join("{model.toml,report.json,residuals.csv}");
+        wrote = format!("wrote {}\n", files.display());
     }
-    let Some(folder) = folder else { return Ok(()) };
-    write(&folder.join("model.toml"), model.to_toml().as_bytes())?;
-    write(&folder.join("report.json"), json.as_bytes())?;
-    write(&folder.join("residuals.csv"), residuals().as_bytes())?;
-    if !as_json {
-        println!("wrote {}", folder.join("{model.toml,report.json,residuals.csv}").display());
-    }
-    Ok(())
+    Ok(if as_json { json.into() } else { (words() + &wrote).into() })
 }

@@ -7,7 +7,7 @@ use truearm_host::files::{Model, read_key, write};
 use truearm_host::pack::{PackOptions, notes, pack_with};
 use truearm_host::{Error, Result};
 
-use super::refused;
+use super::{Said, refused};
 
 /// Pack a model into a parameter blob for the controller.
 #[derive(Args)]
@@ -71,19 +71,19 @@ fn family(text: &str) -> std::result::Result<u32, String> {
 }
 
 impl Pack {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         let model = Model::read(&self.model)?;
         let key = self.key.as_deref().map(read_key).transpose()?;
         let options = PackOptions { sequence: self.sequence, covariance: self.covariance, key };
         let bytes = pack_with(&model, &options)?;
         let slot = self.region(bytes.len())?;
         write(&self.out, &self.encoded(&bytes, slot.as_ref())?)?;
-        println!("wrote {}: {} bytes of parameters", self.out.display(), bytes.len());
+        let mut text =
+            format!("wrote {}: {} bytes of parameters\n", self.out.display(), bytes.len());
         if let Some(Region { name, origin, length }) = &slot {
-            println!("slot {name} at {origin:#010x}, {length} bytes");
+            text += &format!("slot {name} at {origin:#010x}, {length} bytes\n");
         }
-        report(&model);
-        Ok(())
+        Ok((text + &report(&model)).into())
     }
 
     /// Where the blob goes, if that was asked for.
@@ -124,26 +124,24 @@ impl Pack {
 }
 
 /// What the blob says and does not say.
-fn report(model: &Model) {
-    for note in notes(model) {
-        println!("{note}");
-    }
-    println!(
+fn report(model: &Model) -> String {
+    let mut lines = notes(model);
+    lines.push(format!(
         "frame: commanded poses refer to the nominal base; residual base {:.3} {:.3} {:.3} mm",
         model.frame_translation.x * 1e3,
         model.frame_translation.y * 1e3,
         model.frame_translation.z * 1e3
-    );
+    ));
     if !model.orientation_identified {
-        println!("flange orientation: not identified, points only; it stays nominal");
+        lines.push("flange orientation: not identified, points only; it stays nominal".to_owned());
     }
-    if model.markers.len() > 1 {
-        println!("tool: marker \"{}\", the first of {}", model.markers[0].0, model.markers.len());
+    if let [(first, _), _, ..] = &model.markers[..] {
+        lines.push(format!("tool: marker \"{first}\", the first of {}", model.markers.len()));
     }
     if !model.unidentifiable.is_empty() {
-        println!("directions the data did not determine, left at or near nominal:");
-        for line in &model.unidentifiable {
-            println!("  {line}");
-        }
+        let what = "directions the data did not determine, left at or near nominal:";
+        lines.push(what.to_owned());
+        lines.extend(model.unidentifiable.iter().map(|line| format!("  {line}")));
     }
+    lines.join("\n") + "\n"
 }

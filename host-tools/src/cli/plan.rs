@@ -8,7 +8,7 @@ use truearm_host::{Error, Result};
 
 use super::progress::Bar;
 use super::region::Where;
-use super::{to_json, warn};
+use super::{End, Said, to_json, warn};
 
 /// Choose the poses to measure before an identification, or to tell two
 /// explanations of `diagnose` apart.
@@ -86,9 +86,9 @@ struct Separated {
 }
 
 impl Plan {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         if let Some(um) = self.target_um.filter(|um| !(*um > 0.0 && um.is_finite())) {
-            return Err(Error::data(
+            return Err(Error::usage(
                 format!("--target-um {um}"),
                 "give a positive standard deviation in micrometres, such as 20",
             ));
@@ -109,16 +109,15 @@ impl Plan {
         let found = plan(&robot, &options, &|done, total| bar.update(done, total));
         bar.finish();
         let found = found?;
-        write(&self.out, Region::to_csv(&robot, "q", &found.poses).as_bytes())?;
+        write(&self.out, Region::to_csv(&robot, "q", &found.poses, &[]).as_bytes())?;
         warn(&robot.warnings);
-        if self.json {
-            print!("{}", to_json(&self.report(&robot, &found)));
+        let text = if self.json {
+            to_json(&self.report(&robot, &found))
         } else {
-            print!("{}", words(&found));
-            println!("wrote {}", self.out.display());
-        }
-        match (found.reached, self.target_um) {
-            (Some(false), Some(target)) => Err(Error::data(
+            words(&found) + &format!("wrote {}\n", self.out.display())
+        };
+        let end = match (found.reached, self.target_um) {
+            (Some(false), Some(target)) => End::Failed(Error::data(
                 format!(
                     "with {} poses the worst tool point is {:.1} um, not {target} um",
                     self.poses,
@@ -127,8 +126,9 @@ impl Plan {
                 "the poses are written as far as they go; allow more --poses, a wider region, or \
                  measure with a smaller sigma",
             )),
-            _ => Ok(()),
-        }
+            _ => End::Good,
+        };
+        Ok(Said { text, end })
     }
 
     fn report(&self, robot: &Robot, found: &Planned) -> Report {
@@ -150,7 +150,7 @@ impl Plan {
         }
     }
 
-    fn separate(&self, robot: &Robot, path: &std::path::Path, region: &Region) -> Result<()> {
+    fn separate(&self, robot: &Robot, path: &std::path::Path, region: &Region) -> Result<Said> {
         let data = Measurements::read(path, robot)?;
         let bar = Bar::new("diagnosing");
         let found =
@@ -159,11 +159,9 @@ impl Plan {
         let found = found?;
         let planned =
             discriminate(&data, &found, region, (self.poses, self.candidates, self.seed))?;
-        let mut text = Region::to_csv(robot, "q", &planned.poses);
-        if data.rows[0].directions.iter().any(|d| *d != 0) {
-            text = with_directions(&text, &planned.directions);
-        }
-        write(&self.out, text.as_bytes())?;
+        let told = data.rows[0].directions.iter().any(|d| *d != 0);
+        let directions = if told { planned.directions.as_slice() } else { &[] };
+        write(&self.out, Region::to_csv(robot, "q", &planned.poses, directions).as_bytes())?;
         let warnings = found.report.base.warnings.clone();
         warn(&warnings);
         let pairs = found.report.alternatives.iter().zip(&planned.separation);
@@ -175,34 +173,32 @@ impl Plan {
             })
             .collect();
         if self.json {
-            print!(
-                "{}",
-                to_json(&Separation {
-                    schema: "truearm-report-1",
-                    command: "plan",
-                    robot: robot.name.clone(),
-                    data: path.display().to_string(),
-                    poses: planned.poses.len(),
-                    candidates: self.candidates,
-                    alternatives,
-                    warnings,
-                })
-            );
-            return Ok(());
+            let report = Separation {
+                schema: "truearm-report-1",
+                command: "plan",
+                robot: robot.name.clone(),
+                data: path.display().to_string(),
+                poses: planned.poses.len(),
+                candidates: self.candidates,
+                alternatives,
+                warnings,
+            };
+            return Ok(to_json(&report).into());
         }
+        let mut text = String::new();
         for a in alternatives {
             let names: Vec<&str> = a.effects.iter().map(|(name, _)| *name).collect();
-            println!(
+            text += &format!(
                 "alternative {}: worse by {:.1} in chi-square now, by {:.0} more expected with \
-                 these {} poses",
+                 these {} poses\n",
                 names.join(" and "),
                 a.worse_by_now,
                 a.worse_by_planned,
                 planned.poses.len()
             );
         }
-        println!("wrote {}", self.out.display());
-        Ok(())
+        text += &format!("wrote {}\n", self.out.display());
+        Ok(text.into())
     }
 }
 
@@ -230,13 +226,4 @@ fn words(found: &Planned) -> String {
         o.o4,
         o.o5
     )
-}
-
-/// Adds columns `dir1..dirN` to a CSV of poses.
-fn with_directions(text: &str, directions: &[Vec<i8>]) -> String {
-    let joints = directions.first().map_or(0, Vec::len);
-    let names: Vec<String> = (1..=joints).map(|j| format!(",dir{j}")).collect();
-    let cells = directions.iter().map(|row| row.iter().map(|d| format!(",{d}")).collect());
-    let columns = std::iter::once(names.concat()).chain(cells);
-    text.lines().zip(columns).map(|(line, more): (_, String)| format!("{line}{more}\n")).collect()
 }

@@ -45,10 +45,10 @@ impl Where {
         if let Some(text) = &self.tracker {
             let axis = Vector3::from(numbers("--target-axis", &self.target_axis)?);
             if axis.norm() == 0.0 {
-                return Err(Error::data("--target-axis 0,0,0", "give a direction, such as 0,0,1"));
+                return Err(Error::usage("--target-axis 0,0,0", "give a direction, such as 0,0,1"));
             }
             if !(self.cone_deg > 0.0 && self.cone_deg <= 180.0) {
-                return Err(Error::data(
+                return Err(Error::usage(
                     format!("--cone-deg {}", self.cone_deg),
                     "give half the opening angle, above 0 and up to 180 degrees",
                 ));
@@ -65,14 +65,14 @@ impl Where {
 
 fn limits(text: &str, robot: &Robot) -> Result<Vec<[f64; 2]>> {
     let wrong = || {
-        Error::data(
+        Error::usage(
             format!("--limits {text}"),
             "give low:high for every joint, separated by commas, such as -170:170,-90:120",
         )
     };
     let ranges: Vec<&str> = text.split(',').collect();
     if ranges.len() != robot.joints.len() {
-        return Err(Error::data(
+        return Err(Error::usage(
             format!(
                 "--limits of {} joints, but the robot has {}",
                 ranges.len(),
@@ -99,7 +99,7 @@ fn numbers<const N: usize>(option: &str, text: &str) -> Result<[f64; N]> {
         .collect();
     let right = (text.split(',').count() == N).then_some(cells);
     right.and_then(|cells| cells.try_into().ok()).ok_or_else(|| {
-        Error::data(
+        Error::usage(
             format!("{option} {text}"),
             format!("give {N} numbers separated by commas, in mm where they are lengths"),
         )

@@ -5,6 +5,7 @@ use truearm_host::Result;
 use truearm_host::files::write;
 use truearm_host::reproduce::{CAUTION, reproduce};
 
+use super::Said;
 use super::progress::Bar;
 
 /// The paper's experiment on simulated cells: its tables and figures, and a discussion.
@@ -19,7 +20,7 @@ pub struct Reproduce {
 }
 
 impl Reproduce {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         let bar = Bar::new("simulating");
         let done = reproduce(self.seeds, &|done, total| bar.update(done, total));
         bar.finish();
@@ -27,16 +28,14 @@ impl Reproduce {
         for (name, text) in &done.files {
             write(&self.out.join(name), text.as_bytes())?;
         }
-        println!("{CAUTION}");
-        println!(
-            "{} seeds; RMS on noise-free poses / Cramer-Rao bound, mean: {:.3}",
-            self.seeds, done.study.mean_rms_over_cramer_rao
-        );
-        println!(
-            "wrote {} files, first {}",
+        let text = format!(
+            "{CAUTION}\n{} seeds; RMS on noise-free poses / Cramer-Rao bound, mean: {:.3}\n\
+             wrote {} files, first {}\n",
+            self.seeds,
+            done.study.mean_rms_over_cramer_rao,
             done.files.len(),
             self.out.join("report.md").display()
         );
-        Ok(())
+        Ok(text.into())
     }
 }

@@ -5,7 +5,7 @@ use truearm_host::Result;
 use truearm_host::files::write;
 use truearm_host::unpack::{Name, not_carried, unpack};
 
-use super::read_blob;
+use super::{Said, read_blob};
 
 /// Make a model.toml of a parameter blob; packing it gives the same bytes.
 #[derive(Args)]
@@ -24,16 +24,16 @@ pub struct Unpack {
 }
 
 impl Unpack {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         let bytes = read_blob(&self.blob)?;
         let name = self.name.map(|name| Name { name, serial: self.serial });
         let model = unpack(&bytes, &self.blob, name)?;
         write(&self.out, model.to_toml().as_bytes())?;
-        println!("wrote {}", self.out.display());
-        println!("a blob does not carry, and the file therefore lacks:");
+        let mut text = format!("wrote {}\n", self.out.display());
+        text += "a blob does not carry, and the file therefore lacks:\n";
         for line in not_carried(&model, &bytes) {
-            println!("  {line}");
+            text += &format!("  {line}\n");
         }
-        Ok(())
+        Ok(text.into())
     }
 }

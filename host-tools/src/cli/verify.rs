@@ -1,14 +1,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use truearm_host::files::{Commanded, Measurements, Model, write};
+use nalgebra::Vector3;
+use truearm_host::files::{Commanded, Measurements, Model, Row, csv_text, write};
 use truearm_host::plan::Region;
 use truearm_host::verify::{COVERAGE_FACTOR, Conformity, STANDARD_REPEATS};
 use truearm_host::verify::{Verification, check_poses, verify};
 use truearm_host::{Error, Result};
 
 use super::region::Where;
-use super::{table, to_json, warn};
+use super::{End, Said, table, to_json, warn};
 
 /// Verify the compensated arm on measured points: ISO 9283 accuracy and
 /// repeatability, pass or fail. Exit status 3: fail, 4: neither is proven.
@@ -73,18 +74,19 @@ struct Report {
 }
 
 impl Verify {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self) -> Result<Said> {
         if let Some(mm) = self.tolerance_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
-            return Err(Error::data(
+            return Err(Error::usage(
                 format!("--tolerance-mm {mm}"),
                 "give the largest error allowed in mm, such as 0.3",
             ));
         }
         let model = Model::read(&self.model)?;
-        if let Some(path) = &self.check_poses {
-            self.propose(&model, path)?;
-        }
-        let Some(path) = &self.data else { return Ok(()) };
+        let mut text = match &self.check_poses {
+            Some(path) => self.propose(&model, path)?,
+            None => String::new(),
+        };
+        let Some(path) = &self.data else { return Ok(text.into()) };
         let refit = self.reregister.is_some();
         let data = Commanded::read(path, &model.robot)?;
         let after = verify(&model, &data, refit)?;
@@ -115,23 +117,20 @@ impl Verify {
         };
         warn(&report.warnings);
         let json = to_json(&report);
-        if self.json {
-            print!("{json}");
-        } else {
-            print!("{}", words(&report));
-        }
+        text += &if self.json { json.clone() } else { words(&report) };
         if let Some(folder) = &self.out {
             write(&folder.join("report.json"), json.as_bytes())?;
             write(&folder.join("errors.csv"), errors(&data.data, &report.after).as_bytes())?;
         }
-        match conformity {
-            None | Some(Conformity::Pass) => Ok(()),
-            Some(Conformity::Fail) => std::process::exit(3),
-            Some(Conformity::NotProven) => std::process::exit(4),
-        }
+        let end = match conformity {
+            None | Some(Conformity::Pass) => End::Good,
+            Some(Conformity::Fail) => End::Wrong,
+            Some(Conformity::NotProven) => End::Undecided,
+        };
+        Ok(Said { text, end })
     }
 
-    fn propose(&self, model: &Model, path: &Path) -> Result<()> {
+    fn propose(&self, model: &Model, path: &Path) -> Result<String> {
         // Within what was identified, unless the user says otherwise.
         let mut robot = model.robot.clone();
         for (joint, covered) in robot.joints.iter_mut().zip(&model.covered) {
@@ -140,11 +139,9 @@ impl Verify {
         let region = self.region.of(&robot)?;
         let used = self.apart_from.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         let poses = check_poses(model, &region, used.as_ref(), self.poses, self.seed)?;
-        write(path, Region::to_csv(&robot, "cmd", &poses).as_bytes())?;
-        if !self.json {
-            println!("wrote {} check poses to {}", poses.len(), path.display());
-        }
-        Ok(())
+        write(path, Region::to_csv(&robot, "cmd", &poses, &[]).as_bytes())?;
+        let said = format!("wrote {} check poses to {}\n", poses.len(), path.display());
+        Ok(if self.json { String::new() } else { said })
     }
 }
 
@@ -193,20 +190,13 @@ fn words(report: &Report) -> String {
 }
 
 fn errors(data: &Measurements, found: &Verification) -> String {
-    let mut out = "row,line,station,marker,pose,dx_mm,dy_mm,dz_mm,distance_mm\n".to_owned();
-    for (i, (row, e)) in data.rows.iter().zip(&found.row_errors).enumerate() {
+    let header = "row,line,station,marker,pose,dx_mm,dy_mm,dz_mm,distance_mm";
+    let line = |(i, (row, e)): (usize, (&Row, &Vector3<f64>))| {
         let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
-        let e = e * 1e3;
-        out += &format!(
-            "{},{},{station},{marker},{},{:.5},{:.5},{:.5},{:.5}\n",
-            i + 1,
-            row.line,
-            row.pose + 1,
-            e.x,
-            e.y,
-            e.z,
-            e.norm()
-        );
-    }
-    out
+        let mut cells = vec![(i + 1).to_string(), row.line.to_string()];
+        cells.extend([station.clone(), marker.clone(), (row.pose + 1).to_string()]);
+        cells.extend([e.x, e.y, e.z, e.norm()].map(|x| format!("{:.5}", x * 1e3)));
+        cells
+    };
+    csv_text(header.split(','), data.rows.iter().zip(&found.row_errors).enumerate().map(line))
 }

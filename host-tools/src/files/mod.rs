@@ -38,13 +38,35 @@ pub(crate) fn read(path: &Path) -> Result<String> {
     Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
 }
 
+/// The text of a CSV file; labels are quoted where they must be.
+pub fn csv_text<'a>(
+    header: impl IntoIterator<Item = &'a str>,
+    rows: impl IntoIterator<Item = Vec<String>>,
+) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let records = std::iter::once(header.into_iter().map(str::to_owned).collect()).chain(rows);
+    for record in records {
+        let written = writer.write_record(record);
+        written.unwrap_or_else(|e| unreachable!("rows as long as the header, in memory: {e}"));
+    }
+    let bytes = writer.into_inner().unwrap_or_else(|e| unreachable!("memory takes all: {e}"));
+    String::from_utf8(bytes).unwrap_or_else(|e| unreachable!("of texts: {e}"))
+}
+
 /// Writes a file whole or not at all: into a temporary file beside it, which
-/// then takes its name.
+/// then takes its name. A link stays a link, and what is no file, such as a
+/// pipe or /dev/stdout, is written to as it is.
 ///
 /// # Errors
 /// What the system says; an existing file is then as it was.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let error = |e| Error::io(path, e);
+    if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        let device = std::fs::OpenOptions::new().write(true).open(path);
+        return device.and_then(|mut device| device.write_all(bytes)).map_err(error);
+    }
+    let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let path = target.as_path();
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

@@ -5,7 +5,7 @@ use truearm::{JointKind, Pose};
 
 use crate::chain::chain;
 use crate::error::{Error, Result};
-use crate::files::Robot;
+use crate::files::{Robot, csv_text};
 
 /// A pose is given up for when so many draws gave none.
 const MOST_TRIES: usize = 20_000;
@@ -148,9 +148,15 @@ pub fn from_file(robot: &Robot, joint: usize, value: f64) -> f64 {
 
 impl Region {
     /// Poses as lines of a CSV file: a column a joint, named after `prefix`,
-    /// and where the nominal target then is in the robot's frame.
+    /// where the nominal target then is in the robot's frame, and the side that
+    /// each joint is to come from, unless `directions` is empty.
     #[must_use]
-    pub fn to_csv(robot: &Robot, prefix: &str, poses: &[Vec<f64>]) -> String {
+    pub fn to_csv(
+        robot: &Robot,
+        prefix: &str,
+        poses: &[Vec<f64>],
+        directions: &[Vec<i8>],
+    ) -> String {
         let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
         let mut names: Vec<String> = (0..robot.joints.len())
             .map(|j| match robot.joints[j].link.kind {
@@ -159,16 +165,19 @@ impl Region {
             })
             .collect();
         names.extend(["nominal_x_mm", "nominal_y_mm", "nominal_z_mm"].map(str::to_owned));
-        let mut out = names.join(",") + "\n";
-        for q in poses {
+        let sides = directions.first().map_or(0, Vec::len);
+        names.extend((1..=sides).map(|joint| format!("dir{joint}")));
+        let row = |(i, q): (usize, &Vec<f64>)| {
             let mut cells: Vec<String> = q
                 .iter()
                 .enumerate()
                 .map(|(j, q)| format!("{:.3}", to_file(robot, j, *q)))
                 .collect();
             cells.extend(arm.pose(q).translation.iter().map(|x| format!("{:.3}", x * 1e3)));
-            out += &(cells.join(",") + "\n");
-        }
-        out
+            let sides = directions.get(i).into_iter().flatten();
+            cells.extend(sides.map(|side| side.to_string()));
+            cells
+        };
+        csv_text(names.iter().map(String::as_str), poses.iter().enumerate().map(row))
     }
 }

@@ -100,7 +100,7 @@ impl Trial {
 
     /// Rows of these poses without noise.
     fn measured(&self, poses: &[Vec<f64>]) -> Measurements {
-        let lines = Region::to_csv(&self.robot, "q", poses);
+        let lines = Region::to_csv(&self.robot, "q", poses, &[]);
         let mut text = String::new();
         for (i, line) in lines.lines().enumerate() {
             let cells: Vec<&str> = line.split(',').take(self.robot.joints.len()).collect();

@@ -1,0 +1,96 @@
+//! What a verb says when it is done, and the exit status.
+//!
+//! Files are written first; then everything for standard output goes there at
+//! once. Whoever reads it may stop reading: that is no error. A full disk is.
+
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use miette::miette;
+use truearm_host::{Error, Result};
+
+/// The table of exit statuses, the same for all verbs.
+pub const TABLE: &str = "\
+Exit status:
+  0  done and good
+  1  error
+  2  wrong usage
+  3  found wrong: verify, an error beyond the tolerance
+  4  cannot be decided: verify, the tolerance is within the uncertainty";
+
+/// How a verb ended.
+pub enum End {
+    /// Done and good.
+    Good,
+    /// Done, but not what was asked for.
+    Failed(Error),
+    /// What was judged is wrong.
+    Wrong,
+    /// What was judged is neither proven good nor wrong.
+    Undecided,
+}
+
+/// What a verb has to say.
+pub struct Said {
+    /// For standard output.
+    pub text: String,
+    /// How it ended.
+    pub end: End,
+}
+
+impl From<String> for Said {
+    fn from(text: String) -> Self {
+        Self { text, end: End::Good }
+    }
+}
+
+/// Remarks go to standard error, so that `--json` stays clean. Nobody need
+/// read them.
+pub fn warn(warnings: &[String]) {
+    for warning in warnings {
+        let _ = writeln!(io::stderr(), "warning: {warning}");
+    }
+}
+
+/// Prints what there is to say; the exit status.
+pub fn finish(done: Result<Said>) -> ExitCode {
+    let end = done.and_then(|said| {
+        let mut out = io::stdout().lock();
+        printed(out.write_all(said.text.as_bytes()).and_then(|()| out.flush()))?;
+        Ok(said.end)
+    });
+    match end {
+        Ok(End::Good) => ExitCode::SUCCESS,
+        Ok(End::Wrong) => ExitCode::from(3),
+        Ok(End::Undecided) => ExitCode::from(4),
+        Ok(End::Failed(error)) | Err(error) => failed(&error),
+    }
+}
+
+/// The command line could not be read, or asks for help.
+pub fn usage(error: &clap::Error) -> ExitCode {
+    let print = error.print().and_then(|()| io::stdout().flush());
+    match printed(print) {
+        Err(error) => failed(&error),
+        Ok(()) => ExitCode::from(error.exit_code() as u8),
+    }
+}
+
+fn failed(error: &Error) -> ExitCode {
+    let report = match error.help() {
+        "" => miette!("{error}"),
+        help => miette!(help = help, "{error}"),
+    };
+    let _ = writeln!(io::stderr(), "Error: {report:?}");
+    ExitCode::from(if matches!(error, Error::Usage { .. }) { 2 } else { 1 })
+}
+
+fn printed(result: io::Result<()>) -> Result<()> {
+    match result {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::io(Path::new("standard output"), e))
+        }
+        _ => Ok(()),
+    }
+}
