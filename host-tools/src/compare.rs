@@ -8,7 +8,7 @@ use truearm::effects::Term;
 use truearm::{Approach, Arm, ArmParameters, JointKind, LinkParameter, State};
 
 use crate::chain::with_joints;
-use crate::describe::term_columns;
+use crate::describe::{rms, term_columns};
 use crate::error::{Error, Result};
 use crate::files::term_unit;
 
@@ -148,8 +148,13 @@ fn parameters<const N: usize>(a: &ArmParameters<f64, N>, b: &ArmParameters<f64, 
     }
     let temperature = [a.reference_temperature, b.reference_temperature];
     out.number("reference temperature", "degrees C", 1.0, temperature);
-    out.number("RMS error before", "mm", 1e3, [a.rms_before, b.rms_before]);
-    out.number("RMS error after", "mm", 1e3, [a.rms_after, b.rms_after]);
+    for (name, of) in [
+        ("RMS error before, mm", [a.rms_before, b.rms_before]),
+        ("RMS error after, mm", [a.rms_after, b.rms_after]),
+    ] {
+        let [a, b] = of.map(rms);
+        out.text(name, [&a, &b]);
+    }
     let orientation = |p: &ArmParameters<f64, N>| match p.orientation_identified {
         true => "identified",
         false => "nominal",

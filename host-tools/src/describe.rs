@@ -55,7 +55,7 @@ fn fields<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
          base rotation deg     {}\n\
          tool mm               {}\n\
          flange orientation    {orientation}\n\
-         RMS error mm          {:.4} before, {:.4} after (cross-validated)\n\
+         RMS error mm          {} before, {} after (cross-validated)\n\
          reference temp. C     {:.2}\n\
          {}\n\
          joint     alpha deg       a mm  theta deg       d mm   beta deg   limits          covered\n",
@@ -64,8 +64,8 @@ fn fields<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
         vector(&p.base_translation, 1e3),
         vector(&p.base_rotation, 1_f64.to_degrees()),
         vector(&p.tool, 1e3),
-        p.rms_before * 1e3,
-        p.rms_after * 1e3,
+        rms(p.rms_before),
+        rms(p.rms_after),
         p.reference_temperature,
         match &p.masses {
             None => "masses                not given\n".to_owned(),
@@ -205,4 +205,9 @@ pub(crate) fn term_columns(term: &Term<f64>) -> (String, &'static str, String) {
 /// Four decimals without a minus zero.
 fn shown(x: f64) -> f64 {
     (x * 1e4).round() / 1e4 + 0.0
+}
+
+/// An RMS error in mm; a blob has 0 where it is not known.
+pub(crate) fn rms(metres: f64) -> String {
+    if metres == 0.0 { "not known".to_owned() } else { format!("{:.4}", metres * 1e3) }
 }

@@ -34,6 +34,15 @@ pub enum Error {
         /// What to do about it.
         help: String,
     },
+    /// Rows that contradict the others, and more of them than errors of single
+    /// rows can be.
+    #[error("{rows} of {of} rows contradict the rest")]
+    Contradiction {
+        /// How many.
+        rows: usize,
+        /// Of how many.
+        of: usize,
+    },
     /// Data that cannot answer what was asked of them.
     #[error("{message}")]
     Data {
@@ -129,6 +138,10 @@ impl Error {
     pub fn help(&self) -> &str {
         match self {
             Self::Io { .. } => "",
+            Self::Contradiction { .. } => {
+                "so many are no outliers: check joint senses, units and the nominal geometry; \
+                 `truearm diagnose` shows which rows they are"
+            }
             Self::File { help, .. } | Self::Usage { help, .. } | Self::Data { help, .. } => help,
         }
     }

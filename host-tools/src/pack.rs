@@ -53,7 +53,7 @@ pub fn pack_with(model: &Model, options: &PackOptions) -> Result<Vec<u8>> {
                 model.robot.path.display(),
                 terms.len()
             ),
-            "identify it again with `truearm diagnose --most-terms 24`, or take out of model.toml the [[terms]] that matter least",
+            "`truearm diagnose --most-terms 24` gives the best model of that size",
         )
     })?;
     let joints = model.robot.joints.len();
@@ -89,6 +89,12 @@ pub fn pack_with(model: &Model, options: &PackOptions) -> Result<Vec<u8>> {
 /// The model's covariance, if it is one of so many terms.
 fn factor(model: &Model, terms: usize) -> Result<&[f32]> {
     let path = model.robot.path.display();
+    if model.changed {
+        return Err(Error::data(
+            format!("{path}: [covariance] is not that of these corrections and terms"),
+            "they were changed by hand: identify again, or pack without --covariance",
+        ));
+    }
     let factor = model.covariance.as_deref().ok_or_else(|| {
         Error::data(
             format!("{path}: no [covariance]"),
@@ -117,7 +123,8 @@ fn arm_terms(model: &Model) -> impl Iterator<Item = Term<f64>> {
 }
 
 /// What the blob does not hold as the model has it, a line each: terms of the
-/// measurement, and orders that the blob's steps of 1/64 change.
+/// measurement, an accuracy that is not the model's, and orders that the blob's
+/// steps of 1/64 change.
 #[must_use]
 pub fn notes(model: &Model) -> Vec<String> {
     let mut out = Vec::new();
@@ -129,6 +136,13 @@ pub fn notes(model: &Model) -> Vec<String> {
     }
     if !names.is_empty() {
         out.push(format!("left out, of the measurement and not of the arm: {}", names.join(", ")));
+    }
+    if model.changed {
+        out.push(
+            "warning: joints, corrections, terms or frame were changed since the identification: \
+             the accuracy is not known, and the blob says so; `truearm evaluate` measures it"
+                .to_owned(),
+        );
     }
     for (i, term) in arm_terms(model).enumerate() {
         let rounded = (term.order * 64.0).round() / 64.0;
@@ -198,7 +212,8 @@ fn parameters<const N: usize>(
         limits: joints.map(|j| j.limits),
         covered,
         rms_before: model.provenance.nominal_rms_mm * 1e-3,
-        rms_after: model.provenance.cross_validated_rms_mm * 1e-3,
+        // 0: not known.
+        rms_after: if model.changed { 0.0 } else { model.provenance.cross_validated_rms_mm * 1e-3 },
         orientation_identified: model.orientation_identified,
     }
 }

@@ -2,14 +2,21 @@
 
 use std::path::Path;
 
+use truearm::blob::Blob;
+use truearm::effects::MAX_TERMS;
 use truearm_host::diagnose::{DiagnoseOptions, Diagnosis, Verdict, diagnose};
 use truearm_host::files::{Measurements, Robot};
+use truearm_host::pack::pack;
 
 fn series(name: &str) -> Diagnosis {
+    limited(name, &DiagnoseOptions::default())
+}
+
+fn limited(name: &str, options: &DiagnoseOptions) -> Diagnosis {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/ur10-ipa");
     let robot = Robot::read(&data.join("robot.toml")).unwrap();
     let rows = Measurements::read(&data.join(name).join("measurements.csv"), &robot).unwrap();
-    diagnose(&robot, &rows, None, &DiagnoseOptions::default(), &|_| ()).unwrap()
+    diagnose(&robot, &rows, None, options, &|_| ()).unwrap()
 }
 
 fn check(found: &Diagnosis, limit: f64) {
@@ -44,4 +51,25 @@ fn series_b() {
 #[test]
 fn series_c() {
     check(&series("series-c"), 0.16);
+}
+
+/// What the default finds is more than a controller takes, and says so; the
+/// model of 24 terms is a good part of it, and the same names carry it.
+#[test]
+fn a_model_for_a_controller() {
+    let full = series("series-b");
+    let warned = full.report.base.warnings.iter().any(|w| w.contains("--most-terms 24"));
+    let terms = |found: &Diagnosis| found.model.terms.len();
+    assert!(terms(&full) > MAX_TERMS && warned);
+    let options = DiagnoseOptions { most_terms: MAX_TERMS, ..DiagnoseOptions::default() };
+    let found = limited("series-b", &options);
+    assert!((MAX_TERMS - 1..=MAX_TERMS).contains(&terms(&found)), "{}", terms(&found));
+    assert_eq!(found.report.effects[0].name, "joint-periodic-error");
+    let rms = |found: &Diagnosis| found.report.gap.last().unwrap().cross_validated_rms_mm.unwrap();
+    println!("cross-validated: {:.4} mm, with 24 terms {:.4} mm", rms(&full), rms(&found));
+    assert!(rms(&found) < 0.25, "{}", rms(&found));
+    let bytes = pack(&found.model, None).unwrap();
+    let blob = Blob::check(&bytes).unwrap().parameters::<f64, 6>().unwrap();
+    let stated = found.report.base.cross_validated.unwrap().rms_mm;
+    assert!((blob.rms_after * 1e3 - stated).abs() < 1e-6);
 }

@@ -116,3 +116,53 @@ fn what_a_controller_cannot_take_is_refused() {
     let message = refused(&wild);
     assert!(message.contains("term 1 coefficient is outside its plausible range"), "{message}");
 }
+
+/// What a hand changed has not the accuracy it had before; what a hand only
+/// wrote otherwise has.
+#[test]
+fn a_changed_model_claims_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    let mut whole = model();
+    whole.terms.retain(|t| t.effect_name() != "joint-compliance");
+    let text = whole.to_toml();
+    let read = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        Model::read(&path).unwrap()
+    };
+    let after = |model: &Model| {
+        let bytes = pack(model, None).unwrap();
+        let said = describe(&Blob::check(&bytes).unwrap(), bytes.len());
+        (Blob::check(&bytes).unwrap().parameters::<f64, 6>().unwrap().rms_after, said)
+    };
+    let stated = whole.provenance.cross_validated_rms_mm * 1e-3;
+    assert!(stated > 0.0 && (after(&read(&text)).0 / stated - 1.0).abs() < 1e-6);
+
+    let term = &text[text.find("[[terms]]").unwrap()..];
+    let term = &term[..2 + term[2..].find("[[").unwrap()];
+    let with = |table: &str, key: &str, value: &str| {
+        let at = text.find(table).unwrap();
+        let at = at + text[at..].find(&format!("\n{key} = ")).unwrap() + key.len() + 4;
+        let end = at + text[at..].find('\n').unwrap();
+        format!("{}{value}{}", &text[..at], &text[end..])
+    };
+    for (changed, accuracy_stands) in [
+        (text.replacen(term, "", 1), false),
+        (with("[[terms]]", "coefficient", "1e-6"), false),
+        (with("[[corrections]]", "a_mm", "12.5"), false),
+        (with("[[joints]]", "d_mm", "12.5"), false),
+        (text.lines().filter(|l| !l.starts_with("digest")).collect::<Vec<_>>().join("\n"), false),
+        (text.replacen("digest", "# seen and understood\ndigest", 1), true),
+        (with("[[corrections]]", "covered_deg", "[-10.0, 10.0]"), true),
+        (text.replacen("lambda_rule", "lambda_rule   ", 1), true),
+    ] {
+        assert_ne!(changed, text);
+        let model = read(&changed);
+        let (rms, said) = after(&model);
+        assert_eq!(rms != 0.0, accuracy_stands, "{changed}");
+        assert_eq!(said.contains("not known after"), !accuracy_stands, "{said}");
+        assert_eq!(notes(&model).iter().any(|n| n.contains("accuracy")), !accuracy_stands);
+        // Written again it is no better, and no worse.
+        assert_eq!(after(&read(&model.to_toml())).0 != 0.0, accuracy_stands);
+    }
+}

@@ -227,7 +227,11 @@ pub fn diagnosis(r: &DiagnoseReport) -> String {
     out += &format!("held out: {}\n", b.cross_validation);
     if !b.outliers.is_empty() {
         let rows: Vec<String> = b.outlier_rows.iter().map(usize::to_string).collect();
-        out += &format!("rows flagged as gross errors and left out: {}\n", rows.join(", "));
+        let what = match r.effects.iter().any(|e| e.name == "outliers") {
+            true => "flagged as gross errors and left out",
+            false => "that do not fit, left out",
+        };
+        out += &format!("rows {what}: {}\n", rows.join(", "));
     }
     if !r.whereabouts.is_empty() {
         out += "where geometry alone disagrees:\n";

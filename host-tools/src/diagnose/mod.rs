@@ -4,6 +4,7 @@
 //! ([`search`]) -> *show* the gap shrink on held-out poses -> verdict.
 
 pub mod candidates;
+mod limit;
 mod node;
 mod outcome;
 mod scan;
@@ -11,37 +12,30 @@ pub mod score;
 pub mod search;
 mod show;
 mod tail;
+mod verdict;
 mod whereabouts;
 
 pub use outcome::{Alternative, Coefficient, DiagnoseReport, Effect, GapRow, Verdict};
 
 use nalgebra::Vector3;
+use truearm::effects::MAX_TERMS;
 
 use crate::error::{Error, Result};
 use crate::files::{Measurements, Model, Robot};
 use crate::identify::estimate::Estimate;
 use crate::identify::registration::register;
-use crate::identify::robust::Flags;
+use crate::identify::robust::{Crowd, Flags};
 use crate::identify::{
     Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
 use node::Node;
 use search::Search;
 pub(crate) use show::trial_rows;
+use verdict::{judge, with_held_out_gain};
 
-/// Below this share of the structure that geometry leaves, a name would be
-/// forced: something else is at work. Few rows that stay above the noise floor
-/// tell nothing for sure; in many rows there is always something finer.
-const NAMEABLE_FEW: f64 = 0.97;
-const NAMEABLE_MANY: f64 = 0.7;
-/// Share of it that an effect must carry to be named where something is left.
-const STRONG: f64 = 0.05;
 /// A coordinate this many standard deviations off what the other rows predict
 /// is a gross error once the structure is modelled.
 const GROSS: f64 = 6.0;
-
-/// More flagged rows than this share (or three) are no gross errors but structure.
-const MOST_GROSS: f64 = 0.08;
 
 /// The result.
 #[derive(Debug, Clone)]
@@ -63,7 +57,7 @@ pub struct Diagnosis {
 pub struct DiagnoseOptions {
     /// Highest order of a periodic error to scan, cycles a turn.
     pub highest_order: f64,
-    /// Most terms of the model.
+    /// Most terms of the arm that the model may have.
     pub most_terms: usize,
     /// Go on with fewer equations than unknowns.
     pub allow_few_poses: bool,
@@ -79,12 +73,28 @@ impl Default for DiagnoseOptions {
 /// fitted; they only show.
 ///
 /// # Errors
-/// As for `identify`, and a hold-out file of unknown stations.
+/// As for `identify`, and a hold-out file of unknown stations; but rows that
+/// contradict each other are no error here, they are what is shown.
 pub fn diagnose(
     robot: &Robot,
     data: &Measurements,
     holdout: Option<&Measurements>,
     options: &DiagnoseOptions,
+    progress: &dyn Fn(&'static str),
+) -> Result<Diagnosis> {
+    let with = |crowd| diagnosed(robot, data, holdout, options, crowd, progress);
+    match with(Crowd::Refused) {
+        Err(Error::Contradiction { .. }) => with(Crowd::Described),
+        done => done,
+    }
+}
+
+fn diagnosed(
+    robot: &Robot,
+    data: &Measurements,
+    holdout: Option<&Measurements>,
+    options: &DiagnoseOptions,
+    crowd: Crowd,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
     let assumed = robot.with_assumed_masses();
@@ -98,7 +108,7 @@ pub fn diagnose(
         problem: &problem,
         candidates: &candidates,
         highest_order: options.highest_order,
-        flags: Flags { lambda: 1.0, gross: GROSS },
+        flags: Flags { lambda: 1.0, gross: GROSS, crowd },
         rows: &rows,
         most_terms: options.most_terms,
     };
@@ -108,7 +118,8 @@ pub fn diagnose(
     let root = search.fit(Vec::new(), &first.fit.fit.state)?;
     let nodes = search.run(root.clone(), &|| progress("searching for effects"))?;
     progress("held-out poses");
-    let (verdict, best) = judge(&search, &root, &nodes[0])?;
+    let best = search.within(nodes[0].clone())?;
+    let (verdict, best) = judge(&search, &root, &nodes[0], &best)?;
 
     let whereabouts = whereabouts::sentences(&problem, &root);
     let nominal = nominal_state(&problem, &best.fit.kept, &start)?;
@@ -152,7 +163,14 @@ pub fn diagnose(
             folds.len()
         ),
     };
-    let identified = findings.summarise();
+    let mut identified = findings.summarise();
+    let terms = limit::arm_terms(&best.added);
+    if terms > MAX_TERMS {
+        identified.report.warnings.push(format!(
+            "{terms} terms of the arm where a controller takes {MAX_TERMS}: --most-terms \
+             {MAX_TERMS} gives the best model that can be packed"
+        ));
+    }
     let effects = show::effects(&findings, &stages, &gap, &best);
     let variance: f64 = data.rows.iter().map(|r| 3.0 * r.sigma * r.sigma).sum();
     let report = DiagnoseReport {
@@ -183,63 +201,6 @@ fn believable_lambda(problem: &Problem, node: &Node) -> f64 {
     let norm = problem.corrections(&node.fit.fit.state).norm_squared();
     let count = 5.0 * problem.nominal.len() as f64;
     (count / norm.max(1e-9)).clamp(0.02, 1.0)
-}
-
-/// Explained or unexplained, and the explanation that may be named; one that
-/// needs no name is clean.
-fn judge(search: &Search, root: &Node, best: &Node) -> Result<(Verdict, Node)> {
-    if at_floor(best) {
-        return Ok((Verdict::Explained, best.clone()));
-    }
-    // Something is left. Names are given only to what carries a good part of
-    // the structure, and only if together they carry nearly all of it.
-    let excess = (root.reduced - 1.0).max(1e-9);
-    let many = search.rows.len() >= search::MANY_ROWS;
-    let enough = if many { NAMEABLE_MANY } else { NAMEABLE_FEW };
-    if 1.0 - (best.reduced - 1.0) / excess < enough {
-        return Ok((Verdict::Unexplained, root.clone()));
-    }
-    let stages = show::stages(search, root, best)?;
-    let strong = |k: &usize| (stages[*k - 1].reduced - stages[*k].reduced) / excess > STRONG;
-    let last = (1..stages.len()).take_while(strong).last().unwrap_or(0);
-    Ok((Verdict::Unexplained, stages[last].clone()))
-}
-
-/// Drops effects that do not lower the error of held-out poses, as long as the
-/// rest stays as good as it was.
-fn with_held_out_gain(
-    show: &show::Show,
-    root: &Node,
-    mut best: Node,
-    nominal: &State,
-) -> Result<(Node, Vec<Node>, Vec<GapRow>)> {
-    loop {
-        let stages = show::stages(show.search, root, &best)?;
-        let gap = show.gap(nominal, &stages)?;
-        let held = |k: usize| gap[k + 1].cross_validated_rms_mm.unwrap_or(f64::INFINITY);
-        let useless = (1..stages.len()).rev().find(|k| held(*k) >= held(k - 1));
-        let Some(k) = useless else { return Ok((best, stages, gap)) };
-        let fresh = |c: &candidates::Candidate| {
-            stages[k - 1].added.iter().any(|a| a.name() == c.name())
-                || stages[k].added.iter().all(|a| a.name() != c.name())
-        };
-        let added = best.added.iter().filter(|c| fresh(c)).cloned().collect();
-        let without = show.search.fit(added, &best.fit.fit.state)?;
-        if at_floor(&without) != at_floor(&best) {
-            return Ok((best, stages, gap));
-        }
-        best = without;
-    }
-}
-
-/// Whether the residuals are what the stated noise leaves: chi-square over
-/// degrees of freedom within its scatter, with room for a sigma that is stated
-/// to one digit; and not for the price of many flagged rows.
-fn at_floor(node: &Node) -> bool {
-    let flagged = node.fit.outliers.len() as f64;
-    let rows = flagged + node.fit.kept.len() as f64;
-    flagged <= (MOST_GROSS * rows).max(3.0)
-        && node.reduced < 1.0 + (5.0 * (2.0 / node.freedom).sqrt()).max(0.3)
 }
 
 /// Held-out residuals of rows, where the others determine them.

@@ -7,6 +7,7 @@ use nalgebra::{DVector, Vector3};
 use rayon::prelude::*;
 
 use super::candidates::Candidate;
+use super::limit::arm_terms;
 use super::node::Node;
 use super::scan::scan;
 use super::score::{Score, Scorer};
@@ -28,6 +29,9 @@ const DEEPEST: usize = 6;
 const ROUNDS: usize = 20;
 const TOGETHER: usize = 4;
 
+/// Terms of the arm that are followed, however few the model may have.
+const MOST_TERMS: usize = 64;
+
 /// What an addition must be worth beyond its price, in units of chi-square.
 pub const WORTH: f64 = 8.0;
 /// Families an effect may come from.
@@ -45,7 +49,7 @@ pub struct Search<'a> {
     pub flags: Flags,
     /// Rows to fit.
     pub rows: &'a [usize],
-    /// Most terms of a model.
+    /// Most terms of the arm that the model may have.
     pub most_terms: usize,
 }
 
@@ -64,7 +68,7 @@ impl Search<'_> {
     }
 
     /// Fits an explanation near another one, whose flags are the first guess.
-    fn fit_near(
+    pub(super) fn fit_near(
         &self,
         added: Vec<Candidate>,
         start: &State,
@@ -231,8 +235,8 @@ impl Search<'_> {
                 let order = candidate.terms[0].order().unwrap_or(0.0);
                 let joints = candidate.joints();
                 let near = |(j, o): &(Vec<usize>, f64)| *j == joints && (o - order).abs() < 3.0;
-                let terms: usize = added.iter().map(|c| c.terms.len()).sum();
-                let fits = terms + candidate.terms.len() <= self.most_terms;
+                let with = arm_terms(&added) + arm_terms(std::slice::from_ref(&candidate));
+                let fits = with <= self.most_terms.max(MOST_TERMS);
                 if gain > 0.2 * best && fits && places.len() < TOGETHER && !places.iter().any(near)
                 {
                     places.push((joints, order));
@@ -292,7 +296,7 @@ impl Search<'_> {
 
 impl Search<'_> {
     /// What dropping an addition would cost, from the covariance of its terms.
-    fn wald(&self, node: &Node, k: usize) -> f64 {
+    pub(super) fn wald(&self, node: &Node, k: usize) -> f64 {
         let state = &node.fit.fit.state;
         let problem = self.problem.with_terms(state.terms.len());
         let cov = covariance(&node.fit.fit.triangle, problem.unknowns.free(), self.flags.lambda);

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::node::Node;
 use super::tail::chi_square;
+use super::verdict::crowded;
 use crate::identify::Problem;
 
 /// A dependence weaker than this after correction is not worth a sentence.
@@ -14,7 +15,9 @@ const SIGNIFICANT: f64 = 1e-3;
 #[must_use]
 pub fn sentences(problem: &Problem, root: &Node) -> Vec<String> {
     let at = problem.linearise(&root.fit.fit.state);
-    let rows = &root.fit.kept;
+    // Where many rows are flagged, the flags are what is to be placed.
+    let all: Vec<usize> = (0..problem.data.rows.len()).collect();
+    let rows = if crowded(root) { &all } else { &root.fit.kept };
     let residuals: Vec<Vector3<f64>> = rows.iter().map(|r| at.residual(*r)).collect();
     let row = |i: usize| &problem.data.rows[rows[i]];
     let inputs = |i: usize| &problem.conditions.rows[rows[i]];
@@ -38,7 +41,10 @@ pub fn sentences(problem: &Problem, root: &Node) -> Vec<String> {
     }
     test("the overturning moment".to_owned(), &|i| Some(inputs(i).moment.to_vec()));
     test("temperature".to_owned(), &|i| row(i).temperature.map(|t| vec![t]));
-    test("time".to_owned(), &|i| row(i).time.or(row(i).order).map(|t| vec![t]));
+    let timed = (0..rows.len()).all(|i| row(i).time.or(row(i).order).is_some());
+    test(if timed { "time" } else { "the order of the rows" }.to_owned(), &|i| {
+        Some(vec![row(i).time.or(row(i).order).filter(|_| timed).unwrap_or(rows[i] as f64)])
+    });
     test("payload".to_owned(), &|i| row(i).payload.map(|m| vec![m]));
     let series = &problem.conditions.series;
     test("the series".to_owned(), &|i| {
@@ -60,7 +66,22 @@ pub fn sentences(problem: &Problem, root: &Node) -> Vec<String> {
         }
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().map(|(_, sentence)| sentence).collect()
+    let flagged: Vec<usize> = root.fit.outliers.iter().map(|o| o.row + 1).collect();
+    let contradiction = crowded(root).then(|| {
+        let of = problem.data.rows.len();
+        format!("{} of {of} rows contradict the others: {}", flagged.len(), ranges(&flagged))
+    });
+    contradiction.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect()
+}
+
+/// Rising numbers, runs of them as a range.
+fn ranges(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b).map(|run| match run {
+        [one] => one.to_string(),
+        [first, .., last] => format!("{first} to {last}"),
+        [] => String::new(),
+    });
+    runs.collect::<Vec<_>>().join(", ")
 }
 
 /// A p value in words.

@@ -4,6 +4,7 @@
 mod columns;
 mod commanded;
 mod covariance;
+mod digest;
 mod key;
 mod measurements;
 mod model;

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use truearm::{JointKind, LinkParameter, MdhParameters, Pose};
 
 use super::covariance;
+use super::digest::digest;
 use super::model_file::*;
 use super::model_terms;
 use super::robot::{Robot, mm, parse};
@@ -46,6 +47,9 @@ pub struct Model {
     pub robot_id: Option<u64>,
     /// Factor of the covariance of the arm's parameters as a blob holds it.
     pub covariance: Option<Vec<f32>>,
+    /// Whether the file was changed since it was written, in what the arm's
+    /// accuracy and covariance depend on: they are then not this model's.
+    pub changed: bool,
 }
 
 /// Where a model came from.
@@ -179,9 +183,13 @@ impl Model {
             links: links.collect(),
         };
         let body = toml::to_string(&file).unwrap_or_else(|e| unreachable!("a plain struct: {e}"));
+        // A changed model must not become good by being written again.
+        let digest = if self.changed { String::new() } else { digest(&body) };
         format!(
             "# An arm identified by truearm. Lengths mm, angles degrees. `corrections` add to\n\
-             # the nominal `joints`; `stations` are the robot base in each tracker frame.\n{body}{}",
+             # the nominal `joints`; `stations` are the robot base in each tracker frame. The\n\
+             # digest says that joints, corrections, terms and frame are those of the RMS errors.\n\
+             digest = \"{digest}\"\n{body}{}",
             self.covariance.as_deref().map(covariance::to_toml).unwrap_or_default()
         )
     }
@@ -223,6 +231,7 @@ impl Model {
                 }
                 None => None,
             },
+            changed: part.digest != digest(&text),
             covariance: match &part.covariance {
                 Some(file) => Some(file.factor().map_err(fail)?),
                 None => None,

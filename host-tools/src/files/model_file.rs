@@ -41,6 +41,8 @@ pub(super) struct ModelFile {
 #[derive(Deserialize)]
 pub(super) struct ModelPart {
     pub schema: String,
+    #[serde(default)]
+    pub digest: String,
     pub robot_id: Option<String>,
     #[serde(default)]
     pub orientation_identified: bool,

@@ -22,18 +22,31 @@ pub struct Flags {
     /// predict is a gross error; half as many again where the residuals are well
     /// above the stated noise.
     pub gross: f64,
+    /// What to do where more rows are flagged than can be gross errors.
+    pub crowd: Crowd,
+}
+
+/// What to do with more flagged rows than can be gross errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Crowd {
+    /// An error.
+    Refused,
+    /// They stay flagged while the others are the majority; else no row is.
+    Described,
 }
 
 impl Default for Flags {
     /// Beyond doubt: at 18 poses chance passes 8 once in a hundred million, and
     /// honest rows of a coarse model stay below 6.
     fn default() -> Self {
-        Self { lambda: 1.0, gross: 8.0 }
+        Self { lambda: 1.0, gross: 8.0, crowd: Crowd::Refused }
     }
 }
 
 /// More flagged rows than this share are no outliers but a wrong model.
 const MOST_FLAGGED: f64 = 0.25;
+/// With this share flagged nobody can say which rows are the others.
+const MAJORITY: f64 = 0.5;
 
 /// A flagged row.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,7 +94,8 @@ pub fn mad_scale(values: &[f64]) -> f64 {
 /// Fits the given rows in the prior scaling, flagging gross errors.
 ///
 /// # Errors
-/// As for [`fit`], or when so many rows disagree that none can be called wrong.
+/// As for [`fit`], or [`Error::Contradiction`] when so many rows disagree that
+/// none can be called wrong.
 pub fn robust_fit(
     problem: &Problem,
     rows: &[usize],
@@ -112,11 +126,17 @@ pub fn refit(
         start = fit.state.clone();
         let (outliers, scale) = judge(problem, &fit, rows, &kept, flags);
         let next: Vec<usize> = outliers.iter().map(|o| o.row).collect();
-        if next.len() as f64 > MOST_FLAGGED * rows.len() as f64 {
-            return Err(Error::data(
-                format!("{} of {} rows contradict the rest", next.len(), rows.len()),
-                "so many are no outliers: check joint senses, units and the nominal geometry",
-            ));
+        let share = next.len() as f64 / rows.len() as f64;
+        match flags.crowd {
+            Crowd::Refused if share > MOST_FLAGGED => {
+                return Err(Error::Contradiction { rows: next.len(), of: rows.len() });
+            }
+            Crowd::Described if share > MAJORITY => {
+                let fit = self::fit(problem, rows, None, &start, freedom)?;
+                let (_, scale) = judge(problem, &fit, rows, rows, flags);
+                return Ok(RobustFit { fit, kept: rows.to_vec(), outliers: Vec::new(), scale });
+            }
+            _ => {}
         }
         // Settled, or going round in circles: then keep the last flags.
         if next == flagged || seen.contains(&next) {

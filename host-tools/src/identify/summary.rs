@@ -145,6 +145,7 @@ impl Findings<'_> {
             orientation_identified: false,
             robot_id: None,
             covariance: Some(factor(&covariance)),
+            changed: false,
             provenance: Provenance {
                 version: env!("CARGO_PKG_VERSION").to_owned(),
                 created: humantime::format_rfc3339_seconds(std::time::SystemTime::now())

@@ -207,6 +207,7 @@ fn model_of(robot: &Robot, data: &Measurements, state: &State) -> Model {
         unidentifiable: Vec::new(),
         orientation_identified: false,
         robot_id: None,
+        changed: false,
         covariance: None,
     }
 }

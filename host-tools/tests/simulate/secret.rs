@@ -167,7 +167,7 @@ impl Secret {
         let problem = Problem::new(data, robot, Scaling::Prior).with_terms(terms.len());
         let start = State { terms, ..self.truth.clone() };
         let rows: Vec<usize> = (0..data.rows.len()).collect();
-        let flags = Flags { lambda: self.scale.powi(-2), gross: 6.0 };
+        let flags = Flags { lambda: self.scale.powi(-2), gross: 6.0, ..Flags::default() };
         let found = robust_fit(&problem, &rows, &start, flags).ok()?;
         let at = problem.linearise(&found.fit.state);
         let square: f64 =

@@ -1,0 +1,87 @@
+//! Whether what was found may be named.
+
+use super::candidates::Candidate;
+use super::node::Node;
+use super::outcome::{GapRow, Verdict};
+use super::search::{MANY_ROWS, Search};
+use super::show::{Show, stages};
+use crate::error::Result;
+use crate::identify::State;
+use crate::identify::robust::Crowd;
+
+/// Below this share of the structure that geometry leaves, a name would be
+/// forced: something else is at work. Few rows that stay above the noise floor
+/// tell nothing for sure; in many rows there is always something finer.
+const NAMEABLE_FEW: f64 = 0.97;
+const NAMEABLE_MANY: f64 = 0.7;
+/// Share of it that an effect must carry to be named where something is left.
+const STRONG: f64 = 0.05;
+/// More flagged rows than this share (or three) are no gross errors but structure.
+const MOST_GROSS: f64 = 0.08;
+
+/// Explained or unexplained, and the explanation that may be named; one that
+/// needs no name is clean. What may be named is decided by the `full`
+/// explanation: how many terms the model may have is no reason to doubt them.
+pub fn judge(search: &Search, root: &Node, full: &Node, best: &Node) -> Result<(Verdict, Node)> {
+    if at_floor(best) {
+        return Ok((Verdict::Explained, best.clone()));
+    }
+    // Rows that contradict each other are no ground for a name.
+    if search.flags.crowd == Crowd::Described {
+        return Ok((Verdict::Unexplained, root.clone()));
+    }
+    // Something is left. Names are given only to what carries a good part of
+    // the structure, and only if together they carry nearly all of it.
+    let excess = (root.reduced - 1.0).max(1e-9);
+    let many = search.rows.len() >= MANY_ROWS;
+    let enough = if many { NAMEABLE_MANY } else { NAMEABLE_FEW };
+    if 1.0 - (full.reduced - 1.0) / excess < enough {
+        return Ok((Verdict::Unexplained, root.clone()));
+    }
+    let stages = stages(search, root, best)?;
+    let strong = |k: &usize| (stages[*k - 1].reduced - stages[*k].reduced) / excess > STRONG;
+    let last = (1..stages.len()).take_while(strong).last().unwrap_or(0);
+    Ok((Verdict::Unexplained, stages[last].clone()))
+}
+
+/// Drops effects that do not lower the error of held-out poses, as long as the
+/// rest stays as good as it was.
+pub fn with_held_out_gain(
+    show: &Show,
+    root: &Node,
+    mut best: Node,
+    nominal: &State,
+) -> Result<(Node, Vec<Node>, Vec<GapRow>)> {
+    loop {
+        let stages = stages(show.search, root, &best)?;
+        let gap = show.gap(nominal, &stages)?;
+        let held = |k: usize| gap[k + 1].cross_validated_rms_mm.unwrap_or(f64::INFINITY);
+        let useless = (1..stages.len()).rev().find(|k| held(*k) >= held(k - 1));
+        let Some(k) = useless else { return Ok((best, stages, gap)) };
+        let fresh = |c: &Candidate| {
+            stages[k - 1].added.iter().any(|a| a.name() == c.name())
+                || stages[k].added.iter().all(|a| a.name() != c.name())
+        };
+        let added = best.added.iter().filter(|c| fresh(c)).cloned().collect();
+        let without = show.search.fit(added, &best.fit.fit.state)?;
+        if at_floor(&without) != at_floor(&best) {
+            return Ok((best, stages, gap));
+        }
+        best = without;
+    }
+}
+
+/// Whether the residuals are what the stated noise leaves: chi-square over
+/// degrees of freedom within its scatter, with room for a sigma that is stated
+/// to one digit; and not for the price of many flagged rows.
+pub fn at_floor(node: &Node) -> bool {
+    !crowded(node) && node.reduced < 1.0 + (5.0 * (2.0 / node.freedom).sqrt()).max(0.3)
+}
+
+/// Whether more rows are flagged than can be gross errors.
+#[must_use]
+pub fn crowded(node: &Node) -> bool {
+    let flagged = node.fit.outliers.len() as f64;
+    let rows = flagged + node.fit.kept.len() as f64;
+    flagged > (MOST_GROSS * rows).max(3.0)
+}

@@ -1,0 +1,26 @@
+//! A digest of what an identified arm is in numbers, so that a model.toml whose
+//! terms were changed by hand does not claim the accuracy it had before.
+
+use toml::{Table, Value};
+
+/// What the digest covers.
+const COVERED: [&str; 5] = ["joints", "corrections", "terms", "measurement_terms", "frame"];
+/// What may be edited in it: where the arm may go, and how well it is known.
+const FREE: [&str; 6] =
+    ["limits_deg", "limits_mm", "gear_ratio", "sigma", "covered_deg", "covered_mm"];
+
+/// Of a model.toml: the same for the same values, however they are laid out.
+pub(super) fn digest(text: &str) -> String {
+    let mut file: Table = text.parse().unwrap_or_default();
+    file.retain(|key, _| COVERED.contains(&key));
+    for value in file.iter_mut().filter_map(|(_, value)| value.as_array_mut()).flatten() {
+        if let Value::Table(entry) = value {
+            entry.retain(|key, _| !FREE.contains(&key));
+        }
+    }
+    // FNV-1a: against accidents, not against forgers.
+    let hash = file.to_string().bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    format!("{hash:016x}")
+}
