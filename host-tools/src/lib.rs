@@ -20,8 +20,6 @@ pub mod pack;
 pub mod plan;
 pub mod plot;
 pub mod report;
-pub mod reproduce;
-pub mod simulate;
 pub mod tikhonov;
 pub mod unpack;
 pub mod verify;

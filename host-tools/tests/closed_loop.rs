@@ -1,19 +1,17 @@
 //! From a tracker's file to a compensated arm: the blob of a diagnosed model in
 //! the controller's compensator, judged by the true arm.
 
-mod simulate;
-
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use simulate::arm::Moment;
-use simulate::sets::BlindSet;
 use truearm::blob::Blob;
 use truearm::compensate::Status;
 use truearm::{Approach, Arm6, Compensator, Pose, Settings, State, Task};
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::identify::registration::rigid_transform;
 use truearm_host::pack::{PackOptions, pack_with};
+use truearm_simulate::arm::Moment;
+use truearm_study::blind::sets::BlindSet;
 
 /// RMS of the tool error, m.
 #[derive(Debug)]
@@ -58,7 +56,7 @@ fn closed_loop(set: &BlindSet) -> Option<Errors> {
     // The commanded frame of the true arm, by its definition: over the poses of
     // the identification the points of its rigid geometry lie on the nominal ones
     // as well as they can.
-    let rigid = simulate::arm::Arm { defects: Vec::new(), ..truth.clone() };
+    let rigid = truearm_simulate::arm::Arm { defects: Vec::new(), ..truth.clone() };
     let nominal = |q: &[f64; 6]| {
         let pose: Pose<f32> = arm.nominal().forward(&q.map(|q| q as f32));
         pose.translation.map(f64::from)

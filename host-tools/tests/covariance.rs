@@ -1,11 +1,8 @@
 //! The uncertainty that a controller states: the same as the host's, and true.
 
-mod simulate;
-
 use nalgebra::{Matrix3xX, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use simulate::{Truth, UR10_LIKE, robot};
 use truearm::blob::Blob;
 use truearm::{Arm6, Pose, RealPosition, State};
 use truearm_host::chain::{RowInputs, chain};
@@ -13,6 +10,7 @@ use truearm_host::files::{Measurements, Model};
 use truearm_host::identify::registration::rigid_transform;
 use truearm_host::identify::{Options, identify};
 use truearm_host::pack::{PackOptions, pack_with};
+use truearm_study::simulated::{Truth, UR10_LIKE, robot};
 
 const SIGMA: f64 = 2e-5;
 

@@ -1,15 +1,14 @@
 //! `plan` and `verify` as their user meets them: files, exit status, messages.
 
-mod simulate;
-
 use std::path::Path;
 
 use assert_cmd::Command;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
-use simulate::sets::BlindSet;
-use simulate::{Truth, UR10_LIKE, robot, robots};
+use truearm_simulate::robots;
+use truearm_study::blind::sets::BlindSet;
+use truearm_study::simulated::{Truth, UR10_LIKE, robot};
 
 struct Ran {
     code: Option<i32>,

@@ -1,21 +1,19 @@
 //! Planned poses: what they promise is what an identification from them gives.
 
-mod simulate;
-
 use std::path::Path;
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use simulate::planning::Trial;
-use simulate::robots;
 use truearm::Pose;
 use truearm_host::chain::chain;
 use truearm_host::files::Robot;
 use truearm_host::plan::{PlanOptions, Region, Sight, plan};
+use truearm_simulate::robots;
+use truearm_study::planning::Trial;
 
 fn robot(text: &str) -> Robot {
-    simulate::robot(text)
+    truearm_study::simulated::robot(text)
 }
 
 /// The long form, 50 arms and 1,000 identifications: `cargo xtask study planning`.
@@ -121,7 +119,7 @@ fn what_cannot_be_planned_is_said() {
         assert!(error.to_string().contains(says), "{error}");
         assert!(!error.help().is_empty());
     }
-    let free = Robot::parse(Path::new("r.toml"), simulate::UR10_LIKE).unwrap();
+    let free = Robot::parse(Path::new("r.toml"), truearm_study::simulated::UR10_LIKE).unwrap();
     let error = Region::new(&free, None).unwrap_err();
     assert!(error.to_string().contains("no limits of joints 1, 2, 3, 4, 5, 6"), "{error}");
     let error = Region::new(&free, Some(vec![[0.0, 1.0]])).unwrap_err();

@@ -1,19 +1,17 @@
 //! Verification after flashing, on a simulated arm whose compensation is known.
 
-mod simulate;
-
 use std::path::Path;
 
 use nalgebra::{Matrix3xX, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use simulate::{Truth, UR10_LIKE, robot};
 use truearm::Pose;
 use truearm_host::chain::{RowInputs, chain};
 use truearm_host::files::{Commanded, Measurements, Model};
 use truearm_host::identify::{Options, identify};
 use truearm_host::plan::Region;
 use truearm_host::verify::{Conformity, accuracy, check_poses, repeatability, verify};
+use truearm_study::simulated::{Truth, UR10_LIKE, robot};
 
 const SIGMA: f64 = 2e-5;
 
@@ -60,7 +58,9 @@ impl Cell {
         for q in poses {
             let sent = if on { self.corrected(q) } else { q.clone() };
             for _ in 0..repeats {
-                let p = (self.truth.point(&sent, 0, 0) + simulate::vector(rng) * SIGMA) * 1e3;
+                let p = (self.truth.point(&sent, 0, 0)
+                    + truearm_study::simulated::vector(rng) * SIGMA)
+                    * 1e3;
                 let joints: Vec<String> =
                     q.iter().map(|q| format!("{:.9}", q.to_degrees())).collect();
                 text += &format!("{},{:.6},{:.6},{:.6},S0,M0\n", joints.join(","), p.x, p.y, p.z);

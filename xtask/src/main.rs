@@ -68,6 +68,7 @@ enum Verb {
         blob: Option<PathBuf>,
     },
     /// Figures too long for a test run
+    #[command(after_help = study::OF_ARMS)]
     Study {
         #[command(subcommand)]
         study: study::Study,

@@ -16,10 +16,10 @@ use truearm_host::identify::{Identification, Options, identify};
 use truearm_host::pack::pack;
 
 use crate::run::{Result, target_dir};
-use crate::study::simulate::{Truth, UR10_LIKE, normal, parse, rms, robot, state_of};
 use crate::vectors::{Files, shipped};
 use crate::{check_poses, firmware, qemu};
 use format::{HEADER, JOINTS, Known, MAGIC, Moved, POINTS, Run, Runs, SIGMA};
+use truearm_study::simulated::{Truth, UR10_LIKE, normal, parse, rms, robot, state_of};
 
 const RUNS: u64 = 60;
 /// First seed.

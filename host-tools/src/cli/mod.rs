@@ -11,7 +11,6 @@ mod pack;
 mod plan;
 mod progress;
 mod region;
-mod reproduce;
 mod table;
 mod unpack;
 mod verify;
@@ -41,7 +40,6 @@ enum Verb {
     Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
     Compare(compare::Compare),
-    Reproduce(reproduce::Reproduce),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
     Diff(diff::Diff),
@@ -65,7 +63,6 @@ impl Cli {
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
             Verb::Compare(verb) => verb.run(),
-            Verb::Reproduce(verb) => verb.run(),
             Verb::Pack(verb) => verb.run(),
             Verb::Inspect(verb) => verb.run(),
             Verb::Diff(verb) => verb.run(),

@@ -12,10 +12,10 @@ use truearm_host::files::{Model, Robot};
 use truearm_host::identify::{Options, identify};
 
 use crate::run::Result;
-use crate::study::simulate::arm::{Arm, Moment};
-use crate::study::simulate::effects::{Defect, Kind};
-use crate::study::simulate::oracle::{self, Matrix};
-use crate::study::simulate::{UR10_LIKE, normal, parse, robot, vector};
+use truearm_simulate::arm::{Arm, Moment};
+use truearm_simulate::effects::{Defect, Kind};
+use truearm_simulate::oracle::{self, Matrix};
+use truearm_study::simulated::{UR10_LIKE, normal, parse, robot, vector};
 
 pub type Joints = [f64; 6];
 

@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use crate::check_poses;
 use crate::firmware::build;
 use crate::run::{Result, call};
-use crate::study::simulate::{UR10_LIKE, robot};
 use life::{CHECKS, Errors, Life, TASKS, live};
+use truearm_study::simulated::{UR10_LIKE, robot};
 
 /// Points after an alarm.
 const POINTS: usize = 10;

@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use truearm::ArmParameters;
 
 use super::cell::{Cell, Event, Joints, moment, rigid};
-use crate::study::simulate::arm::Arm;
-use crate::study::simulate::oracle::{self, Matrix};
+use truearm_simulate::arm::Arm;
+use truearm_simulate::oracle::{self, Matrix};
 
 /// Step of the difference quotients, rad or m.
 const STEP: f64 = 1e-6;

@@ -1,0 +1,49 @@
+//! Simulated arms whose truth is known, and sessions in which they are
+//! measured. Kinematics are those of the 4x4 oracle of the crate's tests;
+//! effects are exact constructions. Nothing here knows how truearm identifies.
+
+#![allow(missing_docs, reason = "for the studies and tests of this repository only")]
+
+pub mod arm;
+pub mod draw;
+pub mod effects;
+#[path = "../../tests/common/mod.rs"]
+pub mod oracle;
+pub mod robots;
+
+use nalgebra::Vector3;
+use rand::{Rng, RngExt};
+use truearm::JointKind;
+
+/// An arm as its file describes it, SI units.
+#[derive(Debug, Clone)]
+pub struct Robot {
+    pub joints: Vec<Joint>,
+    /// Mass and its centre in the link's frame; empty if not stated.
+    pub masses: Vec<(f64, Vector3<f64>)>,
+    /// In the base frame; none if not stated.
+    pub gravity: Option<Vector3<f64>>,
+    /// In the last frame.
+    pub tool: Vector3<f64>,
+}
+
+/// A joint and the link before it.
+#[derive(Debug, Clone)]
+pub struct Joint {
+    pub kind: JointKind,
+    /// alpha, a, theta, d, beta
+    pub link: [f64; 5],
+    pub limits: Option<[f64; 2]>,
+    pub gear_ratio: Option<f64>,
+}
+
+/// Standard normal (Box-Muller).
+pub fn normal(rng: &mut impl Rng) -> f64 {
+    let (a, b): (f64, f64) = (rng.random_range(1e-12..1.0), rng.random_range(0.0..1.0));
+    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}
+
+/// Three of them.
+pub fn vector(rng: &mut impl Rng) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| normal(rng))
+}

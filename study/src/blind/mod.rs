@@ -1,0 +1,4 @@
+//! Blind sets: what is hidden in them is opened after the verdict.
+
+pub mod secret;
+pub mod sets;

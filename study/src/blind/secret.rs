@@ -1,0 +1,251 @@
+//! The sealed part of a blind set, and the score of an answer.
+
+use std::collections::BTreeSet;
+
+use truearm::effects::{Effect, Term};
+use truearm_host::diagnose::{DiagnoseReport, Verdict};
+use truearm_host::files::{Measurements, Robot};
+use truearm_host::identify::robust::{Flags, robust_fit};
+use truearm_host::identify::{Conditions, ModelTerm, Problem, Scaling, State};
+use truearm_simulate::arm::Arm;
+use truearm_simulate::effects::Kind;
+
+use super::sets::{BlindSet, LISTED};
+use crate::simulated::rms;
+
+/// What was hidden.
+pub struct Secret {
+    pub arm: Arm,
+    /// Geometry and frames.
+    pub truth: State,
+    /// Size of the geometric errors, tolerances.
+    pub scale: f64,
+    /// Rows with gross errors, from 1.
+    pub outliers: Vec<usize>,
+    /// True gravity torque of each row on a joint with a gap; else empty.
+    pub torques: Vec<f64>,
+}
+
+/// Names with a place: a joint, a coupled pair or none.
+pub type Places = BTreeSet<(String, Vec<usize>)>;
+
+/// What an answer was worth.
+#[derive(Debug, Clone)]
+pub struct Score {
+    pub seed: u64,
+    pub truth: Places,
+    pub answer: Places,
+    pub verdict: Verdict,
+    /// Rows from 1: flagged, really wrong, and those whose side of a gap the
+    /// stated masses get wrong.
+    pub rows: [Vec<usize>; 3],
+    /// Reduced chi-square of the answer, and of a fit with the true effects.
+    pub reduced: [f64; 2],
+    /// Hold-out RMS of the answer over that of a fit with the true effects;
+    /// `None` where something unlisted is hidden.
+    pub ratio: Option<f64>,
+}
+
+fn names(places: &Places) -> BTreeSet<&str> {
+    places.iter().map(|p| p.0.as_str()).collect()
+}
+
+impl Score {
+    /// Whether something no report can name is hidden.
+    pub fn unlisted(&self) -> bool {
+        names(&self.truth).iter().any(|n| !LISTED.contains(n))
+    }
+
+    /// All names found and no other.
+    pub fn names_right(&self) -> bool {
+        names(&self.truth) == names(&self.answer)
+    }
+
+    /// All places found, whatever else was named.
+    pub fn joints_right(&self) -> bool {
+        let hidden = names(&self.truth);
+        let mut there = self.answer.iter().filter(|p| hidden.contains(p.0.as_str()));
+        self.truth.is_subset(&self.answer) && there.all(|p| self.truth.contains(p))
+    }
+
+    /// Names that are not true.
+    pub fn extra(&self) -> usize {
+        names(&self.answer).difference(&names(&self.truth)).count()
+    }
+
+    /// The verdict that the truth deserves.
+    pub fn verdict_right(&self) -> bool {
+        self.verdict
+            == if self.unlisted() {
+                Verdict::Unexplained
+            } else if self.truth.is_empty() {
+                Verdict::Clean
+            } else {
+                Verdict::Explained
+            }
+    }
+
+    /// A false name given with confidence.
+    pub fn forced(&self) -> bool {
+        self.extra() > 0 && self.verdict == Verdict::Explained
+    }
+}
+
+/// Names and places of a report.
+pub fn places(report: &DiagnoseReport) -> Places {
+    let mut out = Places::new();
+    for effect in &report.effects {
+        let name = effect.name.to_owned();
+        if effect.name == "joint-coupling" || effect.joints.is_empty() {
+            out.insert((name, effect.joints.clone()));
+        } else {
+            out.extend(effect.joints.iter().map(|j| (name.clone(), vec![*j])));
+        }
+    }
+    out
+}
+
+/// Opens a set and compares.
+pub fn score(set: &BlindSet, report: &DiagnoseReport) -> Score {
+    let secret = set.open();
+    let truth: Places =
+        secret.arm.defects.iter().map(|d| (d.kind.name().to_owned(), d.kind.joints())).collect();
+    let (robot, data, holdout) = set.read();
+    let given = secret.fit(&robot, &data, &holdout);
+    let answer = report.gap.last().and_then(|row| row.holdout_rms_mm).unwrap_or(f64::NAN) * 1e-3;
+    Score {
+        seed: set.seed,
+        answer: places(report),
+        verdict: report.verdict,
+        rows: [
+            report.base.outlier_rows.clone(),
+            secret.outliers.clone(),
+            secret.turned(&robot, &data),
+        ],
+        reduced: [report.reduced_chi_square, given.map_or(f64::NAN, |g| g[1])],
+        ratio: given.map(|g| answer / g[0]),
+        truth,
+    }
+}
+
+impl Secret {
+    /// Hold-out RMS (m) and reduced chi-square of a fit that is told which
+    /// effects there are; `None` if one of them is unlisted.
+    pub fn fit(
+        &self,
+        robot: &Robot,
+        data: &Measurements,
+        holdout: &Measurements,
+    ) -> Option<[f64; 2]> {
+        let kinds = self.arm.defects.iter().map(|d| self.terms(&d.kind));
+        let terms = kinds.collect::<Option<Vec<_>>>()?.concat();
+        // With masses that are a few percent off, the torque where gravity takes
+        // over a gap is as far off: the best one is looked for.
+        let gap = self.arm.defects.iter().any(|d| matches!(d.kind, Kind::Backlash { .. }));
+        let factors = if gap { -10..=10 } else { 0..=0 };
+        let fits = factors.filter_map(|k| {
+            let mut terms = terms.clone();
+            for term in &mut terms {
+                if let ModelTerm::Arm(Term { effect: Effect::Backlash, order, .. }) = term {
+                    *order *= 1.0 + 0.02 * f64::from(k);
+                }
+            }
+            self.fit_terms(terms, robot, data, holdout)
+        });
+        let best = fits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(best.1)
+    }
+
+    /// Cost of the fit, then what [`Secret::fit`] tells.
+    fn fit_terms(
+        &self,
+        terms: Vec<ModelTerm>,
+        robot: &Robot,
+        data: &Measurements,
+        holdout: &Measurements,
+    ) -> Option<(f64, [f64; 2])> {
+        let problem = Problem::new(data, robot, Scaling::Prior).with_terms(terms.len());
+        let start = State { terms, ..self.truth.clone() };
+        let rows: Vec<usize> = (0..data.rows.len()).collect();
+        let flags = Flags { lambda: self.scale.powi(-2), gross: 6.0, ..Flags::default() };
+        let found = robust_fit(&problem, &rows, &start, flags).ok()?;
+        let at = problem.linearise(&found.fit.state);
+        let square: f64 =
+            found.kept.iter().map(|r| (at.residual(*r) / data.rows[*r].sigma).norm_squared()).sum();
+        // The unknowns that no data can tell apart do not count: about six.
+        let freedom = 3 * found.kept.len() + 6 - problem.unknowns.list().len();
+        let rms = rms(robot, &found.fit.state, holdout);
+        let cost = square + flags.gross.powi(2) * found.outliers.len() as f64;
+        Some((cost, [rms, square / freedom as f64]))
+    }
+
+    /// Rows (from 1) on the other side of a gap than stated masses and the true
+    /// friction say.
+    fn turned(&self, robot: &Robot, data: &Measurements) -> Vec<usize> {
+        let conditions = Conditions::new(data, robot);
+        let mut out = Vec::new();
+        for defect in &self.arm.defects {
+            let Kind::Backlash { joint, friction } = defect.kind else { continue };
+            let side = |torque: f64, row: usize| {
+                let lag = -f64::from(data.rows[row].directions[joint]);
+                if torque.abs() > friction { torque.signum() } else { lag }
+            };
+            let wrong = |row: &usize| {
+                let stated = side(conditions.rows[*row].torque[joint], *row);
+                stated != side(self.torques[*row], *row)
+            };
+            out.extend((0..data.rows.len()).filter(wrong).map(|row| row + 1));
+        }
+        out
+    }
+
+    fn terms(&self, kind: &Kind) -> Option<Vec<ModelTerm>> {
+        let arm = |effect, joint: usize, source: usize, component, order| {
+            let (joint, source) = (joint as u8, source as u8);
+            ModelTerm::Arm(Term { effect, joint, source, component, order, coefficient: 0.0 })
+        };
+        let waves = |effect, joint, orders: &[f64]| {
+            let pair = |n: &f64| [0, 1].map(|part| arm(effect, joint, joint, part, *n));
+            orders.iter().flat_map(pair).collect()
+        };
+        Some(match *kind {
+            Kind::JointCompliance { joint: j } => vec![arm(Effect::JointCompliance, j, j, 0, 0.0)],
+            Kind::BaseCompliance { .. } => {
+                [0, 1].map(|axis| arm(Effect::BaseCompliance, 0, 0, axis, 0.0)).to_vec()
+            }
+            Kind::EncoderEccentricity { joint, .. } => {
+                waves(Effect::EncoderEccentricity, joint, &[1.0])
+            }
+            Kind::GearTransmissionError { joint, .. } => {
+                let ratio = self.arm.gear_ratios[joint];
+                waves(Effect::GearTransmissionError, joint, &[2.0 * ratio, 4.0 * ratio])
+            }
+            Kind::JointPeriodicError { joint, order, .. } => {
+                waves(Effect::JointPeriodicError, joint, &[order])
+            }
+            Kind::JointGain { joint: j } => vec![arm(Effect::JointGain, j, j, 0, 0.0)],
+            Kind::JointCoupling { source, joint } => {
+                vec![arm(Effect::JointCoupling, joint, source, 0, 0.0)]
+            }
+            Kind::Backlash { joint, friction } => {
+                vec![arm(Effect::Backlash, joint, joint, 0, friction)]
+            }
+            Kind::ThermalExpansion => {
+                let all = usize::from(Term::<f64>::ALL);
+                vec![arm(Effect::ThermalExpansion, all, all, 0, 0.0)]
+            }
+            Kind::ToolRemount { .. } => {
+                let shift =
+                    |axis| ModelTerm::Remount { series: "B".into(), axis, coefficient: 0.0 };
+                (0..3).map(shift).collect()
+            }
+            Kind::MeasurementDrift { .. } => {
+                (0..6).map(|component| ModelTerm::Drift { component, coefficient: 0.0 }).collect()
+            }
+            Kind::Outliers => Vec::new(),
+            Kind::BearingWobble { .. } | Kind::LinkBending { .. } | Kind::Memory { .. } => {
+                return None;
+            }
+        })
+    }
+}

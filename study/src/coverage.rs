@@ -1,0 +1,119 @@
+//! One identification of a simulated arm, and which of its 95 % intervals hold
+//! the truth.
+
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use truearm_host::identify::error_bars::{Covariances, FACTOR};
+use truearm_host::identify::estimate::estimate;
+use truearm_host::identify::registration::register;
+use truearm_host::identify::{LambdaRule, Problem, Scaling};
+
+use crate::simulated::{Truth, UR10_LIKE, parse, robot};
+
+/// Poses at which the prediction is judged, none of them fitted.
+const JUDGED: usize = 10;
+/// A parameter known better than this share of its tolerance is determined by
+/// the data.
+const DETERMINED: f64 = 0.3;
+
+/// What stays the same over the simulations of a case.
+pub struct Cell {
+    poses: usize,
+    sigma: f64,
+    arm: Truth,
+}
+
+impl Cell {
+    /// So many poses, measured with this sigma, m.
+    pub fn new(poses: usize, sigma: f64, seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut robot = robot(UR10_LIKE);
+        robot.sigma = sigma;
+        Self { poses, sigma, arm: Truth::draw(&robot, 1, 1, &mut rng) }
+    }
+}
+
+/// Intervals that hold the truth and all intervals, bias included and without.
+#[derive(Default, Clone, Copy)]
+pub struct Held {
+    total: usize,
+    noise: usize,
+    all: usize,
+}
+
+impl Held {
+    fn count(&mut self, error: f64, [noise, total]: [f64; 2]) {
+        self.all += 1;
+        self.total += usize::from(error.abs() <= FACTOR * total);
+        self.noise += usize::from(error.abs() <= FACTOR * noise);
+    }
+}
+
+/// Tool point, parameters that the data determine, combinations that they
+/// determine (principal directions).
+pub type Simulated = [Held; 3];
+
+pub struct Tally;
+
+impl Tally {
+    /// Shares over all simulations.
+    pub fn of(each: &[Simulated]) -> Vec<(&'static str, [f64; 2])> {
+        let names = ["tool point, a coordinate", "parameters", "combinations of parameters"];
+        let share = |k: usize| {
+            let sum = |f: fn(&Held) -> usize| each.iter().map(|s| f(&s[k])).sum::<usize>() as f64;
+            let all = sum(|h| h.all);
+            [sum(|h| h.total) / all, sum(|h| h.noise) / all]
+        };
+        names.into_iter().enumerate().map(|(k, name)| (name, share(k))).collect()
+    }
+}
+
+/// Identifies an arm of the cell: a fresh one from the prior, or always the
+/// same one.
+pub fn identified_once(cell: &Cell, fresh: bool, rng: &mut ChaCha8Rng) -> Simulated {
+    let robot = &cell.arm.robot;
+    let drawn = Truth::draw(robot, 1, 1, rng);
+    let truth = if fresh { &drawn } else { &cell.arm };
+    let data = parse(robot, &truth.measure(cell.poses, cell.sigma, rng));
+    let check = parse(robot, &truth.measure(JUDGED, 0.0, rng));
+    let problem = Problem::new(&data, robot, Scaling::Prior);
+    let start = register(&data, &robot.nominal(), robot.tool).unwrap();
+    let rows: Vec<usize> = (0..data.rows.len()).collect();
+    let rule = LambdaRule::MaximumAPosteriori;
+    let found = estimate(&problem, rule, &rows, &start, false).unwrap();
+    let covariances = Covariances::of(&problem, &found, 1.0);
+
+    let mut out = [Held::default(); 3];
+    let judged = Problem::new(&check, robot, Scaling::Prior);
+    let at = judged.linearise(&found.fit.state);
+    for row in 0..JUDGED {
+        let e = at.equations(row);
+        let sigmas = covariances.of_point(&e.block, judged.metres(row));
+        for c in 0..3 {
+            out[0].count(e.residual[c], [sigmas[0][c], sigmas[1][c]]);
+        }
+    }
+
+    // Errors of the link parameters, in tolerances.
+    let free = problem.unknowns.free();
+    let count = problem.unknowns.list().len() - free;
+    let real = problem.corrections(&truth.state()) - problem.corrections(&found.fit.state);
+    let error = DVector::from_fn(count, |k, _| real[free + k]);
+    let links = |m: &DMatrix<f64>| m.view((free, free), (count, count)).into_owned();
+    let (noise, total) =
+        (links(&covariances.noise), links(&(&covariances.noise + &covariances.bias)));
+    for k in 0..count {
+        if total[(k, k)].sqrt() < DETERMINED {
+            out[1].count(error[k], [noise[(k, k)].sqrt(), total[(k, k)].sqrt()]);
+        }
+    }
+    let axes = total.clone().symmetric_eigen();
+    for (k, axis) in axes.eigenvectors.column_iter().enumerate() {
+        let sigma = axes.eigenvalues[k].max(0.0).sqrt();
+        if sigma < DETERMINED {
+            out[2].count(axis.dot(&error), [axis.dot(&(&noise * axis)).sqrt(), sigma]);
+        }
+    }
+    out
+}

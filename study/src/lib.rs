@@ -1,0 +1,12 @@
+//! Studies: what truearm finds on arms whose truth is known. Each has a small
+//! seeded part that the tests run, and a long form, `cargo xtask study NAME`.
+
+#![allow(missing_docs, reason = "for this repository only")]
+
+pub mod blind;
+pub mod coverage;
+pub mod planning;
+pub mod regret;
+pub mod reproduce;
+pub mod simulated;
+pub mod studies;

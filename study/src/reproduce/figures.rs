@@ -1,0 +1,321 @@
+//! Counterparts of Figures 4 to 14, and three that the paper does not have.
+
+use nalgebra::Vector3;
+
+use super::example::Example;
+use super::section_v::NinePoses;
+use super::trial::{SWEEP, Sweep};
+use super::{Study, spread};
+use truearm_host::methods::{Comparison, Outcome};
+use truearm_host::plot::{Axis, Panel, Series, grid, numbered};
+
+/// Methods of the paper's figures, both forms of its own.
+const DRAWN: [&str; 6] = ["NC", "LSM", "GD", "GN", "RPIM-P", "RPIM"];
+
+/// File names and SVG texts.
+pub fn all(study: &Study, example: &Example, nine: &NinePoses) -> Vec<(String, String)> {
+    let mut out = vec![("table-5.svg".to_owned(), nine_poses(nine))];
+    let own = [
+        ("figure-04-frames", frames(example)),
+        ("figure-05-registered", registered(example)),
+        ("figure-06-error-per-pose", before(example)),
+        ("figure-07-l-curve", l_curve(example)),
+        ("figure-08-simulated-points", simulated(example)),
+        ("figure-09-error-against-lambda", against_lambda(example)),
+        ("figure-10-error-per-point-and-lambda", per_point(example)),
+        ("figure-11-methods-52-points", methods(&example.held, false)),
+        ("figure-12-validation-points", validation(example)),
+        ("figure-13-errors-per-axis", axes(example)),
+        ("figure-14-methods-18-points", methods(&example.held, true)),
+        ("figure-15-seeds", seeds(study)),
+        ("figure-16-number-of-poses", sweep(study)),
+        ("figure-17-cramer-rao", efficiency(study)),
+    ];
+    out.extend(own.into_iter().map(|(name, text)| (format!("{name}.svg"), text)));
+    out
+}
+
+/// Points seen from above and from the side, mm.
+fn projections(title: &str, sets: &[(&str, Vec<Vector3<f64>>)]) -> String {
+    let panel = |name: &str, k: usize| {
+        let axis = ["x", "y", "z"][k];
+        let series = |(name, points): &(&str, Vec<Vector3<f64>>)| {
+            Series::points(*name, points.iter().map(|p| (p.x * 1e3, p[k] * 1e3)).collect())
+        };
+        Panel {
+            title: format!("{title}, {name}"),
+            x: Axis::linear("x, mm"),
+            y: Axis::signed(format!("{axis}, mm")),
+            series: sets.iter().map(series).collect(),
+        }
+    };
+    grid(&[panel("from above", 1), panel("from the side", 2)], 2)
+}
+
+fn frames(e: &Example) -> String {
+    let measured = e.cell.identification.rows.iter().map(|r| r.point).collect();
+    projections("Each in its own frame", &[("reference", e.reference()), ("measured", measured)])
+}
+
+/// From the tracker's frame to the robot's.
+fn in_robot_frame(e: &Example, points: impl Iterator<Item = Vector3<f64>>) -> Vec<Vector3<f64>> {
+    let base = e.start.bases[0].inverse();
+    points.map(|p| base.transform_point(&p)).collect()
+}
+
+/// Differences of a millimetre cannot be seen in a metre.
+const DRAWN_LARGER: f64 = 25.0;
+
+fn larger(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    from.iter().zip(to).map(|(a, b)| a + (b - a) * DRAWN_LARGER).collect()
+}
+
+fn registered(e: &Example) -> String {
+    let reference = e.reference();
+    let measured = in_robot_frame(e, e.cell.identification.rows.iter().map(|r| r.point));
+    let measured = larger(&reference, &measured);
+    let title = format!("One frame (Eq. 17), differences drawn {DRAWN_LARGER} times");
+    projections(&title, &[("reference", reference), ("measured", measured)])
+}
+
+fn distances(residuals: &[Vector3<f64>]) -> Vec<f64> {
+    residuals.iter().map(|r| r.norm() * 1e3).collect()
+}
+
+fn method<'a>(found: &'a Comparison, name: &str) -> Option<&'a Outcome> {
+    found.methods.iter().find(|o| o.name == name && o.state.is_some())
+}
+
+fn before(e: &Example) -> String {
+    let errors = method(&e.held, "NC").map(|o| distances(&o.residuals)).unwrap_or_default();
+    Panel {
+        title: "Error of each pose after registration, no calibration".to_owned(),
+        x: Axis::linear("pose"),
+        y: Axis::linear("position error, mm"),
+        series: vec![Series::bars("", &errors)],
+    }
+    .svg()
+}
+
+fn l_curve(e: &Example) -> String {
+    let place = |p: &[f64; 3]| (p[1] * 1e3, p[2]);
+    Panel {
+        title: "L-curve, lambda I on metres and radians (Eq. 15)".to_owned(),
+        x: Axis::log("norm of the residual, mm"),
+        y: Axis::log("norm of the solution, m and rad"),
+        series: vec![
+            Series::line("", e.curve.points.iter().map(place).collect()),
+            Series::points(
+                format!("corner {:.1e}", e.curve.corner[0]),
+                vec![place(&e.curve.corner)],
+            ),
+            Series::points(
+                format!("two-step {:.1e}", e.curve.chosen[0]),
+                vec![place(&e.curve.chosen)],
+            ),
+        ],
+    }
+    .svg()
+}
+
+fn simulated(e: &Example) -> String {
+    let plane = |points: Vec<Vector3<f64>>| points.iter().map(|p| (p.x * 1e3, p.z * 1e3)).collect();
+    let mut series = vec![Series::points(
+        "measured",
+        plane(in_robot_frame(e, e.cell.identification.rows.iter().map(|r| r.point))),
+    )];
+    let cases = &e.curve.simulated;
+    for (k, points) in cases.iter().enumerate().step_by(3) {
+        let name = format!("case {}", k + 1);
+        series.push(Series::points(name, plane(in_robot_frame(e, points.iter().copied()))));
+    }
+    let apart = |points: &Vec<Vector3<f64>>| {
+        let pairs = points.iter().zip(&cases[5]);
+        pairs.map(|(a, b)| (a - b).norm() * 1e6).fold(0.0, f64::max)
+    };
+    let moved: Vec<f64> = cases.iter().map(apart).collect();
+    let points = Panel {
+        title: "52 points simulated with four of ten lambdas".to_owned(),
+        x: Axis::linear("x, mm"),
+        y: Axis::signed("z, mm"),
+        series,
+    };
+    let moved = Panel {
+        title: "The same: how far the points of a case are from case 6".to_owned(),
+        x: Axis::linear("case"),
+        y: Axis::linear("largest distance, um"),
+        series: vec![Series::bars("", &moved)],
+    };
+    grid(&[points, moved], 2)
+}
+
+fn against_lambda(e: &Example) -> String {
+    let wide = |k: usize| e.curve.errors.iter().map(|p| (p[0], p[k])).collect::<Vec<_>>();
+    let over = Panel {
+        title: "Mean error against lambda".to_owned(),
+        x: Axis::log("lambda, m^2"),
+        y: Axis::log("mean position error, mm"),
+        series: vec![
+            Series::line("52 fitted", wide(1)),
+            Series::line("250 noise-free", wide(2)),
+            Series::points("first step", e.curve.decades.clone()),
+            Series::points("second step", e.curve.tenths.clone()),
+        ],
+    };
+    let least = e.curve.tenths.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
+    let tenths = e.curve.tenths.iter().map(|t| (t.0, (t.1 - least) * 1e6)).collect();
+    let second = Panel {
+        title: "Second step: mean error above the least of the ten".to_owned(),
+        x: Axis::linear("lambda, m^2"),
+        y: Axis::linear("nm"),
+        series: vec![Series::points("", tenths)],
+    };
+    grid(&[over, second], 2)
+}
+
+fn per_point(e: &Example) -> String {
+    let series = e
+        .curve
+        .by_point
+        .iter()
+        .map(|(lambda, errors)| Series::line(format!("{lambda:.1e}"), numbered(errors)));
+    Panel {
+        title: "Error of each of the 52 points for five lambdas".to_owned(),
+        x: Axis::linear("pose"),
+        y: Axis::linear("position error, mm"),
+        series: series.collect(),
+    }
+    .svg()
+}
+
+fn methods(found: &Comparison, validation: bool) -> String {
+    let line = |o: &Outcome| {
+        let rows = if validation { &o.validation_residuals } else { &o.residuals };
+        Series::line(o.name, numbered(&distances(rows)))
+    };
+    let rows = if validation { "18 validation" } else { "52 fitted" };
+    Panel {
+        title: format!("Error of the {rows} points, base and tool held"),
+        x: Axis::linear("pose"),
+        y: Axis::log("position error, mm"),
+        series: DRAWN.iter().filter_map(|name| method(found, name)).map(line).collect(),
+    }
+    .svg()
+}
+
+fn validation(e: &Example) -> String {
+    let rows = &e.cell.validation.rows;
+    let measured = in_robot_frame(e, rows.iter().map(|r| r.point));
+    let residuals = method(&e.held, "RPIM-P").map(|o| o.validation_residuals.clone());
+    let residuals = residuals.unwrap_or_default();
+    let simulated = rows.iter().zip(&residuals).map(|(row, r)| row.point - r);
+    let simulated = larger(&measured, &in_robot_frame(e, simulated));
+    let title = format!("18 validation points, differences drawn {DRAWN_LARGER} times");
+    projections(&title, &[("measured", measured), ("RPIM-P", simulated)])
+}
+
+fn axes(e: &Example) -> String {
+    let residuals = method(&e.held, "RPIM-P").map(|o| o.validation_residuals.clone());
+    let base = e.start.bases[0].rotation;
+    let turned: Vec<Vector3<f64>> =
+        residuals.unwrap_or_default().iter().map(|r| base.transpose() * r * 1e3).collect();
+    let bars = |k: usize| {
+        let values: Vec<f64> = turned.iter().map(|r| r[k]).collect();
+        Series::bars(["x", "y", "z"][k], &values)
+    };
+    Panel {
+        title: "Errors along the robot's axes after RPIM as printed, 18 points".to_owned(),
+        x: Axis::linear("pose"),
+        y: Axis::signed("measured minus simulated, mm"),
+        series: (0..3).map(bars).collect(),
+    }
+    .svg()
+}
+
+fn seeds(study: &Study) -> String {
+    let contests = [
+        ("(a) geometry, base and tool fitted", 0),
+        ("(a) geometry, base and tool held", 1),
+        ("(b) springs and gears, base and tool fitted", 2),
+        ("(b) springs and gears, base and tool held", 3),
+    ];
+    let panels: Vec<Panel> = contests
+        .iter()
+        .map(|(title, which)| {
+            let of = |t: usize| {
+                let trial = &study.trials[t];
+                match which {
+                    0 | 1 => &trial.geometric[*which],
+                    _ => &trial.beyond[which - 2],
+                }
+            };
+            let names: Vec<&str> = of(0).scores.iter().map(|s| s.method).collect();
+            let mut points = Vec::new();
+            for t in 0..study.trials.len() {
+                let aside = (t as f64 / study.trials.len() as f64 - 0.5) * 0.6;
+                for (k, score) in of(t).scores.iter().enumerate() {
+                    if let Some(stats) = score.exact {
+                        points.push((k as f64 + 1.0 + aside, stats.mean_mm));
+                    }
+                }
+            }
+            Panel {
+                title: (*title).to_owned(),
+                x: Axis::names(names.iter().map(|n| (*n).to_owned()).collect()),
+                y: Axis::log("MAE of 250 noise-free points, mm"),
+                series: vec![Series::points("", points)],
+            }
+        })
+        .collect();
+    grid(&panels, 2)
+}
+
+fn sweep(study: &Study) -> String {
+    let panel = |title: &str, of: fn(&Sweep) -> &[Option<f64>], which: usize| {
+        let series = study.trials[0].sweep.iter().enumerate().map(|(m, first)| {
+            let at = |c: usize| {
+                let all = study.trials.iter().map(|t| of(&t.sweep[m])[c].unwrap_or(f64::NAN));
+                spread(&all.collect::<Vec<_>>())[which]
+            };
+            let points = SWEEP.iter().enumerate().map(|(c, n)| (*n as f64, at(c)));
+            Series::line(first.method, points.collect())
+        });
+        Panel {
+            title: format!("(a) {title}"),
+            x: Axis::linear("poses fitted"),
+            y: Axis::log("RMS of 250 noise-free points, mm"),
+            series: series.collect(),
+        }
+    };
+    let panels = [
+        panel("from the catalogue, median", |s| &s.catalogue_mm, 0),
+        panel("from the catalogue, worst seed", |s| &s.catalogue_mm, 3),
+        panel("calibrated before, median", |s| &s.calibrated_before_mm, 0),
+        panel("calibrated before, worst seed", |s| &s.calibrated_before_mm, 3),
+        panel("poses alike, median", |s| &s.narrow_mm, 0),
+        panel("poses alike, worst seed", |s| &s.narrow_mm, 3),
+    ];
+    grid(&panels, 2)
+}
+
+fn efficiency(study: &Study) -> String {
+    let ratios = study.trials.iter().map(|t| (t.seed as f64, t.rms_mm / t.cramer_rao_mm));
+    Panel {
+        title: "(a) RMS on 250 noise-free points over the Cramer-Rao bound of each seed".to_owned(),
+        x: Axis::linear("seed"),
+        y: Axis::linear("ratio"),
+        series: vec![Series::points("", ratios.collect())],
+    }
+    .svg()
+}
+
+fn nine_poses(nine: &NinePoses) -> String {
+    let series = nine.methods.iter().map(|(name, _, errors, _)| Series::bars(*name, errors));
+    Panel {
+        title: "Section V: error of the nine poses".to_owned(),
+        x: Axis::linear("pose"),
+        y: Axis::log("position error, mm"),
+        series: series.collect(),
+    }
+    .svg()
+}

@@ -1,0 +1,72 @@
+//! The long form of each study: options, tables, and what must be reached.
+
+mod blind;
+mod coverage;
+mod lambda;
+mod planning;
+mod power;
+mod reproduce;
+mod ties;
+
+use clap::Subcommand;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use truearm_host::diagnose::{DiagnoseOptions, diagnose};
+
+use crate::blind::secret::{Score, score};
+use crate::blind::sets::{BlindSet, Wanted};
+
+/// What a study ends with: a sentence if less was reached than is required.
+pub type Result<T = ()> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+#[derive(Subcommand)]
+pub enum Study {
+    /// Hidden effects: are they named, rightly and only where they are?
+    Blind(blind::Options),
+    /// How large must an effect be to be named?
+    Power(power::Options),
+    /// Stated 95 % intervals: how many hold the truth?
+    Coverage(coverage::Options),
+    /// Planned poses against random ones
+    Planning(planning::Options),
+    /// Rules for lambda: how much worse than the best one?
+    Lambda(lambda::Options),
+    /// Two effects look alike: is it said, and do the proposed poses tell?
+    Ties(ties::Options),
+    /// The paper's experiment on simulated cells: its tables and figures, and a discussion
+    Reproduce(reproduce::Options),
+}
+
+pub fn run(study: &Study) -> Result {
+    match study {
+        Study::Blind(options) => blind::run(options),
+        Study::Power(options) => power::run(options),
+        Study::Coverage(options) => coverage::run(options),
+        Study::Planning(options) => planning::run(options),
+        Study::Lambda(options) => lambda::run(options),
+        Study::Ties(options) => ties::run(options),
+        Study::Reproduce(options) => reproduce::run(options),
+    }
+}
+
+/// Draws sets, has them diagnosed, and opens what was hidden when all verdicts
+/// are in. A set that cannot be diagnosed fails the study.
+fn judged(plans: &[(u64, Vec<Wanted>)]) -> Result<Vec<Score>> {
+    let style = "{bar:40} {pos}/{len}  {elapsed_precise}, {eta} left";
+    let bar = ProgressBar::new(plans.len() as u64).with_style(ProgressStyle::with_template(style)?);
+    let answer = |(seed, wanted): &(u64, Vec<Wanted>)| {
+        let set = BlindSet::draw(*seed, wanted);
+        let (robot, data, holdout) = set.read();
+        let options = DiagnoseOptions::default();
+        let found = diagnose(&robot, &data, Some(&holdout), &options, &|_| ());
+        bar.inc(1);
+        match found {
+            Ok(found) => Ok((set, found.report)),
+            Err(error) => Err(format!("seed {seed}: {error}")),
+        }
+    };
+    let answers: Vec<_> = plans.par_iter().map(answer).collect();
+    bar.finish_and_clear();
+    let answers = answers.into_iter().collect::<std::result::Result<Vec<_>, String>>()?;
+    Ok(answers.par_iter().map(|(set, report)| score(set, report)).collect())
+}

@@ -1,0 +1,62 @@
+//! Stated intervals hold the truth as often as they say.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use truearm_host::identify::{Options, identify};
+use truearm_study::coverage::{Cell, Tally, identified_once};
+use truearm_study::simulated::{Truth, UR10_LIKE, robot};
+
+/// The long form, 1,000 simulations a case: `cargo xtask study coverage`.
+#[test]
+fn intervals_hold_the_truth() {
+    // Few and coarse data leave much to the tolerances: there the bias counts.
+    for (poses, sigma, weak) in [(20, 2e-5, false), (14, 2e-4, true)] {
+        let cell = Cell::new(poses, sigma, 1);
+        let each: Vec<_> = (0..150)
+            .map(|k| identified_once(&cell, true, &mut ChaCha8Rng::seed_from_u64(500 + k)))
+            .collect();
+        for (what, [total, noise]) in Tally::of(&each) {
+            println!("{poses} poses, {what}: {total:.3} with bias, {noise:.3} from noise alone");
+            assert!((0.925..0.975).contains(&total), "{what}");
+            assert!(!weak || noise < total, "{what}");
+        }
+    }
+}
+
+#[test]
+fn the_report_says_what_is_told_together_only() {
+    let robot = robot(UR10_LIKE);
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let truth = Truth::draw(&robot, 1, 1, &mut rng);
+    let data = truth.parse(&truth.measure(52, 2e-5, &mut rng));
+    let report = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap().report;
+    let u = &report.uncertainty;
+    assert_eq!(u.parameters.len(), 30);
+    // Parallel axes: what their offsets are each, only the tolerance says.
+    let bar = |name: &str| u.parameters.iter().find(|p| p.name == name).unwrap();
+    let (known, unknown) = (bar("joint 3 a"), bar("joint 3 d"));
+    assert!(known.half_width < 0.05 && known.noise_half_width > 0.5 * known.half_width);
+    assert!(unknown.half_width > 0.5 && unknown.noise_half_width < 0.1 * unknown.half_width);
+    assert!(u.tool_point.rms_mm < u.tool_point.max_mm);
+    assert!(u.tool_point.noise_rms_mm <= u.tool_point.rms_mm);
+    println!("{:#?}", u.correlations);
+
+    // Hardly any motion of joint 3: its zero and that of joint 2 go together.
+    let mut narrow = data.clone();
+    narrow.rows.clear();
+    for row in &truth.parse(&truth.measure(400, 0.0, &mut rng)).rows {
+        let mut row = row.clone();
+        row.q[2] = 0.8 + 0.02 * row.q[2];
+        row.point = truth.point(&row.q, 0, 0);
+        row.pose = narrow.rows.len();
+        narrow.rows.push(row);
+    }
+    narrow.poses = narrow.rows.len();
+    let report = identify(&robot, &narrow, &Options::default(), &|_, _| ()).unwrap().report;
+    println!("{:#?}", report.uncertainty.correlations);
+    assert!(
+        report.uncertainty.correlations.iter().any(|c| c.contains("joint 3")),
+        "{:#?}",
+        report.uncertainty.correlations
+    );
+}
