@@ -11,6 +11,7 @@ mod scan;
 pub mod score;
 pub mod search;
 mod show;
+mod slip;
 mod tail;
 mod verdict;
 mod whereabouts;
@@ -121,69 +122,56 @@ fn diagnosed(
     let best = search.within(nodes[0].clone())?;
     let (verdict, best) = judge(&search, &root, &nodes[0], &best)?;
 
-    let whereabouts = whereabouts::sentences(&problem, &root);
-    let nominal = nominal_state(&problem, &best.fit.kept, &start)?;
     let folds = folds::random(data, &rows, folds::SEED);
     let show = show::Show { search: &search, folds: &folds, holdout, robot };
-    let (best, stages, gap) = with_held_out_gain(&show, &root, best, &nominal)?;
+    shown(&show, Found { verdict, best, root, nodes, start, not_testable })
+}
+
+/// What a search found.
+struct Found {
+    verdict: Verdict,
+    best: Node,
+    root: Node,
+    nodes: Vec<Node>,
+    /// Where the search began.
+    start: State,
+    not_testable: Vec<String>,
+}
+
+/// The model, and what shows how good it is.
+fn shown(show: &show::Show, found: Found) -> Result<Diagnosis> {
+    let Found { verdict, best, root, nodes, start, not_testable } = found;
+    let problem = show.search.problem;
+    let nominal = nominal_state(problem, &best.fit.kept, &start)?;
+    let (best, stages, gap) = with_held_out_gain(show, &root, best, &nominal)?;
     let nothing = best.added.is_empty() && best.fit.outliers.is_empty();
     let verdict = match verdict {
         Verdict::Explained if nothing => Verdict::Clean,
         other => other,
     };
     let alternatives = if matches!(verdict, Verdict::Explained) {
-        show::alternatives(&search, robot, &best, &nodes)
+        show::alternatives(show.search, show.robot, &best, &nodes)
     } else {
         Vec::new()
     };
     let (alternatives, rivals) = alternatives.into_iter().unzip();
-    let held_out = show.held_out(&best)?;
-    let blocked = match folds::blocked(data, &rows) {
-        Some(folds) => Some(show::Show { folds: &folds, ..show }.held_out(&best)?),
-        None => None,
-    };
-
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
-    let findings = Findings {
-        command: "diagnose",
-        rule: "marginal-likelihood",
-        robot,
-        problem: &terms,
-        nominal,
-        found: Estimate {
-            fit: best.fit.fit.clone(),
-            robust: best.fit.clone(),
-            lambda: search.flags.lambda,
-            choice: None,
-        },
-        held_out,
-        blocked,
-        cross_validation: format!(
-            "{} folds of poses, flags redone in each, terms held",
-            folds.len()
-        ),
-    };
+    let findings = findings(show, &terms, &best, nominal)?;
     let mut identified = findings.summarise();
-    let terms = limit::arm_terms(&best.added);
-    if terms > MAX_TERMS {
-        identified.report.warnings.push(format!(
-            "{terms} terms of the arm where a controller takes {MAX_TERMS}: --most-terms \
-             {MAX_TERMS} gives the best model that can be packed"
-        ));
-    }
-    let effects = show::effects(&findings, &stages, &gap, &best);
-    let variance: f64 = data.rows.iter().map(|r| 3.0 * r.sigma * r.sigma).sum();
+    identified.report.warnings.extend(too_many(&best));
+    let rows = &problem.data.rows;
+    let variance: f64 = rows.iter().map(|r| 3.0 * r.sigma * r.sigma).sum();
     let report = DiagnoseReport {
         base: identified.report,
         verdict,
-        effects,
-        noise_floor_mm: (variance / data.rows.len() as f64).sqrt() * 1e3,
+        effects: show::effects(&findings, &stages, &gap, &best),
+        noise_floor_mm: (variance / rows.len() as f64).sqrt() * 1e3,
         reduced_chi_square: best.reduced,
         geometry_reduced_chi_square: root.reduced,
         gap,
         alternatives,
         not_testable,
-        whereabouts,
+        whereabouts: whereabouts::sentences(problem, &root, show.search.flags.lambda),
     };
     Ok(Diagnosis {
         model: identified.model,
@@ -191,6 +179,49 @@ fn diagnosed(
         rows: identified.rows,
         state: best.fit.fit.state,
         alternatives: rivals,
+    })
+}
+
+/// The final model as an estimate, with its held-out errors.
+fn findings<'a>(
+    show: &show::Show<'a>,
+    problem: &'a Problem<'a>,
+    best: &Node,
+    nominal: State,
+) -> Result<Findings<'a>> {
+    let blocked = match folds::blocked(problem.data, show.search.rows) {
+        Some(folds) => Some(show::Show { folds: &folds, ..*show }.held_out(best)?),
+        None => None,
+    };
+    Ok(Findings {
+        command: "diagnose",
+        rule: "marginal-likelihood",
+        robot: show.robot,
+        problem,
+        nominal,
+        found: Estimate {
+            fit: best.fit.fit.clone(),
+            robust: best.fit.clone(),
+            lambda: show.search.flags.lambda,
+            choice: None,
+        },
+        held_out: show.held_out(best)?,
+        blocked,
+        cross_validation: format!(
+            "{} folds of poses, flags redone in each, terms held",
+            show.folds.len()
+        ),
+    })
+}
+
+/// A remark where a controller has no room for the model.
+fn too_many(best: &Node) -> Option<String> {
+    let terms = limit::arm_terms(&best.added);
+    (terms > MAX_TERMS).then(|| {
+        format!(
+            "{terms} terms of the arm where a controller takes {MAX_TERMS}: --most-terms \
+             {MAX_TERMS} gives the best model that can be packed"
+        )
     })
 }
 

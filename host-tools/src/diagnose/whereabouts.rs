@@ -4,16 +4,18 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::node::Node;
+use super::slip::{contradiction, step};
 use super::tail::chi_square;
 use super::verdict::crowded;
 use crate::identify::Problem;
 
 /// A dependence weaker than this after correction is not worth a sentence.
-const SIGNIFICANT: f64 = 1e-3;
+pub(super) const SIGNIFICANT: f64 = 1e-3;
 
-/// Sentences for what is significant, strongest first.
+/// Sentences for what is significant, a joint that slipped first, then strongest
+/// first. `lambda` is that of the fit.
 #[must_use]
-pub fn sentences(problem: &Problem, root: &Node) -> Vec<String> {
+pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     let at = problem.linearise(&root.fit.fit.state);
     // Where many rows are flagged, the flags are what is to be placed.
     let all: Vec<usize> = (0..problem.data.rows.len()).collect();
@@ -66,26 +68,13 @@ pub fn sentences(problem: &Problem, root: &Node) -> Vec<String> {
         }
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let flagged: Vec<usize> = root.fit.outliers.iter().map(|o| o.row + 1).collect();
-    let contradiction = crowded(root).then(|| {
-        let of = problem.data.rows.len();
-        format!("{} of {of} rows contradict the others: {}", flagged.len(), ranges(&flagged))
-    });
-    contradiction.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect()
-}
-
-/// Rising numbers, runs of them as a range.
-fn ranges(numbers: &[usize]) -> String {
-    let runs = numbers.chunk_by(|a, b| a + 1 == *b).map(|run| match run {
-        [one] => one.to_string(),
-        [first, .., last] => format!("{first} to {last}"),
-        [] => String::new(),
-    });
-    runs.collect::<Vec<_>>().join(", ")
+    let slips =
+        if crowded(root) { contradiction(problem, root) } else { step(problem, root, lambda) };
+    slips.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect()
 }
 
 /// A p value in words.
-fn chance(p: f64) -> String {
+pub(super) fn chance(p: f64) -> String {
     if p < 1e-99 { "p < 1e-99".to_owned() } else { format!("p = {p:.1e}") }
 }
 
