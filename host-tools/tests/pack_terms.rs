@@ -152,7 +152,7 @@ fn a_changed_model_claims_nothing() {
         (with("[[corrections]]", "a_mm", "12.5"), false),
         (with("[[joints]]", "d_mm", "12.5"), false),
         (text.lines().filter(|l| !l.starts_with("digest")).collect::<Vec<_>>().join("\n"), false),
-        (text.replacen("digest", "# seen and understood\ndigest", 1), true),
+        (text.replacen("digest = ", "# seen and understood\ndigest = ", 1), true),
         (with("[[corrections]]", "covered_deg", "[-10.0, 10.0]"), true),
         (text.replacen("lambda_rule", "lambda_rule   ", 1), true),
     ] {
