@@ -19,6 +19,8 @@ pub(super) struct Law<T, const N: usize> {
     most: [T; N],
     /// Joint limits, rad or m; those of the number type where there are none.
     pub limits: [[T; 2]; N],
+    /// Between these no limit is nearer than the largest correction.
+    free: [[T; 2]; N],
     /// By how much the identified joint angles are further than the nominal ones.
     beyond_nominal: [Turn<T>; N],
 }
@@ -55,16 +57,16 @@ pub(super) struct Correction<T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> Correction<T, N> {
-    /// None yet.
-    pub fn none() -> Self {
+    /// None yet, of joints that may be corrected by so much at most.
+    pub fn none(most: [T; N]) -> Self {
         let none = [T::ZERO; N];
         Self {
             joints: none,
             target: Pose::identity(),
             bound: Joints::default(),
             limited: Joints::default(),
-            share: none,
-            most: none,
+            share: [T::ONE; N],
+            most,
             columns: [Twist::zero(); N],
             system: System::none(),
             nominal: Turns::none(),
@@ -90,11 +92,18 @@ impl<T: Scalar, const N: usize> Correction<T, N> {
 
 impl<T: Scalar, const N: usize> Law<T, N> {
     pub fn new(arm: &Arm<'_, T, N>, settings: &Settings<T, N>) -> Self {
+        let limits = arm.limits().map(|limit| limit.unwrap_or([-T::MAX, T::MAX]));
+        let mut free = limits;
+        for ([low, high], most) in free.iter_mut().zip(&settings.max_correction) {
+            *low += *most;
+            *high = *high - *most;
+        }
         Self {
             rule: settings.rule(),
             refinements: settings.refinements,
             most: settings.max_correction,
-            limits: arm.limits().map(|limit| limit.unwrap_or([-T::MAX, T::MAX])),
+            limits,
+            free,
             beyond_nominal: arm.real().turned_from(arm.nominal()),
         }
     }
@@ -173,50 +182,42 @@ impl<T: Scalar, const N: usize> Law<T, N> {
     }
 
     /// How far joints may be corrected at a command, and which are near a limit.
-    /// Where a limit is nearer than the largest correction, a joint's weight
-    /// falls to zero towards it, and it may never be corrected beyond.
     #[inline]
     fn make_room(&self, command: &[T; N], out: &mut Correction<T, N>) {
+        let mut joints = command.iter().zip(&self.free);
+        let free = joints.all(|(q, [low, high])| *q >= *low && *q <= *high);
+        if !(free && out.limited.is_empty()) {
+            self.near_limits(command, out);
+        }
+    }
+
+    /// Where a limit is nearer than the largest correction, a joint's weight
+    /// falls to zero towards it, and it may never be corrected beyond.
+    // Cold: what rarely happens must not cost a tick in which it does not.
+    #[cold]
+    #[inline(never)]
+    fn near_limits(&self, command: &[T; N], out: &mut Correction<T, N>) {
         out.share = [T::ONE; N];
         out.most = self.most;
         out.limited = Joints::default();
-        let joints = command.iter().zip(&self.limits);
+        let joints = command.iter().zip(&self.limits).zip(&mut out.columns);
         let places = out.share.iter_mut().zip(&mut out.most);
-        for (i, ((q, [low, high]), (share, most))) in joints.zip(places).enumerate() {
+        for (i, (((q, [low, high]), column), (share, most))) in joints.zip(places).enumerate() {
             let (below, above) = (*q - *low, *high - *q);
             let left = if below < above { below } else { above };
             if left < *most {
-                near_limit(&mut out.limited, i, left, share, most);
+                let left = if left > T::ZERO { left } else { T::ZERO };
+                *share = left / *most;
+                *most = left;
+                column.linear *= *share;
+                column.angular *= *share;
+                out.limited.insert(i);
             }
         }
-        if !out.limited.is_empty() {
-            out.weigh();
-        }
     }
-}
-
-// Cold: what rarely happens must not cost a tick in which it does not.
-
-/// Joint `i` has `left` to its limit, less than its largest correction.
-#[cold]
-#[inline(never)]
-fn near_limit<T: Scalar>(limited: &mut Joints, i: usize, left: T, share: &mut T, most: &mut T) {
-    let left = if left > T::ZERO { left } else { T::ZERO };
-    *share = left / *most;
-    *most = left;
-    limited.insert(i);
 }
 
 impl<T: Scalar, const N: usize> Correction<T, N> {
-    #[cold]
-    #[inline(never)]
-    fn weigh(&mut self) {
-        for (column, share) in self.columns.iter_mut().zip(&self.share) {
-            column.linear *= *share;
-            column.angular *= *share;
-        }
-    }
-
     /// By how much the rigid chain stands further than at the command: as wanted,
     /// and by that of a joint's bend which is not taken back at the joint.
     #[cold]

@@ -69,7 +69,7 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         }
         let law = Law::new(&arm, &settings);
         let applied = [T::ZERO; N];
-        let correction = Correction::none();
+        let correction = Correction::none(settings.max_correction);
         Ok(Self {
             arm,
             settings,
@@ -140,7 +140,7 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     /// # Errors
     /// As [`Status::Refused`] of a tick.
     pub fn correction(&self, command: &[T; N], state: &State<T, N>) -> Result<[T; N], Refusal> {
-        let mut correction = Correction::none();
+        let mut correction = Correction::none(self.settings.max_correction);
         self.law.correct(&self.arm, command, state, &mut correction);
         if correction.is_finite() { Ok(correction.joints) } else { Err(refusal(command, state)) }
     }
@@ -213,11 +213,11 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
             smooth(self.ramp, ticks)
         };
         let mut clamped = Clamped::default();
+        let before = self.joints;
         let corrections = self.correction.joints.iter().zip(&self.settings.max_change);
-        let commands = command.iter().zip(&self.law.limits);
-        let joints = self.joints.iter_mut().zip(&mut self.applied);
-        for (i, (((joint, applied), (q, limits)), (correction, change))) in
-            joints.zip(commands).zip(corrections).enumerate()
+        let places = self.joints.iter_mut().zip(&mut self.applied);
+        for (i, (((joint, applied), q), (correction, change))) in
+            places.zip(command).zip(corrections).enumerate()
         {
             let wanted = *correction * share;
             let moved = wanted - *applied;
@@ -226,15 +226,30 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
             } else {
                 wanted
             };
-            let before = *joint;
             *joint = *q + *applied;
+        }
+        // Elsewhere no correction reaches a limit.
+        if !self.correction.limited.is_empty() {
+            self.stop(command, &before, &mut clamped.limit);
+        }
+        clamped
+    }
+
+    /// Stops joints at their limits.
+    #[cold]
+    #[inline(never)]
+    fn stop(&mut self, command: &[T; N], before: &[T; N], stopped: &mut Joints) {
+        let joints = self.joints.iter_mut().zip(&mut self.applied).zip(command.iter().zip(before));
+        let bounds = self.law.limits.iter().zip(&self.settings.max_change);
+        for (i, (((joint, applied), (q, before)), (limits, change))) in
+            joints.zip(bounds).enumerate()
+        {
             let [low, high] = *limits;
             if *joint < low || *joint > high {
-                *joint = clamped.limit.stop(i, [*q, *joint, before], *change, *limits);
+                *joint = stopped.stop(i, [*q, *joint, *before], *change, *limits);
                 *applied = *joint - *q;
             }
         }
-        clamped
     }
 
     fn report(&self, status: Status) -> Tick<T, N> {

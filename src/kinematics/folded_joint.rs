@@ -170,10 +170,16 @@ impl<T: Scalar> FoldedJoint<T> {
     /// The angle at joint value `q`, rad or m.
     #[inline]
     pub fn turn(&self, q: T) -> Turn<T> {
-        let (sin, cos) = match self.kind {
-            JointKind::Revolute => (q + self.theta).sin_cos(),
-            JointKind::Prismatic => (self.sin_theta, self.cos_theta),
-        };
+        match self.kind {
+            JointKind::Revolute => self.turned_by(q),
+            JointKind::Prismatic => Turn { sin: self.sin_theta, cos: self.cos_theta },
+        }
+    }
+
+    /// The angle of a joint that turns, at joint value `q`, rad.
+    #[inline]
+    pub fn turned_by(&self, q: T) -> Turn<T> {
+        let (sin, cos) = (q + self.theta).sin_cos();
         Turn { sin, cos }
     }
 

@@ -43,10 +43,13 @@ impl<T: Scalar, const N: usize> Turns<T, N> {
     /// Becomes those of `joints` at joint values `q`.
     #[inline]
     pub(crate) fn set(&mut self, joints: &[FoldedJoint<T>; N], q: &[T; N]) {
-        let places = self.turns.iter_mut().zip(&mut self.q);
-        for ((turn, own), (joint, q)) in places.zip(joints.iter().zip(q)) {
-            *turn = joint.turn(*q);
-            *own = *q;
+        self.q = *q;
+        // Without a branch between them the sines share their constants.
+        for (turn, (joint, q)) in self.turns.iter_mut().zip(joints.iter().zip(q)) {
+            *turn = joint.turned_by(*q);
+        }
+        for (turn, joint) in self.turns.iter_mut().zip(joints).filter(|(_, j)| j.prismatic()) {
+            *turn = joint.turn(T::ZERO);
         }
     }
 
