@@ -135,11 +135,14 @@ impl<T: Scalar> Pose<T> {
     pub(crate) fn tilt(&mut self, centre: &Vector3<T>, w: &Vector3<T>) {
         let half = *w * T::from_f32(0.5);
         let scale = (T::ONE + T::ONE) / (T::ONE + dot(&half, &half));
-        let turned = |p: &Vector3<T>| p + cross(&half, &(p + cross(&half, p))) * scale;
         let [x, y, _] = axes(&self.rotation);
-        let (x, y) = (turned(&x), turned(&y));
+        let mut all = [x, y, self.translation - centre];
+        for p in &mut all {
+            *p += cross(&half, &(*p + cross(&half, p))) * scale;
+        }
+        let [x, y, p] = all;
         self.rotation = from_axes([x, y, cross(&x, &y)]);
-        self.translation = turned(&(self.translation - centre)) + centre;
+        self.translation = p + centre;
     }
 
     /// `rotation * p + translation`, m.
