@@ -174,7 +174,6 @@ impl Scalar for f64 {
 /// Cody-Waite reduction to a quarter turn and minimax polynomials, in single
 /// precision only: `libm::sincosf` computes in `f64`, which a Cortex-M4F does
 /// in software (2,267 instructions).
-#[inline]
 fn sin_cos_f32(x: f32) -> (f32, f32) {
     // pi/2 in three parts. The first two have 8 and 11 significant bits, so
     // that quadrant * part is exact up to 8192 rad. The third is negative: an
