@@ -156,21 +156,18 @@ impl<T: Scalar> Pose<T> {
 // size the compiler does not see that it never does.
 
 /// The columns of a rotation matrix: the axes of the moved frame.
-#[inline]
 pub(crate) fn axes<T: Scalar>(m: &Matrix3<T>) -> [Vector3<T>; 3] {
     let [[a, b, c], [d, e, f], [g, h, i]] = m.data.0;
     [Vector3::new(a, b, c), Vector3::new(d, e, f), Vector3::new(g, h, i)]
 }
 
 /// The rotation matrix of three axes.
-#[inline]
 pub(crate) fn from_axes<T: Scalar>([x, y, z]: [Vector3<T>; 3]) -> Matrix3<T> {
     Matrix3::from_array_storage(ArrayStorage([[x.x, x.y, x.z], [y.x, y.y, y.z], [z.x, z.y, z.z]]))
 }
 
 /// `m * v`, summed in a fixed order, so that no build of nalgebra can change
 /// a bit of it.
-#[inline]
 pub(crate) fn rotate<T: Scalar>(m: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
     let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = m.data.0;
     Vector3::new(
@@ -180,12 +177,10 @@ pub(crate) fn rotate<T: Scalar>(m: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
     )
 }
 
-#[inline]
 pub(crate) fn cross<T: Scalar>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
-#[inline]
 pub(crate) fn dot<T: Scalar>(a: &Vector3<T>, b: &Vector3<T>) -> T {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
