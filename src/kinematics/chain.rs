@@ -1,7 +1,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::deflection::Deflection;
-use super::folded_joint::{FoldedJoint, Turn, TurnedJoint, Turns};
+use super::folded_joint::{FoldedJoint, TurnedJoint, Turns};
 use super::link::Link;
 use super::pose::{Pose, axes, cross, from_axes, rotate};
 use crate::scalar::Scalar;
@@ -107,9 +107,9 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     /// Sines and cosines of all joint angles at joint values `q`.
     #[inline]
     pub(crate) fn turns(&self, q: &[T; N]) -> Turns<T, N> {
-        let mut joints = self.turned(q);
-        let none = Turn { sin: T::ZERO, cos: T::ONE };
-        Turns { turns: [(); N].map(|()| joints.next().map_or(none, |joint| joint.turn)), q: *q }
+        let mut turns = Turns::none();
+        turns.set(&self.joints, q);
+        turns
     }
 
     /// Pose of the tool at joint values `q`.
@@ -131,15 +131,9 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[must_use]
     #[inline]
     pub fn forward_deflected(&self, q: &[T; N], deflection: &Deflection<T, N>) -> Pose<T> {
-        let joints = deflection.deflected(q);
-        let mut pose = if deflection.grows() {
-            let (root, tip) = self.grown_ends(&deflection.growth);
-            self.tool_to_base(self.turned(&joints), Self::grown(&deflection.growth), &root, &tip)
-        } else {
-            self.forward(&joints)
-        };
-        self.tilt(&mut pose, deflection);
-        pose
+        let turns = self.turns(&deflection.deflected(q));
+        let [x, y, p] = self.axes_at(&turns, Some(deflection));
+        Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p }
     }
 
     /// Tilts a pose with the base.

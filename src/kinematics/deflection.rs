@@ -31,11 +31,4 @@ impl<T: Scalar, const N: usize> Deflection<T, N> {
         }
         joints
     }
-
-    /// Whether any link changes its lengths.
-    #[must_use]
-    #[inline]
-    pub fn grows(&self) -> bool {
-        self.growth.iter().any(|g| *g != T::ZERO)
-    }
 }

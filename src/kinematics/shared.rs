@@ -139,8 +139,8 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
 
     /// Two axes and the point of the tool, with the sines taken already; of the
     /// `deflected` chain, whose angles are those of `turns` as they are, but
-    /// whose links grow and whose base tilts.
-    #[inline]
+    /// whose links grow and whose base tilts. One copy of it serves all.
+    #[inline(never)]
     pub(crate) fn axes_at(
         &self,
         turns: &Turns<T, N>,
