@@ -2,16 +2,14 @@
 //! `tests/firmware/budgets.toml`.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::{fs, iter};
 
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
-use crate::firmware::{
-    PANIC_SYMBOL, build_dir, build_with, command_of, directory, image, image_in, read_toml,
-};
-use crate::qemu;
+use crate::firmware::{build_for, command_of, dir_of, directory, image, image_in, read_toml};
+use crate::qemu::{self, TARGET};
 use crate::run::{Result, call};
 use crate::vectors::{shipped, shipped_terms};
 
@@ -33,22 +31,24 @@ pub fn controller() -> Result<String> {
         }
         output += &ended.output;
     }
-    let (text, ram) = sizes(&image("controller"), "Reset")?;
-    writeln!(output, "text controller-fast {text}\nram controller {ram}")?;
-    let (text, _) = sizes(&small_controller()?, "Reset")?;
-    writeln!(output, "text controller-small {text}")?;
+    let (_, ram) = sizes(&image("controller"), "Reset")?;
+    writeln!(output, "ram controller {ram}")?;
+    output += &texts()?;
     Ok(output)
 }
 
-/// The same sources built for size. The optimiser no longer proves there that
-/// nothing can panic, so the symbol that the proof leaves open is given.
-fn small_controller() -> Result<PathBuf> {
-    let dir = build_dir().join("small");
-    let mut command = build_with("rustc", &dir, "--bin controller");
-    command.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "z");
-    command.args(["--", "-C", &format!("link-arg=--defsym={PANIC_SYMBOL}=0")]);
-    call(&mut command)?;
-    Ok(image_in(&dir, "controller"))
+/// What images take in flash, for speed and for size: the controller, and the least
+/// that asks where the tool is. Each links without a panic.
+fn texts() -> Result<String> {
+    let mut output = String::new();
+    for (level, name) in [("3", "fast"), ("s", "small")] {
+        for binary in ["controller", "load"] {
+            call(&mut build_for(TARGET, level, binary))?;
+            let (text, _) = sizes(&image_in(&dir_of(level), binary), "Reset")?;
+            writeln!(output, "text {binary}-{name} {text}")?;
+        }
+    }
+    Ok(output)
 }
 
 /// Bytes of an image in flash (code, constants, vectors, start values) and of

@@ -24,11 +24,9 @@ fn main() -> ! {
     }
 }
 
-/// The first slot with a valid blob.
 fn load() -> Option<Arm6<'static, f32>> {
-    memory::parameter_slots()
-        .iter()
-        .find_map(|(_, slot)| Some(Arm6::new(&Blob::check(slot).ok()?.parameters().ok()?)))
+    let [(_, slot), _] = memory::parameter_slots();
+    Some(Arm6::new(&Blob::check(slot).ok()?.parameters().ok()?))
 }
 
 fn tick(arm: &Option<Arm6<'_, f32>>, encoders: &[f32; 6]) -> Option<Pose<f32>> {
