@@ -6,3 +6,4 @@ mod arms;
 #[path = "../common/mod.rs"]
 mod common;
 mod law;
+mod paths;

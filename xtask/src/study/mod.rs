@@ -4,6 +4,7 @@ mod cuts;
 mod flips;
 pub mod fuzz;
 pub mod restarts;
+mod ticks;
 
 /// The memory of the store's tests, and what cuts its power.
 #[path = "../../../tests/store/bench/mod.rs"]
@@ -27,6 +28,8 @@ pub enum Study {
     Cuts(cuts::Options),
     /// The emulated board's power fails at random moments while it stores
     Restarts(restarts::Options),
+    /// What compensation promises, along a million ticks of random paths
+    Ticks,
     /// Bytes that are no blob, and histories of power cuts, guided by coverage
     Fuzz(fuzz::Options),
     /// Of arms whose truth is known: the package `truearm-study`
@@ -47,6 +50,7 @@ pub fn run(study: &Study) -> Result {
     match study {
         Study::Flips => flips::run(),
         Study::Cuts(options) => cuts::run(options),
+        Study::Ticks => ticks::run(),
         Study::Restarts(options) => restarts::study(options),
         Study::Fuzz(options) => fuzz::study(options),
         Study::Arms(_) => Ok(()),
