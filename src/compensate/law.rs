@@ -96,7 +96,7 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         let mut free = limits;
         for ([low, high], most) in free.iter_mut().zip(&settings.max_correction) {
             *low += *most;
-            *high = *high - *most;
+            *high -= *most;
         }
         Self {
             rule: settings.rule(),
