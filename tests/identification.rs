@@ -145,6 +145,42 @@ fn value(arm: &Stored<f64, 6>, parameter: Parameter) -> f64 {
     }
 }
 
+/// Mean square error of what was found over sigma^2, of arms changed by up to `share`
+/// of the usual scale.
+fn calibration(share: f64, forgetting: f64, points: usize) -> f64 {
+    let mut square = 0.0;
+    for seed in 0..100 {
+        let real = changed(ur10(), share, seed);
+        let mut tracker = Tracker::<f64, 6>::new(&real, SIGMA, seed);
+        let was = stored(ur10(), TOOL);
+        let mut stream =
+            Settings { forgetting, ..Settings::new(&was, chosen(), SIGMA) }.start(&was).unwrap();
+        for point in tracker.points(points) {
+            stream.push(&point).unwrap();
+        }
+        let found = stream.identified(Lambda::Prior).unwrap();
+        for (k, parameter) in chosen().into_iter().enumerate() {
+            let left = value(&found.parameters, parameter) - value(&real, parameter);
+            square += (left / found.sigma[k]).powi(2);
+        }
+    }
+    square / (100.0 * P as f64)
+}
+
+/// Sigma is of the noise: linearising adds to it where much has changed, and points that
+/// faded count as measured the worse.
+#[test]
+fn sigma_is_without_what_linearising_leaves() {
+    let little = calibration(0.01, 1.0, 30);
+    assert!((little - 1.0).abs() < 0.25, "{little}");
+    let much = calibration(0.5, 1.0, 30);
+    assert!(much > 10.0, "{much}");
+    let faded = calibration(0.01, 0.95, 200);
+    // Of weights w^k the variance is 1 / (1 + w) of what their sum says.
+    assert!((faded - 0.51).abs() < 0.15, "{faded}");
+    println!("little {little:.2}, much {much:.0}, faded {faded:.2}");
+}
+
 /// What linearising leaves is of second order, and relinearising takes it away from the
 /// points that come then.
 #[test]

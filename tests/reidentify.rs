@@ -182,6 +182,14 @@ fn what_the_points_cannot_tell_is_said() {
     assert!(!found.determined[6]);
     // What is not known is left as it was.
     assert!(found.change[6].abs() < 1e-6);
+    // Base and tracker together: the base's prior is what places either.
+    let mut chosen = [Parameter::BASE[0]; 12];
+    chosen[..6].copy_from_slice(&Parameter::BASE);
+    chosen[6..].copy_from_slice(&Parameter::STATION);
+    let task = Reidentify::new(&stored(), chosen, 2e-5);
+    let found = task.run(&stored(), &measured(&Truth::same(), 10, 0.0, 3)).unwrap();
+    assert_eq!((found.rank, &found.determined[..6]), (6, &[false; 6][..]));
+    assert!(found.sigma[6..].iter().all(|sigma| (sigma - 0.02_f64).abs() < 1e-4));
 }
 
 #[test]

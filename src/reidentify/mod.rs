@@ -79,7 +79,9 @@ pub struct Reidentified<'t, T, const N: usize, const P: usize> {
     /// Standard deviation of each after the fit, in its unit.
     pub sigma: [T; P],
     /// Whether the points, rather than the prior, determine it: its standard
-    /// deviation is less than half of its scale.
+    /// deviation is less than half of its scale. Always so without a prior, though
+    /// it may be that of another parameter which does, as the base's beside an unknown
+    /// tracker: then `rank` is less than the number of parameters.
     pub determined: [bool; P],
     /// Independent directions among the parameters that the points show.
     pub rank: usize,

@@ -92,10 +92,13 @@ pub struct Identified<'t, T, const N: usize, const P: usize> {
     /// By how much each parameter differs from the stored one, in its unit.
     pub change: [T; P],
     /// Standard deviation of each, in its unit, as lambda / scale^2 and the points
-    /// leave it.
+    /// leave it: of noise and prior alone. What linearising leaves comes on top, which
+    /// after a change of some milliradians is more; and points that faded count as
+    /// measured the worse, which overstates it by up to sqrt(2) where nothing moved.
     pub sigma: [T; P],
     /// Whether the points, rather than the scale, determine it: its standard
-    /// deviation is less than half of `scale / sqrt(lambda)`.
+    /// deviation is less than half of `scale / sqrt(lambda)`. Always so without a
+    /// scale, though it may be that of another parameter which does.
     pub determined: [bool; P],
     /// Independent directions among the parameters that the points show.
     pub rank: usize,
