@@ -38,7 +38,7 @@ pub(super) struct System<T> {
 impl<T: Scalar> System<T> {
     /// Of no Jacobian yet.
     pub fn none() -> Self {
-        let gram = Gram::of_points(&[]);
+        let gram = Gram::of(&[]);
         let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
         let factor = Factor::new(&gram.position, T::ONE);
         let factor = BlockFactor { position: factor, lifted: [none; 3], rotation: factor };
@@ -51,7 +51,7 @@ impl<T: Scalar> System<T> {
     #[inline(never)]
     pub fn set(&mut self, columns: &[Twist<T>], rule: &Rule<T>) {
         let Rule { pose, threshold, weight } = *rule;
-        self.gram = if pose { Gram::of_poses(columns) } else { Gram::of_points(columns) };
+        self.gram = Gram::of(columns);
         self.factor.set(&self.gram, [T::ZERO; 2], pose);
         let harmonic = self.factor.harmonic(weight, pose);
         // A pivot that rounding made negative, or NaN: as singular as can be.
@@ -96,25 +96,13 @@ struct BlockFactor<T> {
 }
 
 impl<T: Scalar> Gram<T> {
+    /// Of a Jacobian by columns; of the position alone the rest is not used.
     #[inline]
-    fn of_points(columns: &[Twist<T>]) -> Self {
+    fn of(columns: &[Twist<T>]) -> Self {
         let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
-        let mut position = Symmetric::of(&none);
-        for column in columns {
-            position.add(&column.linear);
-        }
-        Self { position, mixed: [none; 3], rotation: Symmetric::of(&none) }
-    }
-
-    #[inline]
-    fn of_poses(columns: &[Twist<T>]) -> Self {
-        // From the first column on instead of from zero: 21 additions less.
-        let Some((Twist { linear, angular }, rest)) = columns.split_first() else {
-            return Self::of_points(columns);
-        };
-        let (mut position, mut rotation) = (Symmetric::of(linear), Symmetric::of(angular));
-        let (mut x, mut y, mut z) = (linear * angular.x, linear * angular.y, linear * angular.z);
-        for Twist { linear, angular } in rest {
+        let (mut position, mut rotation) = (Symmetric::of(&none), Symmetric::of(&none));
+        let (mut x, mut y, mut z) = (none, none, none);
+        for Twist { linear, angular } in columns {
             position.add(linear);
             rotation.add(angular);
             x += linear * angular.x;

@@ -7,7 +7,7 @@ use super::damped::{Rule, System};
 use super::outcome::Joints;
 use super::settings::Settings;
 use crate::arm::{Arm, Bent, State};
-use crate::kinematics::{Pose, Turn, Turns, Twist, axes, cross, dot};
+use crate::kinematics::{Pose, Turn, Turns, Twist, axes, cross, dot, from_axes};
 use crate::scalar::Scalar;
 
 /// What one arm and its settings fix of the law.
@@ -143,6 +143,31 @@ impl<T: Scalar, const N: usize> Law<T, N> {
             let frame = arm.rigid_axes(&out.near, bends.then_some(&out.bent));
             self.look(&frame, bends, out);
         }
+    }
+
+    /// By how much the arm at encoder readings `joints` misses the target of this
+    /// correction, in the base frame. Of `work` only the target stays.
+    pub fn error(
+        &self,
+        arm: &Arm<'_, T, N>,
+        joints: &[T; N],
+        state: &State<T, N>,
+        work: &mut Correction<T, N>,
+    ) -> Twist<T> {
+        let bends = !arm.terms().is_empty();
+        work.nominal.set(arm.nominal().joints(), joints);
+        work.identified.set_turned(&work.nominal, &self.beyond_nominal);
+        let mut stands = [T::ZERO; N];
+        if bends {
+            let Correction { nominal, joints: offset, bent, .. } = &mut *work;
+            let none = [T::ZERO; N];
+            arm.bend(nominal, state, [joints, &none, &none], offset, bent);
+            stands = bent.deflection.joints;
+        }
+        work.near.set_moved(&work.identified, arm.real().joints(), &stands);
+        let [x, y, p] = arm.rigid_axes(&work.near, bends.then_some(&work.bent));
+        let real = Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p };
+        error_between(&real, &work.target)
     }
 
     /// Solves for the error of the rigid chain, whose tool has these axes and

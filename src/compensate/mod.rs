@@ -154,13 +154,12 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         TaskError { position: error.linear.into(), rotation: error.angular.into() }
     }
 
-    /// The same of the joints of this tick; `None` where the model has no finite
-    /// pose.
+    /// The same of the joints of this tick, by what the law has at hand; `None`
+    /// where the model has no finite pose.
     #[cold]
     #[inline(never)]
-    fn left(&self, state: &State<T, N>) -> Option<TaskError<T>> {
-        let real = self.arm.real_pose_in(&self.joints, state);
-        let error = error_between(&real, &self.correction.target);
+    fn left(&mut self, state: &State<T, N>) -> Option<TaskError<T>> {
+        let error = self.law.error(&self.arm, &self.joints, state, &mut self.correction);
         let left = TaskError { position: error.linear.into(), rotation: error.angular.into() };
         (finite(&left.position) && finite(&left.rotation)).then_some(left)
     }

@@ -190,7 +190,9 @@ fn what_is_reported_is_the_error_of_the_joints_returned() {
                 said = said.hypot(settings.rotation_length * size(left.rotation));
             }
             assert!((said - is).abs() < 1e-4 * is + 1e-12, "{said} {is}");
-            assert_eq!(left, compensator.error(&q, &tick.joints, &state()));
+            let exact = compensator.error(&q, &tick.joints, &state());
+            let pairs = left.position.iter().zip(exact.position);
+            assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12));
             counts[1] += 1;
         }
     }
