@@ -163,9 +163,7 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         let tool = Pose { translation: p.tool, ..Pose::identity() };
         let base = Pose::from_rotation_vector(p.base_translation, p.base_rotation);
         let mut links = p.nominal;
-        for (link, correction) in links.iter_mut().zip(&p.corrections) {
-            *link = link.corrected(correction);
-        }
+        Link::correct(&mut links, &p.corrections);
         let nominal = Chain::new(&p.nominal, Pose::identity(), tool);
         let folded = FoldedTerms::new(&p.terms);
         let gravity = p.masses.filter(|_| folded.needs_load()).map(|masses| masses.on(&nominal));
@@ -258,11 +256,10 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     /// gives NaN from |n q| = 8192 rad on, see [`Scalar::sin_cos`].
     #[must_use]
     pub fn real_pose_in(&self, q: &[T; N], state: &State<T, N>) -> Pose<T> {
-        if self.terms.is_empty() {
-            self.real.forward(q)
-        } else {
-            self.real.forward_deflected(q, &self.deflection(q, state))
-        }
+        // One walk for both: a second one would be 600 bytes of text.
+        let deflection =
+            if self.terms.is_empty() { Deflection::none() } else { self.deflection(q, state) };
+        self.real.forward_deflected(q, &deflection)
     }
 
     /// What terms do whatever the joints: links grow.

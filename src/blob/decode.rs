@@ -116,14 +116,7 @@ impl<'a> Blob<'a> {
         let loads = masses.mass.iter_mut().zip(&mut masses.com);
         let records = self.records.chunks_exact(RECORD);
         for (((link, ranges), (mass, com)), record) in links.zip(ranges).zip(loads).zip(records) {
-            let [kind, presence, ..] = head_of(record);
-            link.0.kind = kind_of(kind).unwrap_or_default();
-            link.0.parameters = mdh(&fields::NOMINAL, record);
-            *link.1 = mdh(&fields::CORRECTION, record);
-            *ranges.0 = range(&fields::LIMITS, record, presence & HAS_LIMITS != 0);
-            *ranges.1 = range(&fields::COVERED, record, presence & HAS_COVERED != 0);
-            *mass = real(&fields::MASS, record);
-            *com = vector(&fields::CENTRE_OF_MASS, record);
+            joint(record, link, ranges, (mass, com));
         }
         out.masses = (flags & FLAG_MASSES != 0).then_some(masses);
         for term in term::each(self.terms).filter_map(term::from_bytes) {
@@ -135,6 +128,25 @@ impl<'a> Blob<'a> {
 }
 
 // Calls, not copies: a blob is read once.
+
+/// Of a joint: its nominal link and the corrections, limits and covered range,
+/// mass and centre of mass.
+#[inline(never)]
+fn joint<T: Scalar>(
+    record: &[u8],
+    link: (&mut Link<T>, &mut MdhParameters<T>),
+    ranges: (&mut Option<[T; 2]>, &mut Option<[T; 2]>),
+    load: (&mut T, &mut Vector3<T>),
+) {
+    let [kind, presence, ..] = head_of(record);
+    link.0.kind = kind_of(kind).unwrap_or_default();
+    link.0.parameters = mdh(&fields::NOMINAL, record);
+    *link.1 = mdh(&fields::CORRECTION, record);
+    *ranges.0 = range(&fields::LIMITS, record, presence & HAS_LIMITS != 0);
+    *ranges.1 = range(&fields::COVERED, record, presence & HAS_COVERED != 0);
+    *load.0 = real(&fields::MASS, record);
+    *load.1 = vector(&fields::CENTRE_OF_MASS, record);
+}
 
 #[inline(never)]
 fn real<T: Scalar>(field: &Field, bytes: &[u8]) -> T {

@@ -7,7 +7,7 @@ use super::damped::{Rule, System};
 use super::outcome::Joints;
 use super::settings::Settings;
 use crate::arm::{Arm, Bent, State};
-use crate::kinematics::{Pose, Turn, Turns, Twist, axes, cross, dot, from_axes};
+use crate::kinematics::{Pose, Turn, Turns, Twist, axes, dot, rotate};
 use crate::scalar::Scalar;
 
 /// What one arm and its settings fix of the law.
@@ -145,8 +145,8 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         }
     }
 
-    /// By how much the arm at encoder readings `joints` misses the target of this
-    /// correction, in the base frame. Of `work` only the target stays.
+    /// By how much the arm at encoder readings `joints` misses the target of
+    /// `work`, of which nothing else stays; in the base frame.
     pub fn error(
         &self,
         arm: &Arm<'_, T, N>,
@@ -165,9 +165,10 @@ impl<T: Scalar, const N: usize> Law<T, N> {
             stands = bent.deflection.joints;
         }
         work.near.set_moved(&work.identified, arm.real().joints(), &stands);
-        let [x, y, p] = arm.rigid_axes(&work.near, bends.then_some(&work.bent));
-        let real = Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p };
-        error_between(&real, &work.target)
+        let axes = arm.rigid_axes(&work.near, bends.then_some(&work.bent));
+        let error = error_in_tool(&axes, &work.target, true);
+        let turn = &work.target.rotation;
+        Twist { linear: rotate(turn, &error.linear), angular: rotate(turn, &error.angular) }
     }
 
     /// Solves for the error of the rigid chain, whose tool has these axes and
@@ -288,9 +289,9 @@ impl<T: Scalar, const N: usize> Correction<T, N> {
 }
 
 /// From the real to the nominal tool, in the frame of the nominal one: of the
-/// point, and the rotation vector, short of the angle by a sixth of its cube, or
-/// zero where only the position counts.
-#[inline]
+/// point, and the rotation vector, to second order in the angle, or zero where
+/// only the position counts.
+#[inline(never)]
 fn error_in_tool<T: Scalar>(
     [x, y, p]: &[Vector3<T>; 3],
     nominal: &Pose<T>,
@@ -303,15 +304,4 @@ fn error_in_tool<T: Scalar>(
         return Twist { linear, ..Twist::zero() };
     }
     Twist { linear, angular: Vector3::new(-dot(&c, y), dot(&c, x), -dot(&b, x)) }
-}
-
-/// From the real to the nominal pose, in the frame of both. The rotation vector
-/// is half the sum of the cross products of the axes, short of the angle by a
-/// sixth of its cube.
-pub(super) fn error_between<T: Scalar>(real: &Pose<T>, nominal: &Pose<T>) -> Twist<T> {
-    let ([a, b, c], [x, y, z]) = (axes(&real.rotation), axes(&nominal.rotation));
-    Twist {
-        linear: nominal.translation - real.translation,
-        angular: (cross(&a, &x) + cross(&b, &y) + cross(&c, &z)) * T::from_f32(0.5),
-    }
 }

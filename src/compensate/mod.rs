@@ -30,7 +30,7 @@ mod settings;
 
 use crate::arm::{Arm, State};
 use crate::scalar::Scalar;
-use law::{Correction, Law, error_between};
+use law::{Correction, Law};
 
 pub use outcome::{Clamped, Joints, Refusal, Status, TaskError, Tick};
 pub use settings::{SettingError, Settings, Task};
@@ -149,9 +149,9 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     /// with the arm at encoder readings `joints`, both rad or m, in this state.
     #[must_use]
     pub fn error(&self, command: &[T; N], joints: &[T; N], state: &State<T, N>) -> TaskError<T> {
-        let target = self.arm.nominal().forward(command);
-        let error = error_between(&self.arm.real_pose_in(joints, state), &target);
-        TaskError { position: error.linear.into(), rotation: error.angular.into() }
+        let mut work = Correction::none(self.settings.max_correction);
+        work.target = self.arm.nominal().forward(command);
+        self.law.error(&self.arm, joints, state, &mut work).into()
     }
 
     /// The same of the joints of this tick, by what the law has at hand; `None`
@@ -159,8 +159,8 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     #[cold]
     #[inline(never)]
     fn left(&mut self, state: &State<T, N>) -> Option<TaskError<T>> {
-        let error = self.law.error(&self.arm, &self.joints, state, &mut self.correction);
-        let left = TaskError { position: error.linear.into(), rotation: error.angular.into() };
+        let left: TaskError<T> =
+            self.law.error(&self.arm, &self.joints, state, &mut self.correction).into();
         (finite(&left.position) && finite(&left.rotation)).then_some(left)
     }
 
@@ -193,7 +193,7 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
 
     /// Moves what is applied towards the ramped correction, within all bounds;
     /// the joints follow.
-    #[inline]
+    #[inline(never)]
     fn apply(&mut self, command: &[T; N], corrected: bool) -> Clamped {
         let ticks = self.settings.ramp_ticks;
         if self.active {

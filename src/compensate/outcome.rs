@@ -1,3 +1,4 @@
+use crate::kinematics::Twist;
 use crate::scalar::Scalar;
 
 /// A set of joints, as bits: joint i, counted from 0, is bit i.
@@ -39,8 +40,7 @@ impl Joints {
     /// at the command where this is beyond it already, as the controller may have
     /// reasons; and not further in than by `change` from where it was `before`,
     /// if an arm with narrower limits left it outside.
-    #[cold]
-    #[inline(never)]
+    #[inline]
     pub(super) fn stop<T: Scalar>(
         &mut self,
         index: usize,
@@ -136,8 +136,14 @@ pub enum Status {
 pub struct TaskError<T> {
     /// Of the tool point, m.
     pub position: [T; 3],
-    /// Of the orientation, as a rotation vector, rad.
+    /// Of the orientation, as a rotation vector, rad; to second order in the angle.
     pub rotation: [T; 3],
+}
+
+impl<T: Scalar> From<Twist<T>> for TaskError<T> {
+    fn from(error: Twist<T>) -> Self {
+        Self { position: error.linear.into(), rotation: error.angular.into() }
+    }
 }
 
 /// What one tick did. What a tick had no need to compute is `None`.

@@ -78,8 +78,9 @@ impl<T: Scalar, const N: usize> Settings<T, N> {
 
     /// The same, with [`Self::trust_nominal_orientation`].
     #[must_use]
-    pub fn trusting_nominal_orientation(self) -> Self {
-        Self { trust_nominal_orientation: true, ..self }
+    pub fn trusting_nominal_orientation(mut self) -> Self {
+        self.trust_nominal_orientation = true;
+        self
     }
 
     pub(super) fn rule(&self) -> Rule<T> {

@@ -180,7 +180,7 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
             let joint = usize::from(*joint);
             let places = (joints.get_mut(joint), slopes.get_mut(joint), q.get(joint));
             if let (Some(bend), Some(slope), Some(q)) = places {
-                let (s, c) = (*q * *order).sin_cos();
+                let (s, c) = (*q * *order).sin_cos_once();
                 *bend += *cos * c + *sin * s;
                 *slope += *order * (*sin * c - *cos * s);
             }

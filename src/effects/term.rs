@@ -197,7 +197,7 @@ impl<T: Scalar> Term<T> {
 /// The side of the gap a link lies on: +1, -1, or 0 if unknown. It lags behind
 /// the motion it came to rest from, unless gravity exceeds the friction and
 /// pulls it over.
-#[inline]
+#[inline(never)]
 pub(super) fn side_of_gap<T: Scalar>(friction: T, torque: T, approach: Approach) -> T {
     if friction > T::ZERO && torque.abs() > friction {
         if torque > T::ZERO { T::ONE } else { -T::ONE }

@@ -84,31 +84,37 @@ impl<T: Scalar> Turn<T> {
 impl<T: Scalar> FoldedJoint<T> {
     /// The joints of a chain of links. The way behind the last is the tip's.
     pub fn between<const N: usize>(links: &[Link<T>; N]) -> [Self; N] {
-        let mut joints = links.map(|link| {
-            let (sin_theta, cos_theta) = link.parameters.theta.sin_cos_once();
-            Self {
-                kind: link.kind,
-                theta: link.parameters.theta,
-                before: T::ZERO,
-                sin_theta,
-                cos_theta,
-                sin_twist: T::ZERO,
-                cos_twist: T::ONE,
-                offset: [T::ZERO; 3],
-                across: [T::ZERO; 3],
-                along: T::ZERO,
-            }
-        });
+        let none = Self {
+            kind: JointKind::Revolute,
+            theta: T::ZERO,
+            before: T::ZERO,
+            sin_theta: T::ZERO,
+            cos_theta: T::ONE,
+            sin_twist: T::ZERO,
+            cos_twist: T::ONE,
+            offset: [T::ZERO; 3],
+            across: [T::ZERO; 3],
+            along: T::ZERO,
+        };
+        let mut joints = [none; N];
+        Self::fold(&mut joints, links);
+        joints
+    }
+
+    // Of slices, whose length the optimiser does not know: what is done once is
+    // not unrolled.
+    #[inline(never)]
+    fn fold(joints: &mut [Self], links: &[Link<T>]) {
         let mut behind = T::ZERO;
-        for (i, joint) in joints.iter_mut().enumerate() {
-            joint.theta += behind;
-            behind = T::ZERO;
-            if let (Some(this), Some(next)) = (links.get(i), links.get(i + 1)) {
-                behind = joint.reach(this, next);
-            }
+        for (i, (joint, this)) in joints.iter_mut().zip(links).enumerate() {
+            joint.kind = this.kind;
+            joint.theta = this.parameters.theta + behind;
+            behind = match links.get(i + 1) {
+                Some(next) => joint.reach(this, next),
+                None => T::ZERO,
+            };
             (joint.sin_theta, joint.cos_theta) = joint.theta.sin_cos_once();
         }
-        joints
     }
 
     /// Takes in the way from `this` link to the `next`; returns the turn about
@@ -158,6 +164,7 @@ impl<T: Scalar> FoldedJoint<T> {
     }
 
     /// A point of this link's frame, behind `Tz(d) Ry(beta)`, in the turned frame.
+    #[inline(never)]
     pub fn inside(&self, link: &Link<T>, p: [T; 3]) -> [T; 3] {
         let MdhParameters { d, beta, .. } = link.parameters;
         let (s, c) = beta.sin_cos_once();
@@ -170,16 +177,20 @@ impl<T: Scalar> FoldedJoint<T> {
     /// The angle at joint value `q`, rad or m.
     #[inline]
     pub fn turn(&self, q: T) -> Turn<T> {
-        match self.kind {
-            JointKind::Revolute => self.turned_by(q),
-            JointKind::Prismatic => Turn { sin: self.sin_theta, cos: self.cos_theta },
-        }
+        let (sin, cos) = match self.kind {
+            JointKind::Revolute => (q + self.theta).sin_cos(),
+            JointKind::Prismatic => (self.sin_theta, self.cos_theta),
+        };
+        Turn { sin, cos }
     }
 
-    /// The angle of a joint that turns, at joint value `q`, rad.
+    /// The same by a call of the sine, where text counts more than time.
     #[inline]
-    pub fn turned_by(&self, q: T) -> Turn<T> {
-        let (sin, cos) = (q + self.theta).sin_cos();
+    pub fn turn_once(&self, q: T) -> Turn<T> {
+        let (sin, cos) = match self.kind {
+            JointKind::Revolute => (q + self.theta).sin_cos_once(),
+            JointKind::Prismatic => (self.sin_theta, self.cos_theta),
+        };
         Turn { sin, cos }
     }
 

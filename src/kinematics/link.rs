@@ -122,6 +122,15 @@ impl<T: Scalar> Link<T> {
         Self { kind: JointKind::Prismatic, parameters: MdhParameters { alpha, a, theta, d, beta } }
     }
 
+    /// Adds corrections to each link. Of slices, whose length the optimiser does
+    /// not know: what is done once is not unrolled.
+    #[inline(never)]
+    pub(crate) fn correct(links: &mut [Self], corrections: &[MdhParameters<T>]) {
+        for (link, correction) in links.iter_mut().zip(corrections) {
+            *link = link.corrected(correction);
+        }
+    }
+
     /// The same joint with identified corrections added.
     #[must_use]
     pub fn corrected(&self, correction: &MdhParameters<T>) -> Self {

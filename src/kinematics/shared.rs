@@ -41,20 +41,16 @@ impl<T: Scalar, const N: usize> Turns<T, N> {
     // In place: a tick has no time for copies.
 
     /// Becomes those of `joints` at joint values `q`.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn set(&mut self, joints: &[FoldedJoint<T>; N], q: &[T; N]) {
         self.q = *q;
-        // Without a branch between them the sines share their constants.
         for (turn, (joint, q)) in self.turns.iter_mut().zip(joints.iter().zip(q)) {
-            *turn = joint.turned_by(*q);
-        }
-        for (turn, joint) in self.turns.iter_mut().zip(joints).filter(|(_, j)| j.prismatic()) {
-            *turn = joint.turn(T::ZERO);
+            *turn = joint.turn_once(*q);
         }
     }
 
     /// Becomes `other` with every joint turned on by a constant angle.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn set_turned(&mut self, other: &Self, by: &[Turn<T>; N]) {
         let places = self.turns.iter_mut().zip(&mut self.q);
         let others = other.turns.iter().zip(&other.q);

@@ -7,6 +7,8 @@ fn main() {
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../../memory.x");
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     std::fs::copy(source, out.join("memory.x")).expect("memory.x at the repository's root");
+    // No names for interrupts: there are none.
+    std::fs::write(out.join("device.x"), "").expect("a file in OUT_DIR");
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rerun-if-changed={source}");
     if std::env::var_os("CARGO_FEATURE_LOG").is_some() {

@@ -5,6 +5,7 @@
 #![no_std]
 #![no_main]
 
+mod interrupts;
 mod measure;
 mod memory;
 mod outcome;

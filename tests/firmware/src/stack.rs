@@ -13,7 +13,7 @@ unsafe extern "C" {
 
 /// Bytes of stack below the caller's that `work` takes.
 #[inline(never)]
-pub fn used(work: impl FnOnce()) -> usize {
+pub fn used(work: &mut dyn FnMut()) -> usize {
     let bottom = (&raw const __sheap).addr().next_multiple_of(4);
     let top = cortex_m::register::msp::read() as usize;
     for address in (bottom..top.saturating_sub(OWN)).step_by(4) {

@@ -50,16 +50,16 @@ pub fn measure(counter: &mut Counter) -> Option<Figures> {
         }
     };
     points.iter().for_each(work);
-    let push_stack = stack::used(|| points.iter().take(1).for_each(work));
+    let push_stack = stack::used(&mut || points.iter().take(1).for_each(work));
     let push = counter.tenths_per_call(16, &points, work);
     let mut judged = Stream::new(5, 1.0).ok()?;
     for (columns, rhs) in &points {
         judged.push(columns, rhs).ok()?;
     }
-    let choose_stack = stack::used(|| {
+    let choose_stack = stack::used(&mut || {
         let _ = black_box(choose(black_box(&mut judged)));
     });
-    let solve_stack = stack::used(|| {
+    let solve_stack = stack::used(&mut || {
         let _ = black_box(solve(black_box(&mut judged)));
     });
     // The figure that truearm states.

@@ -6,6 +6,8 @@
 #![no_std]
 #![no_main]
 
+#[path = "../interrupts.rs"]
+mod interrupts;
 #[path = "../memory.rs"]
 mod memory;
 #[path = "../stack.rs"]
@@ -43,7 +45,7 @@ fn main() -> ! {
 
 fn run() -> Option<()> {
     let mut memory: &'static mut Memory = cortex_m::singleton!(: Memory = None)?;
-    let load_stack = stack::used(|| load(&mut memory));
+    let load_stack = stack::used(&mut || load(&mut memory));
     let compensator = memory.as_mut()?;
     let terms = compensator.arm().terms().len();
     compensator.set_active(true);
@@ -58,7 +60,7 @@ fn run() -> Option<()> {
     for (index, q) in poses.enumerate() {
         cycle.command = q;
         cycle.state = vectors::state(index);
-        let used = stack::used(|| tick(&mut cycle));
+        let used = stack::used(&mut || tick(&mut cycle));
         tick_stack = if used > tick_stack { used } else { tick_stack };
         ramped += usize::from(cycle.tick.as_ref()?.status == Status::On);
     }

@@ -20,6 +20,8 @@
 #[path = "../command.rs"]
 #[allow(dead_code, reason = "the blob is in the EEPROM")]
 mod command;
+#[path = "../interrupts.rs"]
+mod interrupts;
 #[path = "../mend.rs"]
 mod mend;
 #[path = "../outcome.rs"]

@@ -5,6 +5,8 @@
 #![no_std]
 #![no_main]
 
+#[path = "../interrupts.rs"]
+mod interrupts;
 #[path = "../memory.rs"]
 #[expect(dead_code, reason = "no vectors here")]
 mod memory;

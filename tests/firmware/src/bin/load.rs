@@ -5,6 +5,8 @@
 #![no_std]
 #![no_main]
 
+#[path = "../interrupts.rs"]
+mod interrupts;
 #[path = "../memory.rs"]
 #[allow(dead_code, reason = "one slot is enough")]
 mod memory;

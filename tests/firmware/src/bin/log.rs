@@ -4,6 +4,8 @@
 #![no_std]
 #![no_main]
 
+#[path = "../interrupts.rs"]
+mod interrupts;
 #[path = "../log.rs"]
 mod log;
 #[path = "../memory.rs"]

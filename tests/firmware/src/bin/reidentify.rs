@@ -5,6 +5,8 @@
 #![no_std]
 #![no_main]
 
+#[path = "../interrupts.rs"]
+mod interrupts;
 #[path = "../measure.rs"]
 mod measure;
 #[path = "../memory.rs"]

@@ -11,6 +11,8 @@
 
 #[path = "../command.rs"]
 mod command;
+#[path = "../interrupts.rs"]
+mod interrupts;
 #[path = "../outcome.rs"]
 mod outcome;
 #[path = "../sbcon.rs"]
