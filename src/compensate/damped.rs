@@ -38,9 +38,11 @@ pub(super) struct System<T> {
 impl<T: Scalar> System<T> {
     /// Of no Jacobian yet.
     pub fn none() -> Self {
-        let gram = Gram::of(&[]);
         let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
-        let factor = Factor::new(&gram.position, T::ONE);
+        let block = || Symmetric::of(&none);
+        let gram = Gram { position: block(), mixed: [none; 3], rotation: block() };
+        let one = Vector3::new(T::ONE, T::ONE, T::ONE);
+        let factor = Factor { yx: T::ZERO, zx: T::ZERO, zy: T::ZERO, inverse: one };
         let factor = BlockFactor { position: factor, lifted: [none; 3], rotation: factor };
         Self { gram, factor, damping: [T::ZERO; 2] }
     }
@@ -55,7 +57,8 @@ impl<T: Scalar> System<T> {
         self.factor.set(&self.gram, [T::ZERO; 2], pose);
         let harmonic = self.factor.harmonic(weight, pose);
         // A pivot that rounding made negative, or NaN: as singular as can be.
-        let near = if harmonic > T::ZERO { T::ONE - harmonic / threshold } else { T::ONE };
+        let regular = harmonic > T::ZERO && self.factor.is_positive();
+        let near = if regular { T::ONE - harmonic / threshold } else { T::ONE };
         self.damping = [T::ZERO; 2];
         if near > T::ZERO {
             let mu = threshold * near * near;
@@ -134,6 +137,15 @@ impl<T: Scalar> BlockFactor<T> {
             zz: c.zz - dot(z, &l[2]),
         };
         self.rotation = Factor::new(&complement, damping[1]);
+    }
+
+    /// Whether every pivot is positive; those of the orientation stay one where
+    /// it is not asked for.
+    #[inline(never)]
+    fn is_positive(&self) -> bool {
+        let [a, b] = [&self.position.inverse, &self.rotation.inverse];
+        let pivots = [a.x, a.y, a.z, b.x, b.y, b.z];
+        pivots.iter().all(|pivot| *pivot > T::ZERO)
     }
 
     /// One over the trace of the inverse, the orientation weighed: m^2.

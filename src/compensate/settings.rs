@@ -42,20 +42,21 @@ pub struct Settings<T, const N: usize> {
     /// error of 1 rad counts as much as one of this length.
     pub rotation_length: T,
     /// Singular value of the nominal Jacobian (m per rad or m per m,
-    /// orientation weighed by `rotation_length`), 0.001 to 1: wherever the
-    /// smallest one is below, the solution is damped. Nowhere is it where that is
+    /// orientation weighed by `rotation_length`), 0.001 to 1; 0.02 to 0.1 of the
+    /// arm's reach for what [`super`] promises. Wherever the
+    /// smallest one is below, the solution is damped; nowhere is it where that is
     /// above sqrt(3) times this, or sqrt(6) times for a pose.
     pub singular: T,
 }
 
 /// Largest of corrections and of their changes, rad or m: what the blob allows
 /// an angle or a length to be corrected by.
-const MOST_CORRECTION: f32 = 0.2;
+const MOST_CORRECTION: f64 = 0.2;
 const MOST_REFINEMENTS: u8 = 4;
 /// Counted exactly in `f32`.
 const LONGEST_RAMP: u32 = 1 << 24;
-const ROTATION_LENGTH: [f32; 2] = [0.001, 10.0];
-const SINGULAR: [f32; 2] = [0.001, 1.0];
+const ROTATION_LENGTH: [f64; 2] = [0.001, 10.0];
+const SINGULAR: [f64; 2] = [0.001, 1.0];
 
 impl<T: Scalar, const N: usize> Settings<T, N> {
     /// For an arm of about a metre: one refinement, corrections up to 0.03 rad
@@ -68,11 +69,11 @@ impl<T: Scalar, const N: usize> Settings<T, N> {
             task,
             trust_nominal_orientation: false,
             refinements: 1,
-            max_correction: [T::from_f32(0.03); N],
-            max_change: [T::from_f32(1e-3); N],
+            max_correction: [T::from_f64(0.03); N],
+            max_change: [T::from_f64(1e-3); N],
             ramp_ticks: 500,
-            rotation_length: T::from_f32(0.3),
-            singular: T::from_f32(0.03),
+            rotation_length: T::from_f64(0.3),
+            singular: T::from_f64(0.03),
         }
     }
 
@@ -93,8 +94,8 @@ impl<T: Scalar, const N: usize> Settings<T, N> {
 
     pub(super) fn check(&self, arm: &Arm<'_, T, N>) -> Result<(), SettingError> {
         // NaN is in no range.
-        let within = |value: T, [low, high]: [f32; 2]| {
-            value >= T::from_f32(low) && value <= T::from_f32(high)
+        let within = |value: T, [low, high]: [f64; 2]| {
+            value >= T::from_f64(low) && value <= T::from_f64(high)
         };
         let correction = |value: &T| *value > T::ZERO && within(*value, [0.0, MOST_CORRECTION]);
         let joint = |values: &[T; N]| values.iter().position(|v| !correction(v));

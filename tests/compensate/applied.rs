@@ -143,8 +143,8 @@ fn arrives<T: Scalar, const N: usize>(p: &ArmParameters<T, N>, task: Task) {
         let c = compensator.correction(&q, &state()).unwrap();
         let wanted: [T; N] = core::array::from_fn(|i| q[i] + c[i]);
         let way = c.iter().zip(applied).map(|(c, a)| (*c - a).abs().to_f64()).fold(0.0, f64::max);
-        // Of joints, not of what is applied: these are rounded.
-        let ticks = (way / 1e-3 + 1e-3).ceil().max(1.0) as usize;
+        // One more than the steps make, where their sum is rounded.
+        let ticks = (way / 1e-3).ceil() as usize + 1;
         for _ in 0..ticks {
             let _ = compensator.tick(&q, &state());
         }
@@ -306,6 +306,14 @@ fn bad_settings_are_named() {
     for refinements in [0, 5] {
         let error = refused(Settings { refinements, ..good });
         assert_eq!(error, SettingError::Refinements(refinements));
+    }
+    for settings in
+        [Settings { singular: 0.001, ..good }, Settings { rotation_length: 0.001, ..good }]
+    {
+        assert!(
+            Compensator::new(arm.clone(), settings, &[0.0; 6]).is_ok(),
+            "the bounds belong to it"
+        );
     }
     for value in [f64::NAN, 0.0, -1.0, 1e-4, f64::INFINITY, f64::MAX, f64::from(f32::MAX)] {
         assert_eq!(refused(Settings { singular: value, ..good }), SettingError::Singular);

@@ -98,8 +98,8 @@ fn travel<T: Scalar, const N: usize>(
         let c = compensator.correction(&at, &state).unwrap();
         let stands: [T; N] = core::array::from_fn(|i| at[i] + c[i]);
         let far = c.iter().zip(applied).map(|(c, a)| (*c - a).abs().to_f64()).fold(0.0, f64::max);
-        // What is applied is known from the joints, which are rounded.
-        let most = ((far + 1e-6) / 1e-3).ceil() as usize;
+        // One more than the steps make, where their sum is rounded.
+        let most = (far / 1e-3).ceil() as usize + 1;
         let rest: Vec<_> = (0..most + 5).map(|_| compensator.tick(&at, &state).joints).collect();
         seen.rests += 1;
         seen.late += usize::from(rest[most - 1] != stands);

@@ -75,7 +75,8 @@ fn load(memory: &mut &'static mut Memory) {
     **memory = memory::parameter_slots().iter().find_map(|(_, slot)| {
         let arm = Arm::new(&Blob::check(slot).ok()?.parameters().ok()?);
         let start = [0.0; JOINTS];
-        Compensator::new(arm, Settings::new(Task::Pose).trusting_nominal_orientation(), &start).ok()
+        let settings = Settings { trust_nominal_orientation: true, ..Settings::new(Task::Pose) };
+        Compensator::new(arm, settings, &start).ok()
     });
 }
 
