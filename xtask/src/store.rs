@@ -20,7 +20,7 @@ const TEXT: u64 = 6 * 1024;
 const RESTARTS: u32 = 20;
 
 pub fn run() -> Result {
-    step("size of the store", || check_text())?;
+    step("size of the store", check_text)?;
     step("build of the store image", || call(&mut build("store")))?;
     step("parameters in an EEPROM", survive)?;
     step("a blob of truearm pack in the EEPROM", packed)?;
