@@ -8,5 +8,7 @@
 static __INTERRUPTS: [unsafe extern "C" fn(); 1] = [unexpected];
 
 unsafe extern "C" fn unexpected() {
-    loop {}
+    loop {
+        cortex_m::asm::wfi();
+    }
 }
