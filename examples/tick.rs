@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Status::On => {
                 worst_when_on = worst_when_on.max(with);
                 // Near a singular pose, or held back by a limit: better than
-                // without, and `position_error` says by what is left.
+                // without, and `left` says by what it misses.
                 if !done.clamped.is_empty() {
                     println!("tick {tick}: {:?} left", done.left.map(|left| left.position));
                 }
