@@ -38,6 +38,7 @@ pub fn events(slot: &[u8; 1024]) -> Option<Events> {
     let state = State::at(24.0);
     let position = RealPosition::of(&arm, &START, &state);
     let settings = Settings { ramp_ticks: 2, ..Settings::new(Task::Pose) };
+    let settings = settings.trusting_nominal_orientation();
     let mut compensator = Compensator::new(arm, settings, &START).ok()?;
     let off = compensator.tick(&START, &state);
     compensator.set_active(true);
