@@ -128,9 +128,7 @@ pub(crate) struct Bent<T, const N: usize> {
 impl<T: Scalar, const N: usize> Bent<T, N> {
     /// Nothing.
     pub fn none() -> Self {
-        let deflection =
-            Deflection { joints: [T::ZERO; N], base: [T::ZERO; 2], growth: [T::ZERO; N] };
-        Self { deflection, slopes: [T::ZERO; N] }
+        Self { deflection: Deflection::none(), slopes: [T::ZERO; N] }
     }
 
     /// Joints, in `offset` from the command, at which the rigid chain stands

@@ -20,6 +20,7 @@ mod fields;
 pub mod format {}
 mod frame;
 mod layout;
+mod reader;
 mod term;
 
 pub use acceptance::{Acceptance, AcceptanceError};

@@ -1,8 +1,8 @@
 //! The 8 bytes of a term.
 
-use super::check::Reader;
 use super::error::{DecodeError, FieldName, Flaw, Record};
 use super::layout::TERM;
+use super::reader::Reader;
 use crate::effects::{Effect, Term};
 use crate::scalar::Scalar;
 

@@ -50,6 +50,26 @@ pub struct Solution<T, const P: usize> {
     pub dropped: usize,
 }
 
+impl<T: Scalar, const P: usize> Solution<T, P> {
+    /// With its norm in scaled units; an error where a figure of it is not finite.
+    fn of(
+        x: [T; P],
+        residual_square: T,
+        lambda: T,
+        scale: &[T; P],
+        dropped: usize,
+    ) -> Result<Self, SolveError> {
+        let mut norm_square = T::ZERO;
+        for (x, scale) in x.iter().zip(scale) {
+            norm_square += (*x / *scale) * (*x / *scale);
+        }
+        if !(residual_square.is_finite() && norm_square.is_finite()) {
+            return Err(SolveError::NotFinite);
+        }
+        Ok(Self { x, residual_square, norm_square, lambda, dropped })
+    }
+}
+
 /// Why a solve gave no solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

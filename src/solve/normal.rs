@@ -89,14 +89,7 @@ impl<T: Scalar, const P: usize> NormalEquations<T, P> {
         let mut x = self.moment;
         let dropped = factorise_and_solve(&mut l, &mut x);
         let residual_square = self.residual_square(&x);
-        let mut norm_square = T::ZERO;
-        for (x, scale) in x.iter().zip(scale) {
-            norm_square += (*x / *scale) * (*x / *scale);
-        }
-        if !(residual_square.is_finite() && norm_square.is_finite()) {
-            return Err(SolveError::NotFinite);
-        }
-        Ok(Solution { x, residual_square, norm_square, lambda, dropped })
+        Solution::of(x, residual_square, lambda, scale, dropped)
     }
 
     fn residual_square(&self, x: &[T; P]) -> T {

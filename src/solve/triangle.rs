@@ -260,14 +260,7 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
         let mut x = augmented.c;
         let dropped = augmented.back_substitute(&mut x);
         let residual_square = self.residual_square(&x);
-        let mut norm_square = T::ZERO;
-        for (x, scale) in x.iter().zip(scale) {
-            norm_square += (*x / *scale) * (*x / *scale);
-        }
-        if !(residual_square.is_finite() && norm_square.is_finite()) {
-            return Err(SolveError::NotFinite);
-        }
-        Ok(Solution { x, residual_square, norm_square, lambda, dropped })
+        Solution::of(x, residual_square, lambda, scale, dropped)
     }
 
     /// Variance of each parameter of [`Self::solve`] for rows of unit noise:
