@@ -156,3 +156,13 @@ pub fn all(problem: &Problem, robot: &Robot) -> (Vec<Candidate>, Vec<String>) {
     }
     (out, missing)
 }
+
+/// Terms that go into a blob.
+#[must_use]
+pub fn arm_terms(added: &[Candidate]) -> usize {
+    added.iter().map(of_arm).sum()
+}
+
+pub(super) fn of_arm(candidate: &Candidate) -> usize {
+    candidate.terms.iter().filter(|term| matches!(term, ModelTerm::Arm(_))).count()
+}

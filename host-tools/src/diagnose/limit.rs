@@ -1,23 +1,12 @@
 //! The best explanation that a controller has room for.
 
-use super::candidates::Candidate;
+use super::candidates::{arm_terms, of_arm};
 use super::node::Node;
 use super::search::{Search, WORTH};
 use crate::error::Result;
-use crate::identify::ModelTerm;
 
 /// Most exchanges of an addition for a better one.
 const EXCHANGES: usize = 12;
-
-/// Terms that go into a blob.
-#[must_use]
-pub fn arm_terms(added: &[Candidate]) -> usize {
-    added.iter().map(of_arm).sum()
-}
-
-fn of_arm(candidate: &Candidate) -> usize {
-    candidate.terms.iter().filter(|term| matches!(term, ModelTerm::Arm(_))).count()
-}
 
 impl Search<'_> {
     /// An explanation with no more terms of the arm than asked for: what

@@ -216,7 +216,7 @@ fn findings<'a>(
 
 /// A remark where a controller has no room for the model.
 fn too_many(best: &Node) -> Option<String> {
-    let terms = limit::arm_terms(&best.added);
+    let terms = candidates::arm_terms(&best.added);
     (terms > MAX_TERMS).then(|| {
         format!(
             "{terms} terms of the arm where a controller takes {MAX_TERMS}: --most-terms \

@@ -6,6 +6,9 @@ use super::candidates::Candidate;
 use crate::identify::ModelTerm;
 use crate::identify::robust::RobustFit;
 
+/// More flagged rows than this share (or three) are no gross errors but structure.
+const MOST_GROSS: f64 = 0.08;
+
 /// A fitted explanation.
 #[derive(Debug, Clone)]
 pub struct Node {
@@ -68,4 +71,19 @@ fn plausible(term: &ModelTerm) -> bool {
         },
         _ => true,
     }
+}
+
+/// Whether the residuals are what the stated noise leaves: chi-square over
+/// degrees of freedom within its scatter, with room for a sigma that is stated
+/// to one digit; and not for the price of many flagged rows.
+pub fn at_floor(node: &Node) -> bool {
+    !crowded(node) && node.reduced < 1.0 + (5.0 * (2.0 / node.freedom).sqrt()).max(0.3)
+}
+
+/// Whether more rows are flagged than can be gross errors.
+#[must_use]
+pub fn crowded(node: &Node) -> bool {
+    let flagged = node.fit.outliers.len() as f64;
+    let rows = flagged + node.fit.kept.len() as f64;
+    flagged > (MOST_GROSS * rows).max(3.0)
 }

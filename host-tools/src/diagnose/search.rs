@@ -6,8 +6,7 @@
 use nalgebra::{DVector, Vector3};
 use rayon::prelude::*;
 
-use super::candidates::Candidate;
-use super::limit::arm_terms;
+use super::candidates::{Candidate, arm_terms};
 use super::node::Node;
 use super::scan::scan;
 use super::score::{Score, Scorer};

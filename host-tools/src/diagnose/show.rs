@@ -9,11 +9,10 @@ use rayon::prelude::*;
 use truearm::JointKind;
 use truearm::effects::{Effect as ArmEffect, Term};
 
-use super::node::Node;
+use super::node::{Node, at_floor};
 use super::outcome::{Alternative, Coefficient, Effect, GapRow, SeparatingPose};
 use super::search::Search;
 use super::tail::chi_square;
-use super::verdict::at_floor;
 use super::{HeldOut, unknown_label};
 use crate::error::Result;
 use crate::evaluate::residuals;

@@ -4,8 +4,7 @@ use truearm::JointKind;
 
 use super::node::Node;
 use super::score::Scorer;
-use super::tail::chi_square;
-use super::whereabouts::{SIGNIFICANT, chance};
+use super::tail::{SIGNIFICANT, chance, chi_square};
 use crate::identify::Problem;
 
 /// Share of the residuals of contradicting rows that one shift of a joint must

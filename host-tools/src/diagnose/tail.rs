@@ -1,4 +1,7 @@
-//! Tail of the chi-square distribution.
+//! Tail of the chi-square distribution, and what is said of it.
+
+/// A dependence weaker than this after correction is not worth a sentence.
+pub(super) const SIGNIFICANT: f64 = 1e-3;
 
 /// Probability that chi-square with `k` degrees of freedom exceeds `x`, by the
 /// finite sums for whole and half numbers (Abramowitz and Stegun 26.4.4-5).
@@ -28,6 +31,11 @@ pub fn chi_square(x: f64, k: usize) -> f64 {
         }
     }
     sum.min(1.0)
+}
+
+/// A p value in words.
+pub(super) fn chance(p: f64) -> String {
+    if p < 1e-99 { "p < 1e-99".to_owned() } else { format!("p = {p:.1e}") }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Whether what was found may be named.
 
 use super::candidates::Candidate;
-use super::node::Node;
+use super::node::{Node, at_floor};
 use super::outcome::{GapRow, Verdict};
 use super::search::{MANY_ROWS, Search};
 use super::show::{Show, stages};
@@ -16,8 +16,6 @@ const NAMEABLE_FEW: f64 = 0.97;
 const NAMEABLE_MANY: f64 = 0.7;
 /// Share of it that an effect must carry to be named where something is left.
 const STRONG: f64 = 0.05;
-/// More flagged rows than this share (or three) are no gross errors but structure.
-const MOST_GROSS: f64 = 0.08;
 
 /// Explained or unexplained, and the explanation that may be named; one that
 /// needs no name is clean. What may be named is decided by the `full`
@@ -69,19 +67,4 @@ pub fn with_held_out_gain(
         }
         best = without;
     }
-}
-
-/// Whether the residuals are what the stated noise leaves: chi-square over
-/// degrees of freedom within its scatter, with room for a sigma that is stated
-/// to one digit; and not for the price of many flagged rows.
-pub fn at_floor(node: &Node) -> bool {
-    !crowded(node) && node.reduced < 1.0 + (5.0 * (2.0 / node.freedom).sqrt()).max(0.3)
-}
-
-/// Whether more rows are flagged than can be gross errors.
-#[must_use]
-pub fn crowded(node: &Node) -> bool {
-    let flagged = node.fit.outliers.len() as f64;
-    let rows = flagged + node.fit.kept.len() as f64;
-    flagged > (MOST_GROSS * rows).max(3.0)
 }

@@ -3,14 +3,10 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::node::Node;
+use super::node::{Node, crowded};
 use super::slip::{contradiction, step};
-use super::tail::chi_square;
-use super::verdict::crowded;
+use super::tail::{SIGNIFICANT, chance, chi_square};
 use crate::identify::Problem;
-
-/// A dependence weaker than this after correction is not worth a sentence.
-pub(super) const SIGNIFICANT: f64 = 1e-3;
 
 /// Sentences for what is significant, a joint that slipped first, then strongest
 /// first. `lambda` is that of the fit.
@@ -71,11 +67,6 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     let slips =
         if crowded(root) { contradiction(problem, root) } else { step(problem, root, lambda) };
     slips.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect()
-}
-
-/// A p value in words.
-pub(super) fn chance(p: f64) -> String {
-    if p < 1e-99 { "p < 1e-99".to_owned() } else { format!("p = {p:.1e}") }
 }
 
 /// Share of the residuals' variance that linear functions explain, in all three
