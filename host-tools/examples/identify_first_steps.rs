@@ -4,8 +4,8 @@
 
 use std::path::Path;
 
-use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::{Options, identify};
+use truearm_host::model::{Measurements, Robot};
 use truearm_host::pack::pack;
 
 fn main() -> truearm_host::Result<()> {

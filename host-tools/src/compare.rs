@@ -7,10 +7,10 @@ use truearm::blob::Blob;
 use truearm::effects::Term;
 use truearm::{Approach, Arm, ArmParameters, JointKind, LinkParameter, State};
 
-use crate::chain::with_joints;
 use crate::describe::{rms, term_columns};
 use crate::error::{Error, Result};
-use crate::files::term_unit;
+use crate::model::arm::with_joints;
+use crate::model::term_unit;
 
 /// Temperatures drawn: so far from the reference temperature, K.
 const WARMTH: f64 = 10.0;

@@ -5,8 +5,8 @@ use truearm::blob::{self, Blob};
 use truearm::effects::{Effect, Term};
 use truearm::{ArmParameters, JointKind};
 
-use crate::chain::with_joints;
-use crate::files::term_unit;
+use crate::model::arm::with_joints;
+use crate::model::term_unit;
 
 /// A blob in words, every field with its unit. `given` is how many bytes it was
 /// found in.

@@ -5,10 +5,11 @@ use nalgebra::Vector3;
 use truearm::{Link, Pose};
 
 use crate::error::{Error, Result};
-use crate::files::{Measurements, Model};
 use crate::identify::fit::{Freedom, fit};
 use crate::identify::registration::{register, rigid_transform};
-use crate::identify::{Conditions, ModelTerm, Predictor, Problem, Scaling, State};
+use crate::identify::{Conditions, Predictor, Problem, Scaling, State};
+use crate::model::ModelTerm;
+use crate::model::{Measurements, Model};
 use crate::report::{Stats, Validation, own_evidence};
 
 /// What may be fitted on the scored file itself.

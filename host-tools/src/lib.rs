@@ -1,10 +1,9 @@
 //! Host side of truearm: from tracker files to an identified arm and a blob.
 //!
-//! Data flow one way: [`files`] -> [`identify`] -> [`report`] and
-//! [`files::Model`] -> [`mod@evaluate`], [`mod@pack`]. The kinematics are those of the
+//! Data flow one way: [`files`] -> [`model`] -> [`identify`] -> [`report`] and
+//! [`model::Model`] -> [`mod@evaluate`], [`mod@pack`]. The kinematics are those of the
 //! [`truearm`] crate, the same code that runs on the controller.
 
-pub mod chain;
 pub mod compare;
 pub mod describe;
 pub mod diagnose;
@@ -15,7 +14,7 @@ pub mod export;
 pub mod files;
 pub mod identify;
 pub mod methods;
-pub mod near;
+pub mod model;
 pub mod pack;
 pub mod plan;
 pub mod plot;

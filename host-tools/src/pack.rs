@@ -5,10 +5,10 @@ use truearm::blob::{self, DecodeError, EncodeError, Flaw, Key, Record};
 use truearm::effects::{MAX_TERMS, Masses, Term};
 use truearm::{ArmParameters, Tables};
 
-use crate::chain::{fixed, with_joints};
 use crate::error::{Error, Result};
-use crate::files::{Model, Robot};
-use crate::identify::ModelTerm;
+use crate::model::ModelTerm;
+use crate::model::arm::{fixed, with_joints};
+use crate::model::{Model, Robot};
 
 /// What the user may choose.
 #[derive(Debug, Clone, Copy, Default)]

@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 use truearm::ArmParameters;
 use truearm::blob::{Blob, robot_id};
 
-use crate::chain::with_joints;
 use crate::error::{Error, Result};
-use crate::files::{Joint, LinkMass, Model, Provenance, Robot};
-use crate::identify::ModelTerm;
+use crate::model::ModelTerm;
+use crate::model::arm::with_joints;
+use crate::model::{Joint, LinkMass, Model, Provenance, Robot};
 
 /// Sigma of a measurement when nothing is known, m, as for a robot.toml that
 /// does not give it.

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::{Options, identify};
+use truearm_host::model::{Measurements, Robot};
 
 const ROBOT: &str = include_str!("../../tests/data/seed-table-8/robot.toml");
 const ROWS: &str = include_str!("../../tests/data/seed-table-8/measurements.csv");

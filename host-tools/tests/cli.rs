@@ -167,13 +167,13 @@ fn pack_and_inspect() {
 fn the_blob_is_the_model() {
     let folder = tempfile::tempdir().unwrap();
     identify("ur10-ipa", "series-c", &["--out", folder.path().to_str().unwrap()]);
-    let model = truearm_host::files::Model::read(&folder.path().join("model.toml")).unwrap();
+    let model = truearm_host::model::Model::read(&folder.path().join("model.toml")).unwrap();
     let bytes = truearm_host::pack::pack(&model, None).unwrap();
     let blob = truearm::blob::Blob::check(&bytes).unwrap();
     let arm = truearm::Arm::new(&blob.parameters::<f64, 6>().unwrap());
     let (label, tool) = &model.markers[0];
     assert_eq!(label, "");
-    let chain = truearm_host::chain::chain(&model.links(), truearm::Pose::identity(), *tool);
+    let chain = truearm_host::model::arm::chain(&model.links(), truearm::Pose::identity(), *tool);
     let frame = truearm::Pose::from_rotation_vector(model.frame_translation, model.frame_rotation);
     let (mut square, mut count) = (0.0, 0.0);
     for k in 0..200 {

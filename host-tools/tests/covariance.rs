@@ -5,10 +5,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::blob::Blob;
 use truearm::{Arm6, Pose, RealPosition, State};
-use truearm_host::chain::{RowInputs, chain};
-use truearm_host::files::{Measurements, Model};
 use truearm_host::identify::registration::rigid_transform;
 use truearm_host::identify::{Options, identify};
+use truearm_host::model::arm::{RowInputs, chain};
+use truearm_host::model::{Measurements, Model};
 use truearm_host::pack::{PackOptions, pack_with};
 use truearm_study::simulated::{Truth, UR10_LIKE, robot};
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use truearm::blob::Blob;
 use truearm::effects::MAX_TERMS;
 use truearm_host::diagnose::{DiagnoseOptions, Diagnosis, Verdict, diagnose};
-use truearm_host::files::{Measurements, Robot};
+use truearm_host::model::{Measurements, Robot};
 use truearm_host::pack::pack;
 
 fn series(name: &str) -> Diagnosis {

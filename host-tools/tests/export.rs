@@ -8,8 +8,10 @@ use assert_cmd::Command;
 use tempfile::TempDir;
 use truearm::blob::{Acceptance, AcceptanceError, Blob};
 use truearm_host::export::Regions;
-use truearm_host::files::{Measurements, Model, Robot, read_key};
-use truearm_host::identify::{ModelTerm, Options, identify};
+use truearm_host::files::read_key;
+use truearm_host::identify::{Options, identify};
+use truearm_host::model::ModelTerm;
+use truearm_host::model::{Measurements, Model, Robot};
 
 const SCRIPT: &str = "MEMORY {\n  PARAM_A (r) : ORIGIN = 0x0801FEF8, LENGTH = 8K /* : ORIGIN = 5 */\n\
                       PARAM_B : org = 0x0803_X, len = 4K\n}\n";

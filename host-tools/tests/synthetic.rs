@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::registration::register;
 use truearm_host::identify::robust::median;
 use truearm_host::identify::{LambdaRule, Options, Problem, Scaling, State, identify};
+use truearm_host::model::{Measurements, Robot};
 use truearm_study::simulated::{ON_RAIL, Truth, UR10_LIKE, rms, robot, state_of};
 
 const SIGMA: f64 = 2e-5;

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use assert_cmd::Command;
 use serde_json::Value;
 use truearm_host::evaluate::residuals;
-use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::{Conditions, Options, State, identify};
 use truearm_host::methods::{Frames, all, compare};
+use truearm_host::model::{Measurements, Robot};
 
 /// Joints in degrees, point in mm, as the paper prints them (x, y, z in the last
 /// three columns, whose heads it misprints).

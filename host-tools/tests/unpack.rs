@@ -8,7 +8,7 @@ use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::blob::Blob;
-use truearm_host::files::Model;
+use truearm_host::model::Model;
 use truearm_host::pack::pack;
 use truearm_host::unpack::unpack;
 

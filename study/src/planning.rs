@@ -4,9 +4,9 @@
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::fit::{Freedom, fit};
 use truearm_host::identify::{Conditions, Predictor, Problem, Scaling};
+use truearm_host::model::{Measurements, Robot};
 use truearm_host::plan::{Plan, PlanOptions, Region, Sight, plan};
 use truearm_simulate::robots;
 

@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::JointKind;
-use truearm_host::files::{Joint, Measurements, Robot};
 use truearm_host::identify::fit::{Freedom, fit};
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{LambdaRule, Problem, Scaling, choose, folds, nominal_state};
+use truearm_host::model::{Joint, Measurements, Robot};
 use truearm_host::tikhonov::Factorised;
 use truearm_simulate::robots;
 

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use truearm_host::diagnose::Verdict;
 use truearm_host::evaluate::{Reregister, residuals};
-use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::Conditions;
 use truearm_host::methods::{Frames, Method, NoCalibration, Rpim, all, compare};
+use truearm_host::model::{Measurements, Robot};
 use truearm_host::report::Stats;
 use truearm_study::reproduce::cell::{Cell, Kind};
 use truearm_study::reproduce::{CAUTION, cramer_rao, reproduce};

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::kinematics::IdentificationJacobian;
 use truearm::{Chain, Pose};
-use truearm_host::files::Robot;
+use truearm_host::model::Robot;
 
 const JOINTS: usize = 6;
 

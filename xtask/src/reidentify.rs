@@ -11,8 +11,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use truearm::{Arm, Pose};
-use truearm_host::files::Robot;
 use truearm_host::identify::{Identification, Options, identify};
+use truearm_host::model::Robot;
 use truearm_host::pack::pack;
 
 use crate::run::{Result, target_dir};
@@ -167,7 +167,7 @@ impl Accident {
         let check = parse(&self.after.robot, &self.judged_at);
         let of = |parameters: &truearm::ArmParameters<f32, JOINTS>| {
             let arm = Arm::new(parameters);
-            let square = |row: &truearm_host::files::Row| {
+            let square = |row: &truearm_host::model::Row| {
                 let q: [f32; JOINTS] = core::array::from_fn(|k| row.q[k] as f32);
                 let seen = arm.real_pose(&q).translation.map(f64::from);
                 (self.commanded.transform_point(&seen) - row.point).norm_squared()

@@ -2,8 +2,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use truearm_host::Result;
-use truearm_host::files::{Measurements, Robot, write};
+use truearm_host::files::write;
 use truearm_host::methods::{self, Comparison, Frames, Outcome};
+use truearm_host::model::{Measurements, Robot};
 use truearm_host::plot::{Axis, Panel, Series, grid};
 use truearm_host::report::Stats;
 

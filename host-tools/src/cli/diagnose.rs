@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 use truearm_host::Result;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
-use truearm_host::files::{Measurements, Robot};
+use truearm_host::model::{Measurements, Robot};
 
 use super::identify::residuals;
 use super::progress::Bar;

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use truearm_host::Result;
 use truearm_host::evaluate::{Reregister, evaluate, not_covered};
-use truearm_host::files::{Measurements, Model};
+use truearm_host::model::{Measurements, Model};
 
 use super::{Said, table, to_json, warn};
 

@@ -2,8 +2,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use truearm_host::evaluate::evaluate;
-use truearm_host::files::{Measurements, Robot, Row, csv_text};
+use truearm_host::files::csv_text;
 use truearm_host::identify::{LambdaRule, Options, RowResult, Scaling, identify};
+use truearm_host::model::{Measurements, Robot, Row};
 use truearm_host::{Error, Result};
 
 use super::evaluate::Frames;

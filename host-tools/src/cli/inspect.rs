@@ -4,7 +4,8 @@ use clap::Args;
 use truearm::blob::{Acceptance, Blob};
 use truearm_host::Result;
 use truearm_host::describe::describe;
-use truearm_host::files::{Robot, read_key};
+use truearm_host::files::read_key;
+use truearm_host::model::Robot;
 
 use super::{End, Said, read_blob, refused, warn};
 

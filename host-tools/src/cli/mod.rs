@@ -21,7 +21,8 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::explain::explain;
-use truearm_host::files::{Model, write};
+use truearm_host::files::write;
+use truearm_host::model::Model;
 use truearm_host::{Error, Result};
 
 use console::{End, Said, warn};

@@ -3,7 +3,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use truearm::blob::Blob;
 use truearm_host::export::{self, Region, Regions};
-use truearm_host::files::{Model, read_key, write};
+use truearm_host::files::{read_key, write};
+use truearm_host::model::Model;
 use truearm_host::pack::{PackOptions, notes, pack_with};
 use truearm_host::{Error, Result};
 

@@ -2,7 +2,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
-use truearm_host::files::{Measurements, Robot, write};
+use truearm_host::files::write;
+use truearm_host::model::{Measurements, Robot};
 use truearm_host::plan::{Observability, Plan as Planned, PlanOptions, Region, discriminate, plan};
 use truearm_host::{Error, Result};
 

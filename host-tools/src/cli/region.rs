@@ -1,6 +1,6 @@
 use clap::Args;
 use nalgebra::Vector3;
-use truearm_host::files::Robot;
+use truearm_host::model::Robot;
 use truearm_host::plan::{Region, Sight, from_file};
 use truearm_host::{Error, Result};
 

@@ -2,7 +2,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use nalgebra::Vector3;
-use truearm_host::files::{Commanded, Measurements, Model, Row, csv_text, write};
+use truearm_host::files::{csv_text, write};
+use truearm_host::model::{Commanded, Measurements, Model, Row};
 use truearm_host::plan::Region;
 use truearm_host::verify::{COVERAGE_FACTOR, Conformity, STANDARD_REPEATS};
 use truearm_host::verify::{Verification, check_poses, verify};

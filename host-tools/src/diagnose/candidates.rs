@@ -3,8 +3,9 @@
 
 use truearm::effects::{Effect, Term};
 
-use crate::files::Robot;
-use crate::identify::{Conditions, ModelTerm, Problem};
+use crate::identify::{Conditions, Problem};
+use crate::model::ModelTerm;
+use crate::model::Robot;
 
 /// Friction levels tried for a joint.
 const MOST_FRICTIONS: usize = 128;

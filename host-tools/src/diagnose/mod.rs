@@ -22,13 +22,13 @@ use nalgebra::Vector3;
 use truearm::effects::MAX_TERMS;
 
 use crate::error::{Error, Result};
-use crate::files::{Measurements, Model, Robot};
 use crate::identify::estimate::Estimate;
 use crate::identify::registration::register;
 use crate::identify::robust::{Crowd, Flags};
 use crate::identify::{
     Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
+use crate::model::{Measurements, Model, Robot};
 use node::Node;
 use search::Search;
 pub(crate) use show::trial_rows;

@@ -3,8 +3,8 @@
 use truearm::effects::Effect;
 
 use super::candidates::Candidate;
-use crate::identify::ModelTerm;
 use crate::identify::robust::RobustFit;
+use crate::model::ModelTerm;
 
 /// More flagged rows than this share (or three) are no gross errors but structure.
 const MOST_GROSS: f64 = 0.08;

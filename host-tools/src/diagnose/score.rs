@@ -6,8 +6,9 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 use truearm::effects::Effect;
 
 use super::candidates::Candidate;
-use crate::chain::RowInputs;
-use crate::identify::{ModelTerm, Problem, State, measurement_column};
+use crate::identify::{Problem, State, measurement_column};
+use crate::model::ModelTerm;
+use crate::model::arm::RowInputs;
 
 /// A fitted model, ready to test candidates.
 pub struct Scorer<'a> {
@@ -37,7 +38,7 @@ struct ScoredRow {
     block: nalgebra::Matrix3xX<f64>,
     /// Column of each joint value over sigma.
     joints: Vec<Vector3<f64>>,
-    derivatives: crate::chain::Derivatives,
+    derivatives: crate::model::arm::Derivatives,
     weight: f64,
 }
 

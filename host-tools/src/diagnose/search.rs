@@ -12,7 +12,8 @@ use super::scan::scan;
 use super::score::{Score, Scorer};
 use crate::error::Result;
 use crate::identify::robust::{Flags, RobustFit, refit, robust_fit};
-use crate::identify::{ModelTerm, Problem, State};
+use crate::identify::{Problem, State};
+use crate::model::ModelTerm;
 use crate::tikhonov::covariance;
 
 /// Rows from which on effects are told apart at once, and finer structure

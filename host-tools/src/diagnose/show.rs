@@ -16,10 +16,11 @@ use super::tail::chi_square;
 use super::{HeldOut, unknown_label};
 use crate::error::Result;
 use crate::evaluate::residuals;
-use crate::files::{Measurements, Robot, Row};
 use crate::identify::folds::Fold;
 use crate::identify::robust::{Outlier, robust_fit};
-use crate::identify::{Conditions, Findings, ModelTerm, State, folds};
+use crate::identify::{Conditions, Findings, State, folds};
+use crate::model::ModelTerm;
+use crate::model::{Measurements, Robot, Row};
 use crate::report::{Stats, own_evidence};
 
 /// Explanations this close, in units of chi-square, are not told apart: odds

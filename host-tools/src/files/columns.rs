@@ -5,9 +5,8 @@ use std::path::Path;
 use nalgebra::Vector3;
 use truearm::JointKind;
 
-use super::Robot;
-use super::measurements::Row;
 use crate::error::{Error, Place, Result};
+use crate::model::{Robot, Row};
 
 /// Where each known column stands.
 pub(super) struct Columns {

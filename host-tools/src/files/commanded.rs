@@ -2,26 +2,13 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::{Measurements, Robot};
 use crate::error::{Error, Place, Result};
-use crate::near::Reach;
+use crate::model::near::Reach;
+use crate::model::{Commanded, Measurements, Robot, Row};
 
 const POINT: [&str; 3] = ["cmd_x_mm", "cmd_y_mm", "cmd_z_mm"];
 /// Commanded points whose coordinates agree within this are one pose, m.
 const SAME_POINT: f64 = 1e-6;
-
-/// What a controller was told and where the target then was: a file with
-/// commanded joints (`cmd1_deg..`) or commanded points (`cmd_x_mm, cmd_y_mm,
-/// cmd_z_mm`, in the robot's frame) beside the measured `x_mm, y_mm, z_mm` and
-/// the optional columns of measurements.csv.
-#[derive(Debug, Clone)]
-pub struct Commanded {
-    /// The rows; their `q` are the commanded joints, empty where points were
-    /// commanded.
-    pub data: Measurements,
-    /// Commanded points, one a row, m; empty where joints were commanded.
-    pub points: Vec<Vector3<f64>>,
-}
 
 impl Commanded {
     /// Reads and checks the file.
@@ -84,7 +71,7 @@ fn points_of(data: &Measurements) -> Result<Vec<Vector3<f64>>> {
             )
         })?;
     }
-    let cell = |row: &super::Row, axis: usize| match row.extra[at[axis]].parse::<f64>() {
+    let cell = |row: &Row, axis: usize| match row.extra[at[axis]].parse::<f64>() {
         Ok(mm) if mm.is_finite() && mm.abs() <= 1e6 => Ok(mm * 1e-3),
         _ => Err(Error::file(
             &data.path,

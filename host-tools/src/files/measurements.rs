@@ -1,71 +1,16 @@
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use nalgebra::Vector3;
 use truearm::JointKind;
 
-use super::Robot;
 use super::columns::{Cells, Columns};
 use crate::error::{Error, Place, Result};
-use crate::near::Reach;
+use crate::model::near::Reach;
+use crate::model::{Measurements, Robot};
 
 /// Rows whose joints agree within this are one pose, rad (0.01 degrees).
 const SAME_ANGLE: f64 = 0.01 * std::f64::consts::PI / 180.0;
 /// The same for a prismatic joint, m.
 const SAME_LENGTH: f64 = 1e-5;
-
-/// The rows of a `measurements.csv`, in SI units.
-#[derive(Debug, Clone)]
-pub struct Measurements {
-    /// The file they came from.
-    pub path: PathBuf,
-    /// One entry a data row, in file order.
-    pub rows: Vec<Row>,
-    /// Labels of the tracker stations; one empty label without the column.
-    pub stations: Vec<String>,
-    /// Labels of the markers; one empty label without the column.
-    pub markers: Vec<String>,
-    /// Number of distinct poses.
-    pub poses: usize,
-    /// Names of columns without a meaning to truearm; their cells are in [`Row::extra`].
-    pub extra_columns: Vec<String>,
-    /// Remarks for the user.
-    pub warnings: Vec<String>,
-}
-
-/// One measured point.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Row {
-    /// Line of the file.
-    pub line: usize,
-    /// Encoder readings, rad or m.
-    pub q: Vec<f64>,
-    /// Measured point in the tracker frame, m.
-    pub point: Vector3<f64>,
-    /// Standard deviation of a coordinate, m.
-    pub sigma: f64,
-    /// Index into [`Measurements::stations`].
-    pub station: usize,
-    /// Index into [`Measurements::markers`].
-    pub marker: usize,
-    /// Number of the pose; rows with the same joints share it.
-    pub pose: usize,
-    /// Label of the series.
-    pub series: Option<String>,
-    /// Seconds since the session's start.
-    pub time: Option<f64>,
-    /// Degrees Celsius.
-    pub temperature: Option<f64>,
-    /// kg
-    pub payload: Option<f64>,
-    /// Order of measurement.
-    pub order: Option<f64>,
-    /// Orientation of the target in the tracker frame, quaternion x, y, z, w.
-    pub orientation: Option<[f64; 4]>,
-    /// Side from which each joint came to rest: +1, -1, or 0 if unknown.
-    pub directions: Vec<i8>,
-    /// Cells of [`Measurements::extra_columns`].
-    pub extra: Vec<String>,
-}
 
 impl Measurements {
     /// Reads and checks the measurements of `robot`.
@@ -171,18 +116,5 @@ impl Measurements {
                 ));
             }
         }
-    }
-
-    /// Smallest and largest value of each joint.
-    #[must_use]
-    pub fn covered(&self) -> Vec<[f64; 2]> {
-        let first = &self.rows[0].q;
-        let mut range: Vec<_> = first.iter().map(|q| [*q, *q]).collect();
-        for row in &self.rows {
-            for (range, q) in range.iter_mut().zip(&row.q) {
-                *range = [range[0].min(*q), range[1].max(*q)];
-            }
-        }
-        range
     }
 }

@@ -1,5 +1,5 @@
-//! The files a user meets: robot.toml, measurements.csv, model.toml. Millimetres
-//! and degrees exist only here; everything inside is SI.
+//! Readers and writers of the files a user meets: robot.toml, measurements.csv,
+//! model.toml. What they hold is in [`crate::model`], in SI units.
 
 mod columns;
 mod commanded;
@@ -12,12 +12,7 @@ mod model_file;
 mod model_terms;
 mod robot;
 
-pub use commanded::Commanded;
 pub use key::read_key;
-pub use measurements::{Measurements, Row};
-pub use model::{Model, Provenance};
-pub(crate) use model_terms::unit as term_unit;
-pub use robot::{Joint, LinkMass, Robot};
 
 use std::io::Write;
 use std::path::Path;

@@ -1,84 +1,18 @@
 use std::path::Path;
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
 use truearm::{JointKind, LinkParameter, MdhParameters, Pose};
 
 use super::covariance;
 use super::digest::digest;
 use super::model_file::*;
 use super::model_terms;
-use super::robot::{Robot, mm, parse};
+use super::robot::{mm, parse};
 use crate::error::{Error, Place, Result};
-use crate::identify::ModelTerm;
+use crate::model::{Model, Robot};
 
 /// First line of every model.toml.
 const SCHEMA: &str = "truearm-model-1";
-
-/// An identified arm: what `identify` writes, `evaluate` scores, `pack` flashes.
-/// SI units.
-#[derive(Debug, Clone)]
-pub struct Model {
-    /// The nominal arm.
-    pub robot: Robot,
-    /// Identified corrections of each link.
-    pub corrections: Vec<MdhParameters<f64>>,
-    /// One standard deviation of each correction; empty if unknown.
-    pub uncertainties: Vec<MdhParameters<f64>>,
-    /// Joint ranges of the identification, rad or m; `None` if unknown.
-    pub covered: Vec<Option<[f64; 2]>>,
-    /// Terms beyond geometry.
-    pub terms: Vec<ModelTerm>,
-    /// Robot base in the frame of each tracker station.
-    pub stations: Vec<(String, Pose<f64>)>,
-    /// Each marker in the flange frame, m.
-    pub markers: Vec<(String, Vector3<f64>)>,
-    /// Carries identified tool points onto nominal ones: translation, m.
-    pub frame_translation: Vector3<f64>,
-    /// The same: rotation vector, rad.
-    pub frame_rotation: Vector3<f64>,
-    /// Where the model came from.
-    pub provenance: Provenance,
-    /// Directions the data could not determine, in words.
-    pub unidentifiable: Vec<String>,
-    /// Whether the data determined how the flange is turned.
-    pub orientation_identified: bool,
-    /// Id of the robot where name and serial are not known, only their hash.
-    pub robot_id: Option<u64>,
-    /// Factor of the covariance of the arm's parameters as a blob holds it.
-    pub covariance: Option<Vec<f32>>,
-    /// Whether the file was changed since it was written, in what the arm's
-    /// accuracy and covariance depend on: they are then not this model's.
-    pub changed: bool,
-}
-
-/// Where a model came from.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Provenance {
-    /// Version of truearm.
-    pub version: String,
-    /// UTC, RFC 3339.
-    pub created: String,
-    /// Sequence number, where it is not the creation time.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sequence: Option<u32>,
-    /// The measurements.
-    pub data: String,
-    /// Rows of the measurements.
-    pub rows: usize,
-    /// Distinct poses.
-    pub poses: usize,
-    /// Rows left out as gross errors, counted from 1.
-    pub outlier_rows: Vec<usize>,
-    /// The regularisation parameter.
-    pub lambda: f64,
-    /// How it was chosen.
-    pub lambda_rule: String,
-    /// RMS error with nominal geometry, mm.
-    pub nominal_rms_mm: f64,
-    /// Cross-validated RMS error, mm.
-    pub cross_validated_rms_mm: f64,
-}
 
 fn to_mm(v: &Vector3<f64>) -> [f64; 3] {
     [v.x * 1e3, v.y * 1e3, v.z * 1e3]
@@ -287,12 +221,5 @@ impl Model {
             return Err(fail("a model needs a marker".to_owned()));
         }
         Ok(model)
-    }
-
-    /// The identified links: nominal plus corrections.
-    #[must_use]
-    pub fn links(&self) -> Vec<truearm::Link<f64>> {
-        let nominal = self.robot.nominal();
-        nominal.iter().zip(&self.corrections).map(|(l, c)| l.corrected(c)).collect()
     }
 }

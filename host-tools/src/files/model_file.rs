@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Provenance;
 use super::covariance::CovarianceFile;
 use super::model_terms::{MeasurementTermFile, TermFile};
+use crate::model::Provenance;
 
 /// The file. The keys of robot.toml stand in it as they do there, so that a
 /// model is a robot file with more in it.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use truearm::JointKind;
 use truearm::effects::{Effect, Term};
 
-use crate::identify::ModelTerm;
+use crate::model::{ModelTerm, term_unit};
 
 /// A term of the arm.
 #[derive(Serialize, Deserialize)]
@@ -50,18 +50,6 @@ fn components(effect: Effect) -> Option<[&'static str; 2]> {
     }
 }
 
-/// Unit of a coefficient for these joints.
-pub(crate) fn unit(term: &Term<f64>, kinds: &[JointKind]) -> String {
-    let linear = |joint: u8| kinds.get(usize::from(joint)) == Some(&JointKind::Prismatic);
-    let of = |joint| if linear(joint) { "m" } else { "rad" };
-    match term.effect {
-        Effect::JointCoupling => format!("{}/{}", of(term.joint), of(term.source)),
-        Effect::BaseCompliance | Effect::ThermalExpansion => term.effect.unit().to_owned(),
-        Effect::JointCompliance if linear(term.joint) => "m/N".to_owned(),
-        effect => effect.unit().replace("rad", of(term.joint)),
-    }
-}
-
 /// Both tables of a list of terms.
 pub(super) fn to_file(
     terms: &[ModelTerm],
@@ -73,7 +61,7 @@ pub(super) fn to_file(
         let coefficient = model_term.coefficient();
         let (component, series) = match model_term {
             ModelTerm::Arm(term) => {
-                let unit = unit(term, kinds);
+                let unit = term_unit(term, kinds);
                 let friction =
                     (term.effect == Effect::Backlash && term.order > 0.0).then_some(term.order);
                 arm.push(TermFile {
@@ -139,7 +127,7 @@ pub(super) fn arm_term(file: &TermFile, kinds: &[JointKind]) -> Result<ModelTerm
     }
     let coefficient = file.coefficient;
     let term = Term { effect, joint, source, component, order, coefficient };
-    right_unit(&file.unit, &unit(&term, kinds), coefficient)?;
+    right_unit(&file.unit, &term_unit(&term, kinds), coefficient)?;
     Ok(ModelTerm::Arm(term))
 }
 

@@ -1,4 +1,4 @@
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -6,53 +6,7 @@ use toml::Spanned;
 use truearm::{JointKind, Link, MdhParameters};
 
 use crate::error::{Error, Place, Result};
-
-/// The nominal arm, as `robot.toml` describes it, in SI units.
-#[derive(Debug, Clone)]
-pub struct Robot {
-    /// The file it came from.
-    pub path: PathBuf,
-    /// Model name.
-    pub name: String,
-    /// Serial number; empty if not given.
-    pub serial: String,
-    /// Standard deviation of a measured coordinate, repeatability included, m.
-    pub sigma: f64,
-    /// Gravity in the robot's base frame, m/s^2.
-    pub gravity: Option<Vector3<f64>>,
-    /// Temperature the nominal geometry refers to, degrees Celsius.
-    pub reference_temperature: f64,
-    /// The joints from base to flange.
-    pub joints: Vec<Joint>,
-    /// Target in the last frame, m.
-    pub tool: Vector3<f64>,
-    /// Masses of the links; empty if not given.
-    pub links: Vec<LinkMass>,
-    /// Centre of mass of the payload in the last frame; the tool point if not given, m.
-    pub payload: Vector3<f64>,
-    /// Remarks for the user.
-    pub warnings: Vec<String>,
-}
-
-/// A joint and the link before it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Joint {
-    /// Kind and nominal MD-H parameters.
-    pub link: Link<f64>,
-    /// Limits, rad or m.
-    pub limits: Option<[f64; 2]>,
-    /// Input turns per output turn.
-    pub gear_ratio: Option<f64>,
-}
-
-/// Mass of a link.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinkMass {
-    /// kg
-    pub mass: f64,
-    /// Centre of mass in the link's frame, m.
-    pub com: Vector3<f64>,
-}
+use crate::model::{Joint, LinkMass, Robot};
 
 #[derive(Deserialize)]
 struct RobotFile {
@@ -203,41 +157,6 @@ impl Robot {
             payload: file.payload.map_or(tool, |p| mm(p.com_mm)),
             warnings: check.warnings,
         })
-    }
-
-    /// The arm with masses assumed where none are given: every link 1 kg, half
-    /// way to the next joint. Gravity torques then have about the right shape
-    /// and an unknown size, which the compliance coefficient takes up. `None`
-    /// where masses are known, or not even the direction of gravity is.
-    #[must_use]
-    pub fn with_assumed_masses(&self) -> Option<Self> {
-        if !self.links.is_empty() || self.gravity.is_none() {
-            return None;
-        }
-        let n = self.joints.len();
-        let next = |i: usize| match self.joints.get(i + 1) {
-            // Origin of the next joint's frame, seen from this one's.
-            Some(joint) => {
-                let p = &joint.link.parameters;
-                Vector3::new(p.a, -p.d * p.alpha.sin(), p.d * p.alpha.cos())
-            }
-            None => self.tool,
-        };
-        let links = (0..n).map(|i| LinkMass { mass: 1.0, com: next(i) / 2.0 });
-        let mut robot = self.clone();
-        robot.links = links.collect();
-        robot.warnings.push(format!(
-            "{}: no [[links]]: compliance is tested with 1 kg assumed half way along every link; \
-             its coefficients are per assumed N m",
-            self.path.display()
-        ));
-        Some(robot)
-    }
-
-    /// The nominal links.
-    #[must_use]
-    pub fn nominal(&self) -> Vec<Link<f64>> {
-        self.joints.iter().map(|j| j.link).collect()
     }
 }
 

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use truearm::{Approach, Pose};
 
-use crate::chain::{ArmMasses, RowInputs, chain};
-use crate::files::{Measurements, Robot};
+use crate::model::arm::{ArmMasses, RowInputs, chain};
+use crate::model::{Measurements, Robot};
 
 /// Inputs of every row, and which of them are known at all.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -45,7 +45,7 @@ impl Conditions {
             let approach = row.directions.iter().map(|d| Approach::of_motion(f64::from(*d)));
             RowInputs { torque, moment, approach: approach.collect(), warmth }
         });
-        let differ = |f: fn(&crate::files::Row) -> Option<f64>| {
+        let differ = |f: fn(&crate::model::Row) -> Option<f64>| {
             let mut values = data.rows.iter().filter_map(f);
             values.next().is_some_and(|first| values.any(|v| v != first))
         };

@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use crate::files::Measurements;
+use crate::model::Measurements;
 
 /// Below this many poses every pose is a fold of its own.
 pub const LEAVE_ONE_OUT_BELOW: usize = 30;
@@ -39,7 +39,7 @@ pub fn random(data: &Measurements, rows: &[usize], seed: u64) -> Vec<Fold> {
 /// from random folds.
 #[must_use]
 pub fn blocked(data: &Measurements, rows: &[usize]) -> Option<Vec<Fold>> {
-    let column = |f: fn(&crate::files::Row) -> Option<f64>| {
+    let column = |f: fn(&crate::model::Row) -> Option<f64>| {
         rows.iter().map(|r| f(&data.rows[*r])).collect::<Option<Vec<f64>>>()
     };
     let key = column(|r| r.order).or_else(|| column(|r| r.time))?;

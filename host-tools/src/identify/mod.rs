@@ -14,7 +14,6 @@ pub mod redundancy;
 pub mod registration;
 pub mod robust;
 mod summary;
-mod term;
 pub mod uncertainty;
 mod unknowns;
 
@@ -25,13 +24,12 @@ pub use problem::{
     measurement_column,
 };
 pub use summary::Findings;
-pub use term::ModelTerm;
 pub use unknowns::{State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unknown, Unknowns};
 
 use nalgebra::Vector3;
 
 use crate::error::{Error, Result};
-use crate::files::{Measurements, Model, Robot};
+use crate::model::{Measurements, Model, Robot};
 use crate::report::Report;
 use estimate::{cross_validate, estimate};
 use fit::{Freedom, fit};

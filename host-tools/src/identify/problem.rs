@@ -7,10 +7,10 @@ use truearm::effects::Term;
 use truearm::{Link, MdhParameters};
 
 use super::conditions::Conditions;
-use super::term::ModelTerm;
 use super::unknowns::{State, Unknown, Unknowns};
-use crate::chain::{Derivatives, Kinematics};
-use crate::files::{Measurements, Robot, Row};
+use crate::model::ModelTerm;
+use crate::model::arm::{Derivatives, Kinematics};
+use crate::model::{Measurements, Robot, Row};
 use crate::tikhonov::Triangle;
 
 /// What lambda weighs.

@@ -6,9 +6,9 @@ use truearm::Pose;
 
 use super::robust::{mad_scale, median};
 use super::unknowns::State;
-use crate::chain::chain;
 use crate::error::{Error, Result};
-use crate::files::Measurements;
+use crate::model::Measurements;
+use crate::model::arm::chain;
 
 /// Rigid transform that carries `from` onto `to`: minimises
 /// `sum w |R from + t - to|^2` (paper Eq. 17). `None` when the points lie on a
@@ -120,7 +120,7 @@ pub fn register(
     // Distances within the station that saw the marker most.
     let by_distance = (0..data.markers.len()).map(|m| {
         let rows_of = |s: usize| {
-            let of = |(_, r): &(usize, &crate::files::Row)| r.marker == m && r.station == s;
+            let of = |(_, r): &(usize, &crate::model::Row)| r.marker == m && r.station == s;
             data.rows.iter().enumerate().filter(of).map(|(i, _)| i).collect::<Vec<_>>()
         };
         let rows = (0..data.stations.len()).map(rows_of).max_by_key(Vec::len).unwrap_or_default();

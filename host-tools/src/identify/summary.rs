@@ -8,8 +8,8 @@ use super::estimate::Estimate;
 use super::problem::link_corrections;
 use super::uncertainty::{factor, of_arm};
 use super::{Identification, Problem, RowResult, Scaling, State, redundancy, registration, robust};
-use crate::chain::chain;
-use crate::files::{Model, Provenance, Robot};
+use crate::model::arm::chain;
+use crate::model::{Model, Provenance, Robot};
 use crate::report::{AllRows, FlaggedRow, Report, Stats, robust_distance_scale};
 
 /// All that was found out about a data set.

@@ -6,9 +6,9 @@ use truearm::Pose;
 use truearm::blob::uncertain_parameters;
 
 use super::problem::Problem;
-use super::term::ModelTerm;
 use super::unknowns::State;
-use crate::chain::{Kinematics, RowInputs, chain};
+use crate::model::ModelTerm;
+use crate::model::arm::{Kinematics, RowInputs, chain};
 
 /// Covariance of the parameters in the order of a blob, SI, from that of all
 /// unknowns. The small base between identified and commanded frame is no

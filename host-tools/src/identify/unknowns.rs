@@ -4,8 +4,8 @@
 use nalgebra::{DVector, Vector3};
 use truearm::{Link, LinkParameter, MdhParameters, Pose};
 
-use super::term::ModelTerm;
-use crate::chain::{Kinematics, chain};
+use crate::model::ModelTerm;
+use crate::model::arm::{Kinematics, chain};
 
 /// Manufacturing tolerance of a length, m: the prior of every link parameter
 /// unless the user knows better.

@@ -8,13 +8,13 @@ use serde::Serialize;
 use super::{Frames, Method, Task};
 use crate::error::Result;
 use crate::evaluate::{Reregister, residuals, state_on};
-use crate::files::{Measurements, Model, Provenance, Robot};
 use crate::identify::registration::register;
 use crate::identify::robust::{Flags, robust_fit};
 use crate::identify::{
     Conditions, Options, Problem, Scaling, State, enough, link_corrections, nominal_state,
     redundancy,
 };
+use crate::model::{Measurements, Model, Provenance, Robot};
 use crate::report::{Condition, Stats};
 
 /// Methods on one data set.

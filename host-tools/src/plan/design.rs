@@ -18,9 +18,9 @@
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use truearm::Pose;
 
-use crate::chain::{RowInputs, chain};
-use crate::files::Robot;
 use crate::identify::{Unknown, Unknowns};
+use crate::model::Robot;
+use crate::model::arm::{RowInputs, chain};
 
 /// Singular values below this share of the largest are redundancy.
 const ZERO: f64 = 1e-10;

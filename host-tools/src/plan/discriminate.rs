@@ -8,8 +8,8 @@ use super::region::Region;
 use crate::diagnose::{Diagnosis, trial_rows};
 use crate::error::{Error, Result};
 use crate::evaluate::residuals;
-use crate::files::{Measurements, Robot};
 use crate::identify::{Conditions, Problem, Scaling, State};
+use crate::model::{Measurements, Robot};
 use crate::tikhonov::covariance;
 
 /// Poses and how well they will separate.

@@ -19,7 +19,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::files::Robot;
+use crate::model::Robot;
 use design::Design;
 
 /// Starts of the exchange; the best design is kept.

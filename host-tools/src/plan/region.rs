@@ -3,9 +3,10 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use truearm::{JointKind, Pose};
 
-use crate::chain::chain;
 use crate::error::{Error, Result};
-use crate::files::{Robot, csv_text};
+use crate::files::csv_text;
+use crate::model::Robot;
+use crate::model::arm::chain;
 
 /// A pose is given up for when so many draws gave none.
 const MOST_TRIES: usize = 20_000;

@@ -2,8 +2,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::{Error, Result};
-use crate::files::{Measurements, Model};
-use crate::near::Reach;
+use crate::model::near::Reach;
+use crate::model::{Measurements, Model};
 use crate::plan::Region;
 
 /// Poses are apart when a joint differs by more than this, rad (5 degrees).

@@ -13,11 +13,12 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use truearm::Pose;
 
-use crate::chain::chain;
 use crate::error::{Error, Result};
-use crate::files::{Commanded, Measurements, Model};
 use crate::identify::registration::rigid_transform;
-use crate::identify::{Conditions, ModelTerm, Predictor, State};
+use crate::identify::{Conditions, Predictor, State};
+use crate::model::ModelTerm;
+use crate::model::arm::chain;
+use crate::model::{Commanded, Measurements, Model};
 use crate::report::Stats;
 
 /// Coverage factor of the expanded uncertainty: about 95 %.
@@ -95,7 +96,7 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     let targets = targets(model, commanded, &markers);
     let frames = frames(model, data, &targets, refit)?;
     let to_robot =
-        |row: &crate::files::Row| frames[row.station].inverse().transform_point(&row.point);
+        |row: &crate::model::Row| frames[row.station].inverse().transform_point(&row.point);
     let errors: Vec<Vector3<f64>> =
         data.rows.iter().zip(&targets).map(|(row, target)| to_robot(row) - target).collect();
 
@@ -276,7 +277,7 @@ fn predicted(
     };
     let conditions = Conditions::new(data, &model.robot);
     let real = Predictor::new(&state);
-    let error = |(i, row): (usize, &crate::files::Row)| {
+    let error = |(i, row): (usize, &crate::model::Row)| {
         let seen = real.point(row, i, &conditions);
         frames[row.station].inverse().transform_point(&seen) - targets[i]
     };

@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use truearm::effects::{Effect, Term};
 use truearm_host::diagnose::{DiagnoseReport, Verdict};
-use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::robust::{Flags, robust_fit};
-use truearm_host::identify::{Conditions, ModelTerm, Problem, Scaling, State};
+use truearm_host::identify::{Conditions, Problem, Scaling, State};
+use truearm_host::model::ModelTerm;
+use truearm_host::model::{Measurements, Robot};
 use truearm_simulate::arm::Arm;
 use truearm_simulate::effects::Kind;
 

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use rand::Rng;
 use truearm::{MdhParameters, Pose};
-use truearm_host::files::Robot;
 use truearm_host::identify::State;
+use truearm_host::model::Robot;
 use truearm_simulate::arm::{Arm as Simulated, Moment};
 use truearm_simulate::effects::{Defect, Kind};
 use truearm_simulate::{normal, oracle};

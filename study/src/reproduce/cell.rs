@@ -10,13 +10,13 @@ use truearm::Pose;
 use super::arm::{Arm, JointDefect, draw_errors};
 use super::paper;
 use crate::simulated::{csv_of, measured, vector};
-use truearm_host::chain::{RowInputs, chain};
 use truearm_host::error::Result;
 use truearm_host::evaluate::residuals;
-use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{Conditions, Problem, Scaling, State, nominal_state};
 use truearm_host::methods::{Frames, Method, Rpim, Task};
+use truearm_host::model::arm::{RowInputs, chain};
+use truearm_host::model::{Measurements, Robot};
 
 /// The nominal arm's file.
 pub const ROBOT: &str = include_str!("robot.toml");
@@ -63,7 +63,7 @@ fn poses(robot: &Robot, count: usize, rng: &mut impl Rng) -> Vec<Vec<f64>> {
         if out.len() == count {
             break;
         }
-        let joint = |j: &truearm_host::files::Joint| {
+        let joint = |j: &truearm_host::model::Joint| {
             let [low, high] = j.limits.unwrap_or([-3.0, 3.0]);
             // What the file says is what the encoders read.
             (rng.random_range(low..high).to_degrees() * 1e4).round() / 1e4

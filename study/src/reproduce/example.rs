@@ -6,13 +6,13 @@ use truearm::Pose;
 
 use super::cell::{Cell, Kind};
 use super::trial::{Contest, contest_of};
-use truearm_host::chain::chain;
 use truearm_host::error::Result;
 use truearm_host::evaluate::{Reregister, residuals};
-use truearm_host::files::Measurements;
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{Conditions, Problem, Scaling, State, nominal_state};
 use truearm_host::methods::{Comparison, Frames, Printed, Task, all, compare};
+use truearm_host::model::Measurements;
+use truearm_host::model::arm::chain;
 
 /// The cell and what follows from it.
 pub struct Example {

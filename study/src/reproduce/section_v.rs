@@ -5,10 +5,10 @@ use truearm::{Link, LinkParameter};
 use super::cell::{Cell, Kind};
 use truearm_host::error::Result;
 use truearm_host::evaluate::residuals;
-use truearm_host::files::Measurements;
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{Conditions, Problem, Scaling, State, nominal_state};
 use truearm_host::methods::{Frames, Method, NoCalibration, PrintedRpim, Rpim, Task};
+use truearm_host::model::Measurements;
 use truearm_host::report::Stats;
 
 /// Tables 2 to 5.

@@ -10,12 +10,12 @@ use super::cell::{COUNTS, Cell, Kind};
 use truearm_host::diagnose::{DiagnoseOptions, Verdict, diagnose};
 use truearm_host::error::Result;
 use truearm_host::evaluate::{Reregister, residuals};
-use truearm_host::files::{Measurements, Robot};
 use truearm_host::identify::{Conditions, Problem, Scaling, State};
 use truearm_host::methods::{
     Comparison, Frames, GaussNewton, LevenbergMarquardt, Method, NoCalibration, NormalEquations,
     Outcome, PrintedRpim, PseudoInverse, ReducedGaussNewton, Rpim, all, compare,
 };
+use truearm_host::model::{Measurements, Robot};
 use truearm_host::report::Stats;
 use truearm_simulate::normal;
 

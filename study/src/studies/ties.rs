@@ -4,7 +4,7 @@
 use clap::Args;
 use rayon::prelude::*;
 use truearm_host::diagnose::{DiagnoseOptions, DiagnoseReport, diagnose};
-use truearm_host::files::Robot;
+use truearm_host::model::Robot;
 
 use super::Result;
 use crate::blind::secret::{Places, places};

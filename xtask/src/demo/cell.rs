@@ -8,8 +8,8 @@ use nalgebra::{Matrix3x6, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
-use truearm_host::files::{Model, Robot};
 use truearm_host::identify::{Options, identify};
+use truearm_host::model::{Model, Robot};
 
 use crate::run::Result;
 use truearm_simulate::arm::{Arm, Moment};

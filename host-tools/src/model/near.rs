@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use truearm::JointKind;
 
-use crate::files::Robot;
+use super::Robot;
 
 /// Edge of a cell, in reaches: wide, so that few points lie within reach of a
 /// second cell, and narrow, so that few are in one.

@@ -1,6 +1,7 @@
 //! Terms of a model: those of the arm, which go into a blob, and those of the
 //! measurement, which never do.
 
+use truearm::JointKind;
 use truearm::effects::{Effect, Term};
 
 /// A term with its coefficient.
@@ -96,5 +97,18 @@ impl ModelTerm {
             Self::Drift { .. } => "m/h",
             Self::Remount { .. } => "m",
         }
+    }
+}
+
+/// Unit of a coefficient for these joints.
+#[must_use]
+pub fn term_unit(term: &Term<f64>, kinds: &[JointKind]) -> String {
+    let linear = |joint: u8| kinds.get(usize::from(joint)) == Some(&JointKind::Prismatic);
+    let of = |joint| if linear(joint) { "m" } else { "rad" };
+    match term.effect {
+        Effect::JointCoupling => format!("{}/{}", of(term.joint), of(term.source)),
+        Effect::BaseCompliance | Effect::ThermalExpansion => term.effect.unit().to_owned(),
+        Effect::JointCompliance if linear(term.joint) => "m/N".to_owned(),
+        effect => effect.unit().replace("rad", of(term.joint)),
     }
 }

@@ -1,0 +1,85 @@
+use std::path::PathBuf;
+
+use nalgebra::Vector3;
+
+/// The rows of a `measurements.csv`, in SI units.
+#[derive(Debug, Clone)]
+pub struct Measurements {
+    /// The file they came from.
+    pub path: PathBuf,
+    /// One entry a data row, in file order.
+    pub rows: Vec<Row>,
+    /// Labels of the tracker stations; one empty label without the column.
+    pub stations: Vec<String>,
+    /// Labels of the markers; one empty label without the column.
+    pub markers: Vec<String>,
+    /// Number of distinct poses.
+    pub poses: usize,
+    /// Names of columns without a meaning to truearm; their cells are in [`Row::extra`].
+    pub extra_columns: Vec<String>,
+    /// Remarks for the user.
+    pub warnings: Vec<String>,
+}
+
+/// One measured point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Line of the file.
+    pub line: usize,
+    /// Encoder readings, rad or m.
+    pub q: Vec<f64>,
+    /// Measured point in the tracker frame, m.
+    pub point: Vector3<f64>,
+    /// Standard deviation of a coordinate, m.
+    pub sigma: f64,
+    /// Index into [`Measurements::stations`].
+    pub station: usize,
+    /// Index into [`Measurements::markers`].
+    pub marker: usize,
+    /// Number of the pose; rows with the same joints share it.
+    pub pose: usize,
+    /// Label of the series.
+    pub series: Option<String>,
+    /// Seconds since the session's start.
+    pub time: Option<f64>,
+    /// Degrees Celsius.
+    pub temperature: Option<f64>,
+    /// kg
+    pub payload: Option<f64>,
+    /// Order of measurement.
+    pub order: Option<f64>,
+    /// Orientation of the target in the tracker frame, quaternion x, y, z, w.
+    pub orientation: Option<[f64; 4]>,
+    /// Side from which each joint came to rest: +1, -1, or 0 if unknown.
+    pub directions: Vec<i8>,
+    /// Cells of [`Measurements::extra_columns`].
+    pub extra: Vec<String>,
+}
+
+impl Measurements {
+    /// Smallest and largest value of each joint.
+    #[must_use]
+    pub fn covered(&self) -> Vec<[f64; 2]> {
+        let first = &self.rows[0].q;
+        let mut range: Vec<_> = first.iter().map(|q| [*q, *q]).collect();
+        for row in &self.rows {
+            for (range, q) in range.iter_mut().zip(&row.q) {
+                *range = [range[0].min(*q), range[1].max(*q)];
+            }
+        }
+        range
+    }
+}
+
+/// What a controller was told and where the target then was: a file with
+/// commanded joints (`cmd1_deg..`) or commanded points (`cmd_x_mm, cmd_y_mm,
+/// cmd_z_mm`, in the robot's frame) beside the measured `x_mm, y_mm, z_mm` and
+/// the optional columns of measurements.csv.
+#[derive(Debug, Clone)]
+pub struct Commanded {
+    /// The rows; their `q` are the commanded joints, empty where points were
+    /// commanded.
+    pub data: Measurements,
+    /// Commanded points, one a row, m; empty where joints were commanded.
+    pub points: Vec<Vector3<f64>>,
+}

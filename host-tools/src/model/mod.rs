@@ -1,0 +1,14 @@
+//! What everything else is about: the nominal arm, its measured points, the
+//! identified arm and its terms. SI units; nothing here reads or writes a file.
+
+pub mod arm;
+mod identified;
+mod measurements;
+pub mod near;
+mod robot;
+mod term;
+
+pub use identified::{Model, Provenance};
+pub use measurements::{Commanded, Measurements, Row};
+pub use robot::{Joint, LinkMass, Robot};
+pub use term::{ModelTerm, term_unit};
