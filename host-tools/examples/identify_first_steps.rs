@@ -4,9 +4,9 @@
 
 use std::path::Path;
 
+use truearm_host::blob::pack;
 use truearm_host::identify::{Options, identify};
 use truearm_host::model::{Measurements, Robot};
-use truearm_host::pack::pack;
 
 fn main() -> truearm_host::Result<()> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/seed-table-8");

@@ -168,7 +168,7 @@ fn the_blob_is_the_model() {
     let folder = tempfile::tempdir().unwrap();
     identify("ur10-ipa", "series-c", &["--out", folder.path().to_str().unwrap()]);
     let model = truearm_host::model::Model::read(&folder.path().join("model.toml")).unwrap();
-    let bytes = truearm_host::pack::pack(&model, None).unwrap();
+    let bytes = truearm_host::blob::pack(&model, None).unwrap();
     let blob = truearm::blob::Blob::check(&bytes).unwrap();
     let arm = truearm::Arm::new(&blob.parameters::<f64, 6>().unwrap());
     let (label, tool) = &model.markers[0];

@@ -7,9 +7,9 @@ use rand_chacha::ChaCha8Rng;
 use truearm::blob::Blob;
 use truearm::compensate::Status;
 use truearm::{Approach, Arm6, Compensator, Pose, Settings, State, Task};
+use truearm_host::blob::{PackOptions, pack_with};
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::identify::registration::rigid_transform;
-use truearm_host::pack::{PackOptions, pack_with};
 use truearm_simulate::arm::Moment;
 use truearm_study::blind::sets::BlindSet;
 

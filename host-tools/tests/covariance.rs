@@ -5,11 +5,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::blob::Blob;
 use truearm::{Arm6, Pose, RealPosition, State};
+use truearm_host::blob::{PackOptions, pack_with};
 use truearm_host::identify::registration::rigid_transform;
 use truearm_host::identify::{Options, identify};
 use truearm_host::model::arm::{RowInputs, chain};
 use truearm_host::model::{Measurements, Model};
-use truearm_host::pack::{PackOptions, pack_with};
 use truearm_study::simulated::{Truth, UR10_LIKE, robot};
 
 const SIGMA: f64 = 2e-5;

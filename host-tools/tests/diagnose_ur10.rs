@@ -4,9 +4,9 @@ use std::path::Path;
 
 use truearm::blob::Blob;
 use truearm::effects::MAX_TERMS;
+use truearm_host::blob::pack;
 use truearm_host::diagnose::{DiagnoseOptions, Diagnosis, Verdict, diagnose};
 use truearm_host::model::{Measurements, Robot};
-use truearm_host::pack::pack;
 
 fn series(name: &str) -> Diagnosis {
     limited(name, &DiagnoseOptions::default())

@@ -7,7 +7,7 @@ use std::process::Command as Process;
 use assert_cmd::Command;
 use tempfile::TempDir;
 use truearm::blob::{Acceptance, AcceptanceError, Blob};
-use truearm_host::export::Regions;
+use truearm_host::blob::image::MemoryRegions;
 use truearm_host::files::read_key;
 use truearm_host::identify::{Options, identify};
 use truearm_host::model::ModelTerm;
@@ -434,7 +434,7 @@ fn diff_says_what_moved_and_how_far() {
 #[test]
 fn the_repository_has_slots_that_hold_everything() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../memory.x");
-    let regions = Regions::read(&path).unwrap();
+    let regions = MemoryRegions::read(&path).unwrap();
     let [a, b] = ["PARAM_A", "PARAM_B"].map(|name| regions.find(&path, name).unwrap());
     let most = truearm::blob::encoded_len(6, 24) + 32 + 4 * truearm::blob::factor_len(6, 24);
     assert!(a.length == b.length && a.length as usize >= most + 64);

@@ -5,11 +5,11 @@ use std::path::Path;
 use assert_cmd::Command;
 use truearm::blob::Blob;
 use truearm::effects::{Effect, Term};
-use truearm_host::describe::describe;
+use truearm_host::blob::describe;
+use truearm_host::blob::{notes, pack};
 use truearm_host::identify::{Options, identify};
 use truearm_host::model::ModelTerm;
 use truearm_host::model::{Measurements, Model, Robot};
-use truearm_host::pack::{notes, pack};
 
 fn term(effect: Effect, joint: u8, order: f64) -> ModelTerm {
     let coefficient = 1.5e-5;

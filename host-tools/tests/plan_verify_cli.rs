@@ -166,7 +166,7 @@ fn verification_passes_fails_or_proves_nothing() {
         assert!(ran.err.contains("where ISO 9283 asks for 30"), "{}", ran.err);
     }
 
-    let ran = verify(&["--check-poses", "c.csv", "--poses", "7", "--apart-from", "m.csv"]);
+    let ran = verify(&["--test-poses", "c.csv", "--poses", "7", "--apart-from", "m.csv"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     let text = std::fs::read_to_string(folder.join("c.csv")).unwrap();
     assert!(text.starts_with("cmd1_deg,") && text.lines().count() == 8, "{text}");

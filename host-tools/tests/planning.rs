@@ -8,7 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
 use truearm_host::model::Robot;
 use truearm_host::model::arm::chain;
-use truearm_host::plan::{PlanOptions, Region, Sight, plan};
+use truearm_host::model::{Sight, Workspace};
+use truearm_host::plan::{PlanOptions, plan};
 use truearm_simulate::robots;
 use truearm_study::planning::Trial;
 
@@ -47,11 +48,11 @@ fn poses_stay_in_limits_box_and_sight() {
         axis: Vector3::x(),
         cone: 40_f64.to_radians(),
     };
-    let mut region = Region::new(&robot, None).unwrap();
+    let mut workspace = Workspace::new(&robot, None).unwrap();
     // Corners in any order.
-    region.corners = Some([Vector3::new(0.9, 0.9, 1.2), Vector3::new(-0.9, -0.9, 0.1)]);
-    region.sight = Some(sight);
-    let options = PlanOptions { poses: 12, region, candidates: 500, target: None, seed: 3 };
+    workspace.corners = Some([Vector3::new(0.9, 0.9, 1.2), Vector3::new(-0.9, -0.9, 0.1)]);
+    workspace.sight = Some(sight);
+    let options = PlanOptions { poses: 12, workspace, candidates: 500, target: None, seed: 3 };
     let planned = plan(&robot, &options, &|_, _| ()).unwrap();
     assert_eq!(planned.poses.len(), 12);
     let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
@@ -76,10 +77,10 @@ fn poses_stay_in_limits_box_and_sight() {
 #[test]
 fn it_stops_at_the_target_with_few_poses() {
     let robot = robot(robots::ALL[1]);
-    let region = Region::new(&robot, None).unwrap();
+    let workspace = Workspace::new(&robot, None).unwrap();
     let target = 1.1 * robot.sigma;
     let options =
-        PlanOptions { poses: 80, region, candidates: 1000, target: Some(target), seed: 1 };
+        PlanOptions { poses: 80, workspace, candidates: 1000, target: Some(target), seed: 1 };
     let planned = plan(&robot, &options, &|_, _| ()).unwrap();
     let count = planned.poses.len();
     println!(
@@ -99,20 +100,20 @@ fn it_stops_at_the_target_with_few_poses() {
 #[test]
 fn what_cannot_be_planned_is_said() {
     let robot = robot(robots::ALL[0]);
-    let region = Region::new(&robot, None).unwrap();
-    let options = |poses, candidates, region: &Region| PlanOptions {
+    let workspace = Workspace::new(&robot, None).unwrap();
+    let options = |poses, candidates, workspace: &Workspace| PlanOptions {
         poses,
-        region: region.clone(),
+        workspace: workspace.clone(),
         candidates,
         target: None,
         seed: 1,
     };
-    let mut nowhere = region.clone();
+    let mut nowhere = workspace.clone();
     nowhere.corners = Some([Vector3::repeat(4.0), Vector3::repeat(5.0)]);
     for (options, says) in [
-        (options(8, 1000, &region), "8 poses give 24 equations for 27 parameters"),
-        (options(20, 30, &region), "20 poses out of 30 candidates"),
-        (options(0, 30, &region), "0 poses out of 30 candidates"),
+        (options(8, 1000, &workspace), "8 poses give 24 equations for 27 parameters"),
+        (options(20, 30, &workspace), "20 poses out of 30 candidates"),
+        (options(0, 30, &workspace), "0 poses out of 30 candidates"),
         (options(20, 1000, &nowhere), "none is in the box"),
     ] {
         let error = plan(&robot, &options, &|_, _| ()).unwrap_err();
@@ -120,10 +121,10 @@ fn what_cannot_be_planned_is_said() {
         assert!(!error.help().is_empty());
     }
     let free = Robot::parse(Path::new("r.toml"), truearm_study::simulated::UR10_LIKE).unwrap();
-    let error = Region::new(&free, None).unwrap_err();
+    let error = Workspace::new(&free, None).unwrap_err();
     assert!(error.to_string().contains("no limits of joints 1, 2, 3, 4, 5, 6"), "{error}");
-    let error = Region::new(&free, Some(vec![[0.0, 1.0]])).unwrap_err();
+    let error = Workspace::new(&free, Some(vec![[0.0, 1.0]])).unwrap_err();
     assert!(error.to_string().contains("limits of 1 joints"), "{error}");
-    let error = Region::new(&free, Some(vec![[1.0, 0.0]; 6])).unwrap_err();
+    let error = Workspace::new(&free, Some(vec![[1.0, 0.0]; 6])).unwrap_err();
     assert!(error.help().contains("lower limit first"), "{error}");
 }

@@ -8,9 +8,9 @@ use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::blob::Blob;
+use truearm_host::blob::pack;
+use truearm_host::blob::unpack;
 use truearm_host::model::Model;
-use truearm_host::pack::pack;
-use truearm_host::unpack::unpack;
 
 static CRC32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 

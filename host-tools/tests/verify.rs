@@ -6,11 +6,12 @@ use nalgebra::{Matrix3xX, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
+use truearm_host::files::poses_csv;
 use truearm_host::identify::{Options, identify};
+use truearm_host::model::Workspace;
 use truearm_host::model::arm::{RowInputs, chain};
 use truearm_host::model::{Commanded, Measurements, Model};
-use truearm_host::plan::Region;
-use truearm_host::verify::{Conformity, accuracy, check_poses, repeatability, verify};
+use truearm_host::verify::{Conformity, accuracy, repeatability, test_poses, verify};
 use truearm_study::simulated::{Truth, UR10_LIKE, robot};
 
 const SIGMA: f64 = 2e-5;
@@ -165,13 +166,13 @@ fn figures_of_the_standard() {
 }
 
 #[test]
-fn check_poses_are_others() {
+fn test_poses_are_others() {
     let cell = Cell::new(5);
     let limits = cell.model.covered.iter().map(|c| c.unwrap()).collect();
-    let region = Region::new(&cell.model.robot, Some(limits)).unwrap();
-    let poses = check_poses(&cell.model, &region, Some(&cell.data), 25, 1).unwrap();
+    let region = Workspace::new(&cell.model.robot, Some(limits)).unwrap();
+    let poses = test_poses(&cell.model, &region, Some(&cell.data), 25, 1).unwrap();
     assert_eq!(poses.len(), 25);
-    let text = Region::to_csv(&cell.model.robot, "cmd", &poses, &[]);
+    let text = poses_csv(&cell.model.robot, "cmd", &poses, &[]);
     assert!(text.starts_with("cmd1_deg,cmd2_deg"));
     let near =
         |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs().to_degrees() <= 5.0);
@@ -180,9 +181,9 @@ fn check_poses_are_others() {
     }
     // Where everything is near a used pose there are none.
     let narrow = cell.data.rows[0].q.iter().map(|q| [q - 0.02, q + 0.02]).collect();
-    let region = Region::new(&cell.model.robot, Some(narrow)).unwrap();
-    let error = check_poses(&cell.model, &region, Some(&cell.data), 5, 1).unwrap_err();
-    assert!(error.to_string().contains("only 0 of 5 check poses"), "{error}");
+    let region = Workspace::new(&cell.model.robot, Some(narrow)).unwrap();
+    let error = test_poses(&cell.model, &region, Some(&cell.data), 5, 1).unwrap_err();
+    assert!(error.to_string().contains("only 0 of 5 test poses"), "{error}");
 }
 
 #[test]

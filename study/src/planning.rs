@@ -4,10 +4,12 @@
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use truearm_host::files::poses_csv;
 use truearm_host::identify::fit::{Freedom, fit};
 use truearm_host::identify::{Conditions, Predictor, Problem, Scaling};
 use truearm_host::model::{Measurements, Robot};
-use truearm_host::plan::{Plan, PlanOptions, Region, Sight, plan};
+use truearm_host::model::{Sight, Workspace};
+use truearm_host::plan::{PlanOptions, PosePlan, plan};
 use truearm_simulate::robots;
 
 use crate::simulated::{Truth, parse, robot, vector};
@@ -19,16 +21,16 @@ const JUDGED: usize = 400;
 pub const PLANNED: usize = 20;
 pub const RANDOM: usize = 30;
 
-/// A robot with a truth, a region, and what was planned.
+/// A robot with a truth, a workspace, and what was planned.
 pub struct Trial {
     pub robot: Robot,
-    pub plan: Plan,
+    pub plan: PosePlan,
     truth: Truth,
     random: Vec<Vec<f64>>,
     judged: Vec<Vec<f64>>,
 }
 
-/// Worst errors over the region, m.
+/// Worst errors over the workspace, m.
 pub struct Outcome {
     pub planned: f64,
     pub random: f64,
@@ -47,18 +49,19 @@ impl Trial {
             joint.link.parameters.d *= rng.random_range(0.8..1.2);
         }
         let truth = Truth::draw(&robot, 1, 1, &mut rng);
-        let mut region = Region::new(&robot, None).unwrap();
+        let mut workspace = Workspace::new(&robot, None).unwrap();
         if seed % 2 == 1 {
-            region.corners = Some([Vector3::new(-1.5, -1.5, 0.0), Vector3::new(1.5, 1.5, 2.0)]);
-            region.sight = Some(Sight {
+            workspace.corners = Some([Vector3::new(-1.5, -1.5, 0.0), Vector3::new(1.5, 1.5, 2.0)]);
+            workspace.sight = Some(Sight {
                 tracker: Vector3::new(3.0, 1.0, 1.0),
                 axis: Vector3::z(),
                 cone: 90_f64.to_radians(),
             });
         }
-        let random = region.sample(&robot, RANDOM, &mut rng).unwrap();
-        let judged = region.sample(&robot, JUDGED, &mut rng).unwrap();
-        let options = PlanOptions { poses: PLANNED, region, candidates: 3000, target: None, seed };
+        let random = workspace.sample(&robot, RANDOM, &mut rng).unwrap();
+        let judged = workspace.sample(&robot, JUDGED, &mut rng).unwrap();
+        let options =
+            PlanOptions { poses: PLANNED, workspace, candidates: 3000, target: None, seed };
         let plan = plan(&robot, &options, &|_, _| ()).unwrap();
         Self { robot, plan, truth, random, judged }
     }
@@ -101,7 +104,7 @@ impl Trial {
 
     /// Rows of these poses without noise.
     fn measured(&self, poses: &[Vec<f64>]) -> Measurements {
-        let lines = Region::to_csv(&self.robot, "q", poses, &[]);
+        let lines = poses_csv(&self.robot, "q", poses, &[]);
         let mut text = String::new();
         for (i, line) in lines.lines().enumerate() {
             let cells: Vec<&str> = line.split(',').take(self.robot.joints.len()).collect();

@@ -11,9 +11,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use truearm::{Arm, Pose};
+use truearm_host::blob::pack;
 use truearm_host::identify::{Identification, Options, identify};
 use truearm_host::model::Robot;
-use truearm_host::pack::pack;
 
 use crate::run::{Result, target_dir};
 use crate::vectors::{Files, shipped};

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 use truearm::blob::Blob;
 use truearm_host::Result;
-use truearm_host::compare::compare;
+use truearm_host::blob::diff;
 
 use super::{Said, read_blob, refused};
 
@@ -31,6 +31,6 @@ impl Diff {
         };
         check(&a)?;
         check(&b)?;
-        Ok(compare(&a.1, &b.1, self.poses, self.seed)?.into())
+        Ok(diff(&a.1, &b.1, self.poses, self.seed)?.into())
     }
 }

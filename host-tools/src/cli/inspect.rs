@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 use truearm::blob::{Acceptance, Blob};
 use truearm_host::Result;
-use truearm_host::describe::describe;
+use truearm_host::blob::describe;
 use truearm_host::files::read_key;
 use truearm_host::model::Robot;
 

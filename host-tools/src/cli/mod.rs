@@ -10,17 +10,17 @@ mod inspect;
 mod pack;
 mod plan;
 mod progress;
-mod region;
 mod table;
 mod unpack;
 mod verify;
+mod workspace;
 
 use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use truearm::blob::{AcceptanceError, Blob};
-use truearm_host::explain::explain;
+use truearm_host::blob::explain;
 use truearm_host::files::write;
 use truearm_host::model::Model;
 use truearm_host::{Error, Result};

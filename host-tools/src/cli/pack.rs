@@ -2,10 +2,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use truearm::blob::Blob;
-use truearm_host::export::{self, Region, Regions};
+use truearm_host::blob::image::{self, MemoryRegion, MemoryRegions};
+use truearm_host::blob::{PackOptions, notes, pack_with};
 use truearm_host::files::{read_key, write};
 use truearm_host::model::Model;
-use truearm_host::pack::{PackOptions, notes, pack_with};
 use truearm_host::{Error, Result};
 
 use super::{Said, refused};
@@ -81,20 +81,20 @@ impl Pack {
         write(&self.out, &self.encoded(&bytes, slot.as_ref())?)?;
         let mut text =
             format!("wrote {}: {} bytes of parameters\n", self.out.display(), bytes.len());
-        if let Some(Region { name, origin, length }) = &slot {
+        if let Some(MemoryRegion { name, origin, length }) = &slot {
             text += &format!("slot {name} at {origin:#010x}, {length} bytes\n");
         }
         Ok((text + &report(&model)).into())
     }
 
     /// Where the blob goes, if that was asked for.
-    fn region(&self, size: usize) -> Result<Option<Region>> {
+    fn region(&self, size: usize) -> Result<Option<MemoryRegion>> {
         let name = match self.slot {
             Some(Slot::A) => "PARAM_A",
             Some(Slot::B) => "PARAM_B",
             None => return Ok(None),
         };
-        let regions = Regions::read(&self.memory)?;
+        let regions = MemoryRegions::read(&self.memory)?;
         let region = regions.find(&self.memory, name)?;
         if size > region.length as usize {
             return Err(Error::data(
@@ -105,7 +105,7 @@ impl Pack {
         Ok(Some(region.clone()))
     }
 
-    fn encoded(&self, bytes: &[u8], slot: Option<&Region>) -> Result<Vec<u8>> {
+    fn encoded(&self, bytes: &[u8], slot: Option<&MemoryRegion>) -> Result<Vec<u8>> {
         let blob = Blob::check(bytes).map_err(|e| refused(Path::new(""), bytes, &e.into()))?;
         let slot = slot.ok_or_else(|| {
             Error::data(
@@ -115,11 +115,11 @@ impl Pack {
         });
         Ok(match self.format {
             Format::Bin => bytes.to_vec(),
-            Format::C => export::c(bytes, &blob).into_bytes(),
-            Format::Rust => export::rust(bytes, &blob).into_bytes(),
-            Format::Ihex => export::intel_hex(bytes, slot?).into_bytes(),
-            Format::Uf2 => export::uf2(bytes, slot?, self.uf2_family),
-            Format::Elf => export::elf(bytes, slot?),
+            Format::C => image::c(bytes, &blob).into_bytes(),
+            Format::Rust => image::rust(bytes, &blob).into_bytes(),
+            Format::Ihex => image::intel_hex(bytes, slot?).into_bytes(),
+            Format::Uf2 => image::uf2(bytes, slot?, self.uf2_family),
+            Format::Elf => image::elf(bytes, slot?),
         })
     }
 }

@@ -2,13 +2,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
-use truearm_host::files::write;
-use truearm_host::model::{Measurements, Robot};
-use truearm_host::plan::{Observability, Plan as Planned, PlanOptions, Region, discriminate, plan};
+use truearm_host::files::{poses_csv, write};
+use truearm_host::model::{Measurements, Robot, Workspace};
+use truearm_host::plan::{Observability, PlanOptions, PosePlan, discriminate, plan};
 use truearm_host::{Error, Result};
 
 use super::progress::Bar;
-use super::region::Where;
+use super::workspace::Where;
 use super::{End, Said, to_json, warn};
 
 /// Choose the poses to measure before an identification, or to tell two
@@ -24,7 +24,7 @@ pub struct Plan {
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
     #[command(flatten)]
-    region: Where,
+    workspace: Where,
     /// Stop at the fewest poses whose predicted worst tool point is this good:
     /// 3-D standard deviation (1 sigma) in micrometres
     #[arg(long, value_name = "UM", conflicts_with = "discriminate", allow_hyphen_values = true)]
@@ -54,7 +54,7 @@ struct Report {
     /// Parameters that points can determine.
     parameters: usize,
     observability: Observability,
-    /// 3-D standard deviations (1 sigma) of the tool point over the region.
+    /// 3-D standard deviations (1 sigma) of the tool point over the workspace.
     worst_um: f64,
     rms_um: f64,
     /// sigma sqrt(p / n)
@@ -95,13 +95,13 @@ impl Plan {
             ));
         }
         let robot = Robot::read(&self.robot)?;
-        let region = self.region.of(&robot)?;
+        let workspace = self.workspace.of(&robot)?;
         if let Some(data) = &self.discriminate {
-            return self.separate(&robot, data, &region);
+            return self.separate(&robot, data, &workspace);
         }
         let options = PlanOptions {
             poses: self.poses,
-            region,
+            workspace,
             candidates: self.candidates,
             target: self.target_um.map(|um| um * 1e-6),
             seed: self.seed,
@@ -110,7 +110,7 @@ impl Plan {
         let found = plan(&robot, &options, &|done, total| bar.update(done, total));
         bar.finish();
         let found = found?;
-        write(&self.out, Region::to_csv(&robot, "q", &found.poses, &[]).as_bytes())?;
+        write(&self.out, poses_csv(&robot, "q", &found.poses, &[]).as_bytes())?;
         warn(&robot.warnings);
         let text = if self.json {
             to_json(&self.report(&robot, &found))
@@ -124,7 +124,7 @@ impl Plan {
                     self.poses,
                     found.worst * 1e6
                 ),
-                "the poses are written as far as they go; allow more --poses, a wider region, or \
+                "the poses are written as far as they go; allow more --poses, a wider workspace, or \
                  measure with a smaller sigma",
             )),
             _ => End::Good,
@@ -132,7 +132,7 @@ impl Plan {
         Ok(Said { text, end })
     }
 
-    fn report(&self, robot: &Robot, found: &Planned) -> Report {
+    fn report(&self, robot: &Robot, found: &PosePlan) -> Report {
         Report {
             schema: "truearm-report-1",
             command: "plan",
@@ -151,7 +151,12 @@ impl Plan {
         }
     }
 
-    fn separate(&self, robot: &Robot, path: &std::path::Path, region: &Region) -> Result<Said> {
+    fn separate(
+        &self,
+        robot: &Robot,
+        path: &std::path::Path,
+        workspace: &Workspace,
+    ) -> Result<Said> {
         let data = Measurements::read(path, robot)?;
         let bar = Bar::new("diagnosing");
         let found =
@@ -159,10 +164,10 @@ impl Plan {
         bar.finish();
         let found = found?;
         let planned =
-            discriminate(&data, &found, region, (self.poses, self.candidates, self.seed))?;
+            discriminate(&data, &found, workspace, (self.poses, self.candidates, self.seed))?;
         let told = data.rows[0].directions.iter().any(|d| *d != 0);
         let directions = if told { planned.directions.as_slice() } else { &[] };
-        write(&self.out, Region::to_csv(robot, "q", &planned.poses, directions).as_bytes())?;
+        write(&self.out, poses_csv(robot, "q", &planned.poses, directions).as_bytes())?;
         let warnings = found.report.base.warnings.clone();
         warn(&warnings);
         let pairs = found.report.alternatives.iter().zip(&planned.separation);
@@ -203,12 +208,12 @@ impl Plan {
     }
 }
 
-fn words(found: &Planned) -> String {
+fn words(found: &PosePlan) -> String {
     let um = 1e6;
     let o = &found.observability;
     format!(
         "{} poses for {} parameters that points can determine\n\
-         predicted 3-D standard deviation of the tool point over the region, um:\n\
+         predicted 3-D standard deviation of the tool point over the workspace, um:\n\
          {:34}{:>8.1}\n{:34}{:>8.1}\n{:34}{:>8.1}\n{:34}{:>8.1}\n\
          observability: O1 {:.4}, O2 {:.2e}, O3 {:.4}, O4 {:.2e}, O5 {:.4}\n",
         found.poses.len(),

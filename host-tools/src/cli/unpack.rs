@@ -2,8 +2,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use truearm_host::Result;
+use truearm_host::blob::{Name, not_carried, unpack};
 use truearm_host::files::write;
-use truearm_host::unpack::{Name, not_carried, unpack};
 
 use super::{Said, read_blob};
 

@@ -2,14 +2,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use nalgebra::Vector3;
-use truearm_host::files::{csv_text, write};
+use truearm_host::files::{csv_text, poses_csv, write};
 use truearm_host::model::{Commanded, Measurements, Model, Row};
-use truearm_host::plan::Region;
 use truearm_host::verify::{COVERAGE_FACTOR, Conformity, STANDARD_REPEATS};
-use truearm_host::verify::{Verification, check_poses, verify};
+use truearm_host::verify::{Verification, test_poses, verify};
 use truearm_host::{Error, Result};
 
-use super::region::Where;
+use super::workspace::Where;
 use super::{End, Said, table, to_json, warn};
 
 /// Verify the compensated arm on measured points: ISO 9283 accuracy and
@@ -20,7 +19,7 @@ pub struct Verify {
     model: PathBuf,
     /// Commanded joints cmd1_deg.. (or points cmd_x_mm..) and measured points,
     /// compensation on
-    #[arg(required_unless_present = "check_poses")]
+    #[arg(required_unless_present = "test_poses")]
     data: Option<PathBuf>,
     /// The same with compensation off, for the figures before
     #[arg(long, value_name = "DATA0", requires = "data")]
@@ -33,17 +32,17 @@ pub struct Verify {
     #[arg(long, value_name = "MM", requires = "data", allow_hyphen_values = true)]
     tolerance_mm: Option<f64>,
     /// Write poses to verify at into this file
-    #[arg(long, value_name = "FILE.csv")]
-    check_poses: Option<PathBuf>,
+    #[arg(long, alias = "check-poses", value_name = "FILE.csv")]
+    test_poses: Option<PathBuf>,
     /// How many of them
-    #[arg(long, value_name = "N", default_value_t = 20, requires = "check_poses")]
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "test_poses")]
     poses: usize,
-    /// Measurements of the identification, to keep the check poses apart from
-    #[arg(long, value_name = "DATA", requires = "check_poses")]
+    /// Measurements of the identification, to keep the test poses apart from
+    #[arg(long, value_name = "DATA", requires = "test_poses")]
     apart_from: Option<PathBuf>,
     #[command(flatten)]
-    region: Where,
-    /// Other random check poses
+    workspace: Where,
+    /// Other random test poses
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Write report.json and errors.csv into this folder
@@ -83,7 +82,7 @@ impl Verify {
             ));
         }
         let model = Model::read(&self.model)?;
-        let mut text = match &self.check_poses {
+        let mut text = match &self.test_poses {
             Some(path) => self.propose(&model, path)?,
             None => String::new(),
         };
@@ -137,11 +136,11 @@ impl Verify {
         for (joint, covered) in robot.joints.iter_mut().zip(&model.covered) {
             joint.limits = covered.filter(|[low, high]| low < high).or(joint.limits);
         }
-        let region = self.region.of(&robot)?;
+        let workspace = self.workspace.of(&robot)?;
         let used = self.apart_from.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
-        let poses = check_poses(model, &region, used.as_ref(), self.poses, self.seed)?;
-        write(path, Region::to_csv(&robot, "cmd", &poses, &[]).as_bytes())?;
-        let said = format!("wrote {} check poses to {}\n", poses.len(), path.display());
+        let poses = test_poses(model, &workspace, used.as_ref(), self.poses, self.seed)?;
+        write(path, poses_csv(&robot, "cmd", &poses, &[]).as_bytes())?;
+        let said = format!("wrote {} test poses to {}\n", poses.len(), path.display());
         Ok(if self.json { String::new() } else { said })
     }
 }

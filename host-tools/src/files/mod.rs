@@ -10,9 +10,11 @@ mod measurements;
 mod model;
 mod model_file;
 mod model_terms;
+mod poses;
 mod robot;
 
 pub use key::read_key;
+pub use poses::poses_csv;
 
 use std::io::Write;
 use std::path::Path;

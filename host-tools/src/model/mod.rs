@@ -7,8 +7,10 @@ mod measurements;
 pub mod near;
 mod robot;
 mod term;
+mod workspace;
 
 pub use identified::{Model, Provenance};
 pub use measurements::{Commanded, Measurements, Row};
 pub use robot::{Joint, LinkMass, Robot};
 pub use term::{ModelTerm, term_unit};
+pub use workspace::{Sight, Workspace};

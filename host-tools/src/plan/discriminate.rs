@@ -4,12 +4,11 @@ use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::region::Region;
 use crate::diagnose::{Diagnosis, trial_rows};
 use crate::error::{Error, Result};
 use crate::evaluate::residuals;
 use crate::identify::{Conditions, Problem, Scaling, State};
-use crate::model::{Measurements, Robot};
+use crate::model::{Measurements, Robot, Workspace};
 use crate::tikhonov::covariance;
 
 /// Poses and how well they will separate.
@@ -69,11 +68,11 @@ impl Rival {
 /// only what no refit absorbs counts.
 ///
 /// # Errors
-/// A diagnosis without alternatives, and as for [`Region::sample`].
+/// A diagnosis without alternatives, and as for [`Workspace::sample`].
 pub fn discriminate(
     data: &Measurements,
     found: &Diagnosis,
-    region: &Region,
+    workspace: &Workspace,
     (count, candidates, seed): (usize, usize, u64),
 ) -> Result<Discrimination> {
     if found.alternatives.is_empty() {
@@ -84,7 +83,7 @@ pub fn discriminate(
     }
     let robot = &found.model.robot;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let poses = region.sample(robot, candidates.max(count), &mut rng)?;
+    let poses = workspace.sample(robot, candidates.max(count), &mut rng)?;
     let trial = trial_rows(data, &poses, &mut rng);
     let conditions = Conditions::new(&trial, robot);
     let named = residuals(&trial, &conditions, &found.state);

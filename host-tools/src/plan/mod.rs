@@ -1,17 +1,15 @@
 //! Which poses to measure.
 //!
-//! [`Region`] says where the arm may go and what the tracker sees; [`plan`]
+//! [`Workspace`] says where the arm may go and what the tracker sees; [`plan`]
 //! picks the poses there that determine the arm best ([`design`]);
 //! [`discriminate`] those that tell two explanations of one data set apart.
 
 pub mod design;
 mod discriminate;
 mod observability;
-mod region;
 
 pub use discriminate::{Discrimination, discriminate};
 pub use observability::Observability;
-pub use region::{Region, Sight, from_file, to_file};
 
 use rand::SeedableRng;
 use rand::seq::IndexedRandom;
@@ -19,7 +17,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::model::Robot;
+use crate::model::{Robot, Workspace};
 use design::Design;
 
 /// Starts of the exchange; the best design is kept.
@@ -34,7 +32,7 @@ pub struct PlanOptions {
     /// Poses to measure; with a target, at most.
     pub poses: usize,
     /// Where.
-    pub region: Region,
+    pub workspace: Workspace,
     /// Candidates drawn from the region.
     pub candidates: usize,
     /// Stop at the fewest poses whose predicted worst tool point is as good as
@@ -46,7 +44,7 @@ pub struct PlanOptions {
 
 /// Poses to measure and what they will tell.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct PosePlan {
     /// Joint values, rad or m, as a file can write them.
     pub poses: Vec<Vec<f64>>,
     /// Parameters that points can determine.
@@ -56,7 +54,7 @@ pub struct Plan {
     /// Largest predicted 3-D standard deviation of the tool point over the
     /// region, and its root mean square, m.
     pub worst: f64,
-    /// See [`Plan::worst`].
+    /// See [`PosePlan::worst`].
     pub rms: f64,
     /// `sigma sqrt(p / n)`: no `n` poses of the region give a smaller worst
     /// case without a prior. See [`design`].
@@ -71,7 +69,11 @@ pub struct Plan {
 ///
 /// # Errors
 /// A region that the arm cannot reach, or fewer poses than parameters need.
-pub fn plan(robot: &Robot, options: &PlanOptions, progress: &dyn Fn(usize, usize)) -> Result<Plan> {
+pub fn plan(
+    robot: &Robot,
+    options: &PlanOptions,
+    progress: &dyn Fn(usize, usize),
+) -> Result<PosePlan> {
     if options.candidates < 2 * options.poses || options.poses == 0 {
         return Err(Error::data(
             format!("{} poses out of {} candidates", options.poses, options.candidates),
@@ -79,8 +81,8 @@ pub fn plan(robot: &Robot, options: &PlanOptions, progress: &dyn Fn(usize, usize
         ));
     }
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-    let candidates = options.region.sample(robot, options.candidates, &mut rng)?;
-    let judged = options.region.sample(robot, JUDGED, &mut rng)?;
+    let candidates = options.workspace.sample(robot, options.candidates, &mut rng)?;
+    let judged = options.workspace.sample(robot, JUDGED, &mut rng)?;
     let design = Design::new(robot, &candidates);
     let judged = design.blocks(robot, &judged);
     let least = design.parameters().div_ceil(3);
@@ -118,7 +120,7 @@ pub fn plan(robot: &Robot, options: &PlanOptions, progress: &dyn Fn(usize, usize
             continue;
         }
         let squares: f64 = sigmas.iter().map(|s| s * s).sum();
-        return Ok(Plan {
+        return Ok(PosePlan {
             poses: chosen.iter().map(|k| candidates[*k].clone()).collect(),
             parameters: design.parameters(),
             observability: Observability::of(&design.jacobian(&chosen), count),

@@ -5,9 +5,9 @@
 //! real tool there. Errors are measured less commanded, in that frame. No row
 //! is left out.
 
-mod check_poses;
+mod test_poses;
 
-pub use check_poses::check_poses;
+pub use test_poses::test_poses;
 
 use nalgebra::Vector3;
 use serde::Serialize;

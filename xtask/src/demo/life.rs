@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use truearm::blob::Blob;
-use truearm_host::pack::pack;
+use truearm_host::blob::pack;
 
 use super::cell::{Cell, Event, Joints};
 use super::controller::{Controller, Stored};

@@ -7,7 +7,7 @@ use truearm::blob::Blob;
 use truearm::effects::Term;
 use truearm::{Approach, Arm, ArmParameters, JointKind, LinkParameter, State};
 
-use crate::describe::{rms, term_columns};
+use super::describe::{rms, term_columns};
 use crate::error::{Error, Result};
 use crate::model::arm::with_joints;
 use crate::model::term_unit;
@@ -23,7 +23,7 @@ const UNKNOWN: [f64; 2] = [std::f64::consts::PI, 1.0];
 ///
 /// # Errors
 /// A blob that a controller would refuse, or two of different joint counts.
-pub fn compare(before: &[u8], after: &[u8], poses: usize, seed: u64) -> Result<String> {
+pub fn diff(before: &[u8], after: &[u8], poses: usize, seed: u64) -> Result<String> {
     let check = |bytes, which| {
         Blob::check(bytes)
             .map_err(|e| Error::data(format!("the blob {which}: {e}"), "see `truearm inspect`"))

@@ -1,4 +1,4 @@
-use super::memory_x::Region;
+use super::memory_x::MemoryRegion;
 
 /// Bytes of the blob in a block; what every UF2 bootloader takes.
 const PAYLOAD: usize = 256;
@@ -9,7 +9,7 @@ const HAS_FAMILY: u32 = 0x2000;
 /// see uf2families.json of the specification. The last block is filled up with
 /// 0xff, as erased flash.
 #[must_use]
-pub fn uf2(bytes: &[u8], slot: &Region, family: Option<u32>) -> Vec<u8> {
+pub fn uf2(bytes: &[u8], slot: &MemoryRegion, family: Option<u32>) -> Vec<u8> {
     let blocks = bytes.len().div_ceil(PAYLOAD);
     let mut out = Vec::with_capacity(512 * blocks);
     for (number, payload) in bytes.chunks(PAYLOAD).enumerate() {

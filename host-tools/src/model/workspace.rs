@@ -1,19 +1,19 @@
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use truearm::{JointKind, Pose};
+use truearm::Pose;
 
+use super::arm::chain;
+use super::robot::Robot;
 use crate::error::{Error, Result};
-use crate::files::csv_text;
-use crate::model::Robot;
-use crate::model::arm::chain;
+use crate::units::{joint_from_file, joint_to_file};
 
 /// A pose is given up for when so many draws gave none.
 const MOST_TRIES: usize = 20_000;
 
 /// Where the arm may go in a measurement, SI, in the nominal robot's frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Region {
+pub struct Workspace {
     /// Of each joint, rad or m.
     pub limits: Vec<[f64; 2]>,
     /// Two corners that the target must stay between, m.
@@ -36,7 +36,7 @@ pub struct Sight {
     pub cone: f64,
 }
 
-impl Region {
+impl Workspace {
     /// Within the limits of the robot file, or these.
     ///
     /// # Errors
@@ -88,7 +88,7 @@ impl Region {
             })
     }
 
-    /// Random poses of the region, every joint uniform within its limits and
+    /// Random poses of the workspace, every joint uniform within its limits and
     /// rounded to what a controller is told (0.001 degrees, 0.001 mm).
     ///
     /// # Errors
@@ -106,8 +106,9 @@ impl Region {
             let q: Vec<f64> = (0..self.limits.len())
                 .map(|j| {
                     let [low, high] = self.limits[j];
-                    let value = to_file(robot, j, rng.random_range(low..=high));
-                    from_file(robot, j, (value * 1e3).round() / 1e3)
+                    let kind = robot.joints[j].link.kind;
+                    let value = joint_to_file(kind, rng.random_range(low..=high));
+                    joint_from_file(kind, (value * 1e3).round() / 1e3)
                 })
                 .collect();
             tries += 1;
@@ -126,59 +127,5 @@ impl Region {
             }
         }
         Ok(out)
-    }
-}
-
-/// A joint value in degrees or mm.
-#[must_use]
-pub fn to_file(robot: &Robot, joint: usize, value: f64) -> f64 {
-    match robot.joints[joint].link.kind {
-        JointKind::Revolute => value.to_degrees(),
-        JointKind::Prismatic => value * 1e3,
-    }
-}
-
-/// A joint value from degrees or mm.
-#[must_use]
-pub fn from_file(robot: &Robot, joint: usize, value: f64) -> f64 {
-    match robot.joints[joint].link.kind {
-        JointKind::Revolute => value.to_radians(),
-        JointKind::Prismatic => value * 1e-3,
-    }
-}
-
-impl Region {
-    /// Poses as lines of a CSV file: a column a joint, named after `prefix`,
-    /// where the nominal target then is in the robot's frame, and the side that
-    /// each joint is to come from, unless `directions` is empty.
-    #[must_use]
-    pub fn to_csv(
-        robot: &Robot,
-        prefix: &str,
-        poses: &[Vec<f64>],
-        directions: &[Vec<i8>],
-    ) -> String {
-        let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
-        let mut names: Vec<String> = (0..robot.joints.len())
-            .map(|j| match robot.joints[j].link.kind {
-                JointKind::Revolute => format!("{prefix}{}_deg", j + 1),
-                JointKind::Prismatic => format!("{prefix}{}_mm", j + 1),
-            })
-            .collect();
-        names.extend(["nominal_x_mm", "nominal_y_mm", "nominal_z_mm"].map(str::to_owned));
-        let sides = directions.first().map_or(0, Vec::len);
-        names.extend((1..=sides).map(|joint| format!("dir{joint}")));
-        let row = |(i, q): (usize, &Vec<f64>)| {
-            let mut cells: Vec<String> = q
-                .iter()
-                .enumerate()
-                .map(|(j, q)| format!("{:.3}", to_file(robot, j, *q)))
-                .collect();
-            cells.extend(arm.pose(q).translation.iter().map(|x| format!("{:.3}", x * 1e3)));
-            let sides = directions.get(i).into_iter().flatten();
-            cells.extend(sides.map(|side| side.to_string()));
-            cells
-        };
-        csv_text(names.iter().map(String::as_str), poses.iter().enumerate().map(row))
     }
 }

@@ -6,6 +6,6 @@ mod source;
 mod uf2;
 
 pub use containers::{elf, intel_hex};
-pub use memory_x::{Region, Regions};
+pub use memory_x::{MemoryRegion, MemoryRegions};
 pub use source::{c, rust};
 pub use uf2::uf2;

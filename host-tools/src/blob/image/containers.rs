@@ -2,11 +2,11 @@ use object::Endianness;
 use object::elf;
 use object::write::elf::{FileHeader, ProgramHeader, SectionHeader, Writer};
 
-use super::memory_x::Region;
+use super::memory_x::MemoryRegion;
 
 /// Intel HEX: data records of 16 bytes with extended linear addresses.
 #[must_use]
-pub fn intel_hex(bytes: &[u8], slot: &Region) -> String {
+pub fn intel_hex(bytes: &[u8], slot: &MemoryRegion) -> String {
     let mut records = Vec::new();
     let mut upper = None;
     let mut address = slot.origin;
@@ -32,7 +32,7 @@ pub fn intel_hex(bytes: &[u8], slot: &Region) -> String {
 /// An ELF executable of 32-bit Arm with one loadable segment and one section
 /// and no code: what `gdb`'s `load`, `probe-rs download` and `objcopy` take.
 #[must_use]
-pub fn elf(bytes: &[u8], slot: &Region) -> Vec<u8> {
+pub fn elf(bytes: &[u8], slot: &MemoryRegion) -> Vec<u8> {
     let name = format!(".{}", slot.name.to_lowercase());
     let mut out = Vec::new();
     let mut w = Writer::new(Endianness::Little, false, &mut out);

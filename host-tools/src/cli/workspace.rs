@@ -1,7 +1,8 @@
 use clap::Args;
 use nalgebra::Vector3;
 use truearm_host::model::Robot;
-use truearm_host::plan::{Region, Sight, from_file};
+use truearm_host::model::{Sight, Workspace};
+use truearm_host::units::joint_from_file;
 use truearm_host::{Error, Result};
 
 /// Where poses may be. Lengths in mm, in the nominal robot's base frame.
@@ -33,13 +34,13 @@ pub struct Where {
 }
 
 impl Where {
-    /// The region of a robot.
-    pub fn of(&self, robot: &Robot) -> Result<Region> {
+    /// The workspace of a robot.
+    pub fn of(&self, robot: &Robot) -> Result<Workspace> {
         let limits = self.limits.as_deref().map(|text| limits(text, robot)).transpose()?;
-        let mut region = Region::new(robot, limits)?;
+        let mut workspace = Workspace::new(robot, limits)?;
         if let Some(text) = &self.corners {
             let [x0, y0, z0, x1, y1, z1] = numbers("--box", text)?;
-            region.corners = Some([Vector3::new(x0, y0, z0), Vector3::new(x1, y1, z1)])
+            workspace.corners = Some([Vector3::new(x0, y0, z0), Vector3::new(x1, y1, z1)])
                 .map(|corners| corners.map(|c| c * 1e-3));
         }
         if let Some(text) = &self.tracker {
@@ -53,13 +54,13 @@ impl Where {
                     "give half the opening angle, above 0 and up to 180 degrees",
                 ));
             }
-            region.sight = Some(Sight {
+            workspace.sight = Some(Sight {
                 tracker: Vector3::from(numbers("--tracker", text)?) * 1e-3,
                 axis,
                 cone: self.cone_deg.to_radians(),
             });
         }
-        Ok(region)
+        Ok(workspace)
     }
 }
 
@@ -84,7 +85,7 @@ fn limits(text: &str, robot: &Robot) -> Result<Vec<[f64; 2]>> {
     let range = |(joint, range): (usize, &str)| {
         let (low, high) = range.split_once(':').ok_or_else(wrong)?;
         let value = |cell: &str| match cell.trim().parse::<f64>() {
-            Ok(x) if x.is_finite() => Ok(from_file(robot, joint, x)),
+            Ok(x) if x.is_finite() => Ok(joint_from_file(robot.joints[joint].link.kind, x)),
             _ => Err(wrong()),
         };
         Ok([value(low)?, value(high)?])

@@ -3,21 +3,20 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::error::{Error, Result};
 use crate::model::near::Reach;
-use crate::model::{Measurements, Model};
-use crate::plan::Region;
+use crate::model::{Measurements, Model, Workspace};
 
 /// Poses are apart when a joint differs by more than this, rad (5 degrees).
 const APART_ANGLE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// The same for a prismatic joint, m.
 const APART_LENGTH: f64 = 0.05;
 
-/// Random poses of a region to verify at, none of them near one of `used`.
+/// Random poses of a workspace to verify at (the test poses of ISO 9283), none of them near one of `used`.
 ///
 /// # Errors
-/// As for [`Region::sample`], or where the used poses leave no room.
-pub fn check_poses(
+/// As for [`Workspace::sample`], or where the used poses leave no room.
+pub fn test_poses(
     model: &Model,
-    region: &Region,
+    workspace: &Workspace,
     used: Option<&Measurements>,
     count: usize,
     seed: u64,
@@ -27,7 +26,7 @@ pub fn check_poses(
     let reach = Reach::of_joints(robot, APART_ANGLE, APART_LENGTH);
     let mut out: Vec<Vec<f64>> = Vec::new();
     for _ in 0..100 {
-        for q in region.sample(robot, count, &mut rng)? {
+        for q in workspace.sample(robot, count, &mut rng)? {
             let taken = used.is_some_and(|data| data.rows.iter().any(|r| reach.near(&r.q, &q)));
             if out.len() < count && !taken {
                 out.push(q);
@@ -39,9 +38,9 @@ pub fn check_poses(
     }
     Err(Error::data(
         format!(
-            "only {} of {count} check poses are apart from those of the identification",
+            "only {} of {count} test poses are apart from those of the identification",
             out.len()
         ),
-        "widen the region, or ask for fewer poses",
+        "widen the workspace, or ask for fewer poses",
     ))
 }

@@ -5,7 +5,7 @@ use crate::files;
 
 /// A memory region of a linker script.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Region {
+pub struct MemoryRegion {
     /// As written: `PARAM_A`.
     pub name: String,
     /// First address.
@@ -16,12 +16,12 @@ pub struct Region {
 
 /// The regions of the `MEMORY` command of a linker script.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Regions(Vec<Region>);
+pub struct MemoryRegions(Vec<MemoryRegion>);
 
 const HELP: &str = "give the linker script of the firmware with --memory; its MEMORY command must \
                     have PARAM_A and PARAM_B, as memory.x of truearm shows";
 
-impl Regions {
+impl MemoryRegions {
     /// Reads the `MEMORY` command: `NAME (attributes) : ORIGIN = n, LENGTH = n`,
     /// numbers decimal, 0x, or with K or M.
     ///
@@ -35,10 +35,10 @@ impl Regions {
         Self::parse(path, &files::read(path)?)
     }
 
-    /// Like [`Regions::read`] from a text.
+    /// Like [`MemoryRegions::read`] from a text.
     ///
     /// # Errors
-    /// As for [`Regions::read`].
+    /// As for [`MemoryRegions::read`].
     pub fn parse(path: &Path, text: &str) -> Result<Self> {
         let text = without_comments(text);
         let fail = |at: usize, message: String| {
@@ -71,7 +71,7 @@ impl Regions {
     ///
     /// # Errors
     /// None of that name, naming those there are.
-    pub fn find(&self, path: &Path, name: &str) -> Result<&Region> {
+    pub fn find(&self, path: &Path, name: &str) -> Result<&MemoryRegion> {
         self.0.iter().find(|r| r.name == name).ok_or_else(|| {
             let names: Vec<&str> = self.0.iter().map(|r| &*r.name).collect();
             let has = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
@@ -93,7 +93,7 @@ fn without_comments(text: &str) -> String {
     out + rest
 }
 
-fn region(line: &str) -> std::result::Result<Region, String> {
+fn region(line: &str) -> std::result::Result<MemoryRegion, String> {
     let wrong = || format!("`{}` is no region NAME : ORIGIN = address, LENGTH = size", line.trim());
     let (name, values) = line.split_once(':').ok_or_else(wrong)?;
     let name = name.split('(').next().unwrap_or("").trim();
@@ -106,7 +106,7 @@ fn region(line: &str) -> std::result::Result<Region, String> {
         number(value.trim())
             .ok_or_else(|| format!("{name}: `{}` is no number of 32 bits", value.trim()))
     };
-    Ok(Region {
+    Ok(MemoryRegion {
         name: name.to_owned(),
         origin: value(origin, ["ORIGIN", "org", "o"])?,
         length: value(length, ["LENGTH", "len", "l"])?,

@@ -1,0 +1,16 @@
+//! Parameter blobs on the host: made from a model and taken apart again, told in
+//! words, set side by side, and written in the containers that flash tools read.
+//! What the bytes mean is in [`truearm::blob`].
+
+mod describe;
+mod diff;
+mod explain;
+pub mod image;
+mod pack;
+mod unpack;
+
+pub use describe::describe;
+pub use diff::diff;
+pub use explain::explain;
+pub use pack::{PackOptions, notes, pack, pack_with};
+pub use unpack::{Name, not_carried, unpack};
