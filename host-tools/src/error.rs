@@ -1,8 +1,84 @@
-//! What can go wrong, said so that the user knows where and what to do.
+//! What can go wrong, said so that the user knows where and what to do, and of a
+//! kind, so that a program can ask which it is.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// An error of the library. `Display` is one line; [`Error::help`] says what to do.
+/// Kinds of errors. The words are beside it and may change; the kind does not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Kind {
+    /// A file that could not be read or written.
+    Io,
+    /// Something wrong in a file the user wrote.
+    File,
+    /// A command line whose values make no sense.
+    Usage,
+    /// A file without rows, or nothing left to judge.
+    NoRows,
+    /// Fewer equations than unknowns, or a single pose.
+    TooFewPoses,
+    /// Points too few, or on a line, so that a frame is undetermined.
+    FrameUndetermined,
+    /// A tracker station that the model does not know.
+    UnknownStation,
+    /// A marker that the model does not know.
+    UnknownMarker,
+    /// An iteration that did not come to rest.
+    NotConverged,
+    /// Equations without a unique solution.
+    Singular,
+    /// More rows contradict the others than errors of single rows can be.
+    Contradiction,
+    /// Poses asked for that the arm, the region or the limits do not allow.
+    NoPoses,
+    /// A goal that was not reached; what was reached is there.
+    GoalMissed,
+    /// A diagnosis that names no alternative.
+    NoAlternative,
+    /// A blob, or a model that would become one, that a controller refuses.
+    Refused,
+    /// Two blobs, or a blob and a robot, that are not of one arm.
+    OtherArm,
+    /// More terms of the arm than a controller takes.
+    TooManyTerms,
+    /// A model without the covariance, or with that of another.
+    NoCovariance,
+    /// A slot of the controller that is too small or was not named.
+    NoSlot,
+}
+
+/// What has a frame of its own and a label in the files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Label {
+    /// A placement of the tracker.
+    Station,
+    /// A target on the arm.
+    Marker,
+}
+
+impl Label {
+    /// As the column is called.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Station => "station",
+            Self::Marker => "marker",
+        }
+    }
+
+    /// The kind of error where it is not known.
+    #[must_use]
+    pub fn unknown(self) -> Kind {
+        match self {
+            Self::Station => Kind::UnknownStation,
+            Self::Marker => Kind::UnknownMarker,
+        }
+    }
+}
+
+/// An error of the library. `Display` is one line; [`Error::help`] says what to
+/// do, [`Error::kind`] what it is.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -25,6 +101,8 @@ pub enum Error {
         message: String,
         /// What to do about it.
         help: String,
+        /// The text and the part of it that is meant, where they are known.
+        excerpt: Option<Box<Excerpt>>,
     },
     /// A command line whose values make no sense.
     #[error("{message}")]
@@ -34,23 +112,25 @@ pub enum Error {
         /// What to do about it.
         help: String,
     },
-    /// Rows that contradict the others, and more of them than errors of single
-    /// rows can be.
-    #[error("{rows} of {of} rows contradict the rest")]
-    Contradiction {
-        /// How many.
-        rows: usize,
-        /// Of how many.
-        of: usize,
-    },
     /// Data that cannot answer what was asked of them.
     #[error("{message}")]
     Data {
+        /// Which kind.
+        kind: Kind,
         /// What is wrong.
         message: String,
         /// What to do about it.
         help: String,
     },
+}
+
+/// The text of a file and the part of it that is meant, in bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Excerpt {
+    /// The whole text.
+    pub text: String,
+    /// The part.
+    pub span: Range<usize>,
 }
 
 /// A place in a file, as far as it is known; counted from 1.
@@ -115,12 +195,24 @@ impl Error {
             place: Box::new(place),
             message: message.into(),
             help: help.into(),
+            excerpt: None,
         }
     }
 
+    /// The same error of a file with the part of its text that is meant.
+    #[must_use]
+    pub fn showing(mut self, text: &str, span: Range<usize>) -> Self {
+        if let Self::File { excerpt, .. } = &mut self {
+            let end = span.end.min(text.len());
+            let span = span.start.min(end)..end;
+            *excerpt = Some(Box::new(Excerpt { text: text.to_owned(), span }));
+        }
+        self
+    }
+
     /// Of the data as a whole.
-    pub fn data(message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self::Data { message: message.into(), help: help.into() }
+    pub fn data(kind: Kind, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self::Data { kind, message: message.into(), help: help.into() }
     }
 
     /// Of the command line.
@@ -133,15 +225,34 @@ impl Error {
         Self::Io { path: path.to_owned(), source }
     }
 
+    /// Rows that contradict the others, and more of them than errors of single
+    /// rows can be.
+    #[must_use]
+    pub fn contradiction(rows: usize, of: usize) -> Self {
+        Self::data(
+            Kind::Contradiction,
+            format!("{rows} of {of} rows contradict the rest"),
+            "so many are no outliers: check joint senses, units and the nominal geometry; \
+             `truearm diagnose` shows which rows they are",
+        )
+    }
+
+    /// Which kind of error it is.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Io { .. } => Kind::Io,
+            Self::File { .. } => Kind::File,
+            Self::Usage { .. } => Kind::Usage,
+            Self::Data { kind, .. } => *kind,
+        }
+    }
+
     /// What to do about it; empty if the message says it all.
     #[must_use]
     pub fn help(&self) -> &str {
         match self {
             Self::Io { .. } => "",
-            Self::Contradiction { .. } => {
-                "so many are no outliers: check joint senses, units and the nominal geometry; \
-                 `truearm diagnose` shows which rows they are"
-            }
             Self::File { help, .. } | Self::Usage { help, .. } | Self::Data { help, .. } => help,
         }
     }

@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 use truearm::{Link, Pose};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Label, Result};
 use crate::identify::fit::{Freedom, fit};
 use crate::identify::registration::{register, rigid_transform};
 use crate::identify::{Conditions, Predictor, Problem, Scaling, State};
@@ -51,7 +51,8 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
     let kept: Vec<_> =
         (0..residuals.len()).filter(|i| !left_out.contains(i)).map(|i| residuals[i]).collect();
     let stats = |r: &[Vector3<f64>]| {
-        Stats::of(r).ok_or_else(|| Error::data("no rows to score", "give a file with rows"))
+        Stats::of(r)
+            .ok_or_else(|| Error::data(Kind::NoRows, "no rows to score", "give a file with rows"))
     };
     let rms_without = |state: &State| -> Result<f64> {
         let all = self::residuals(data, &conditions, state);
@@ -104,7 +105,8 @@ pub fn residuals(data: &Measurements, conditions: &Conditions, state: &State) ->
     rows.map(|(i, row)| row.point - model.point(row, i, conditions)).collect()
 }
 
-fn unknown(data: &Measurements, what: &str, label: &str, known: &str, option: &str) -> Error {
+fn unknown(data: &Measurements, of: Label, label: &str, known: &str, option: &str) -> Error {
+    let what = of.name();
     let message = if label.is_empty() {
         format!(
             "{}: no column `{what}`, but the model was identified with {what} {known}",
@@ -117,6 +119,7 @@ fn unknown(data: &Measurements, what: &str, label: &str, known: &str, option: &s
         )
     };
     Error::data(
+        of.unknown(),
         message,
         format!(
             "a new {what} has its own frame; --reregister {option} fits it on this file and says so in the report"
@@ -126,7 +129,7 @@ fn unknown(data: &Measurements, what: &str, label: &str, known: &str, option: &s
 
 fn find<'a, T>(
     data: &Measurements,
-    what: &str,
+    of: Label,
     label: &str,
     known: &'a [(String, T)],
     option: &str,
@@ -136,16 +139,16 @@ fn find<'a, T>(
         _ => known.iter().map(|(l, _)| format!("\"{l}\"")).collect::<Vec<_>>().join(", "),
     };
     let found = known.iter().find(|(l, _)| l == label);
-    found.map(|(_, v)| v).ok_or_else(|| unknown(data, what, label, &names(), option))
+    found.map(|(_, v)| v).ok_or_else(|| unknown(data, of, label, &names(), option))
 }
 
 fn known_markers(model: &Model, data: &Measurements) -> Result<Vec<Vector3<f64>>> {
-    let marker = |m: &String| find(data, "marker", m, &model.markers, "base+tool").copied();
+    let marker = |m: &String| find(data, Label::Marker, m, &model.markers, "base+tool").copied();
     data.markers.iter().map(marker).collect()
 }
 
 fn trained(model: &Model, data: &Measurements) -> Result<State> {
-    let station = |s: &String| find(data, "station", s, &model.stations, "base").copied();
+    let station = |s: &String| find(data, Label::Station, s, &model.stations, "base").copied();
     Ok(State {
         bases: data.stations.iter().map(station).collect::<Result<_>>()?,
         markers: known_markers(model, data)?,
@@ -178,6 +181,7 @@ fn with_bases(
         let to: Vec<_> = rows.iter().map(|i| data.rows[*i].point).collect();
         let fail = || {
             Error::data(
+                Kind::FrameUndetermined,
                 format!("station \"{label}\": {} rows do not fix a tracker frame", rows.len()),
                 "measure at least three points that are not on a line",
             )

@@ -19,4 +19,4 @@ pub mod tikhonov;
 pub mod units;
 pub mod verify;
 
-pub use error::{Error, Result};
+pub use error::{Error, Kind, Result};

@@ -8,7 +8,7 @@ use truearm::effects::Term;
 use truearm::{Approach, Arm, ArmParameters, JointKind, LinkParameter, State};
 
 use super::describe::{rms, term_columns};
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::model::arm::with_joints;
 use crate::model::term_unit;
 
@@ -25,12 +25,14 @@ const UNKNOWN: [f64; 2] = [std::f64::consts::PI, 1.0];
 /// A blob that a controller would refuse, or two of different joint counts.
 pub fn diff(before: &[u8], after: &[u8], poses: usize, seed: u64) -> Result<String> {
     let check = |bytes, which| {
-        Blob::check(bytes)
-            .map_err(|e| Error::data(format!("the blob {which}: {e}"), "see `truearm inspect`"))
+        Blob::check(bytes).map_err(|e| {
+            Error::data(Kind::Refused, format!("the blob {which}: {e}"), "see `truearm inspect`")
+        })
     };
     let (a, b) = (check(before, "before")?, check(after, "after")?);
     if a.joints() != b.joints() {
         return Err(Error::data(
+            Kind::OtherArm,
             format!("{} joints before, {} after", a.joints(), b.joints()),
             "only blobs of the same arm can be compared",
         ));
@@ -50,7 +52,7 @@ pub fn diff(before: &[u8], after: &[u8], poses: usize, seed: u64) -> Result<Stri
         text += &format!("covariance {} -> {}\n", has(&a), has(&b));
     }
     with_joints!(a.joints(), N => {
-        let fail = |e| Error::data(format!("{e}"), "see `truearm inspect`");
+        let fail = |e| Error::data(Kind::Refused, format!("{e}"), "see `truearm inspect`");
         let (a, b) = (a.parameters::<f64, N>().map_err(fail)?, b.parameters().map_err(fail)?);
         text += &parameters(&a, &b);
         text += &motion(&a, &b, poses, seed);

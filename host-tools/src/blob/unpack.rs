@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use truearm::ArmParameters;
 use truearm::blob::{Blob, robot_id};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::model::ModelTerm;
 use crate::model::arm::with_joints;
 use crate::model::{Joint, LinkMass, Model, Provenance, Robot};
@@ -29,13 +29,15 @@ pub struct Name {
 /// # Errors
 /// Why a controller would refuse the blob, or a name that is not its robot's.
 pub fn unpack(bytes: &[u8], path: &Path, name: Option<Name>) -> Result<Model> {
-    let blob = Blob::check(bytes)
-        .map_err(|e| Error::data(format!("{}: {e}", path.display()), "see `truearm inspect`"))?;
+    let blob = Blob::check(bytes).map_err(|e| {
+        Error::data(Kind::Refused, format!("{}: {e}", path.display()), "see `truearm inspect`")
+    })?;
     let id = blob.robot_id();
     if let Some(Name { name, serial }) = &name
         && robot_id(name, serial) != id
     {
         return Err(Error::data(
+            Kind::OtherArm,
             format!(
                 "{}: robot id {id:#018x} is not that of \"{name}\" \"{serial}\"",
                 path.display()
@@ -47,8 +49,9 @@ pub fn unpack(bytes: &[u8], path: &Path, name: Option<Name>) -> Result<Model> {
         let p = blob.parameters::<f64, N>();
         p.map(|p| model(&p, path, name))
     });
-    let mut model = parameters
-        .map_err(|e| Error::data(format!("{}: {e}", path.display()), "see `truearm inspect`"))?;
+    let mut model = parameters.map_err(|e| {
+        Error::data(Kind::Refused, format!("{}: {e}", path.display()), "see `truearm inspect`")
+    })?;
     model.covariance = blob.covariance().map(|covariance| covariance.factor().collect());
     Ok(model)
 }

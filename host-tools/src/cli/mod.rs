@@ -23,7 +23,7 @@ use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::blob::explain;
 use truearm_host::files::write;
 use truearm_host::model::Model;
-use truearm_host::{Error, Result};
+use truearm_host::{Error, Kind, Result};
 
 use console::{End, Said, warn};
 
@@ -84,7 +84,7 @@ fn read_blob(path: &Path) -> Result<Vec<u8>> {
 }
 
 fn refused(path: &Path, bytes: &[u8], refusal: &AcceptanceError) -> Error {
-    Error::data(format!("{}: {refusal}", path.display()), explain(bytes, refusal))
+    Error::data(Kind::Refused, format!("{}: {refusal}", path.display()), explain(bytes, refusal))
 }
 
 /// A report as JSON.

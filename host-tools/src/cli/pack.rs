@@ -6,7 +6,7 @@ use truearm_host::blob::image::{self, MemoryRegion, MemoryRegions};
 use truearm_host::blob::{PackOptions, notes, pack_with};
 use truearm_host::files::{read_key, write};
 use truearm_host::model::Model;
-use truearm_host::{Error, Result};
+use truearm_host::{Error, Kind, Result};
 
 use super::{Said, refused};
 
@@ -98,6 +98,7 @@ impl Pack {
         let region = regions.find(&self.memory, name)?;
         if size > region.length as usize {
             return Err(Error::data(
+                Kind::NoSlot,
                 format!("{size} bytes of parameters, {name} has {}", region.length),
                 "make the slot larger in the linker script, or pack without --covariance",
             ));
@@ -109,6 +110,7 @@ impl Pack {
         let blob = Blob::check(bytes).map_err(|e| refused(Path::new(""), bytes, &e.into()))?;
         let slot = slot.ok_or_else(|| {
             Error::data(
+                Kind::NoSlot,
                 "ihex, uf2 and elf carry an address",
                 "say for which slot with --slot a or --slot b",
             )

@@ -5,7 +5,7 @@ use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::files::{poses_csv, write};
 use truearm_host::model::{Measurements, Robot, Workspace};
 use truearm_host::plan::{Observability, PlanOptions, PosePlan, discriminate, plan};
-use truearm_host::{Error, Result};
+use truearm_host::{Error, Kind, Result};
 
 use super::progress::Bar;
 use super::workspace::Where;
@@ -119,6 +119,7 @@ impl Plan {
         };
         let end = match (found.reached, self.target_um) {
             (Some(false), Some(target)) => End::Failed(Error::data(
+                Kind::GoalMissed,
                 format!(
                     "with {} poses the worst tool point is {:.1} um, not {target} um",
                     self.poses,

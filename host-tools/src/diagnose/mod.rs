@@ -21,7 +21,7 @@ pub use outcome::{Alternative, Coefficient, DiagnoseReport, Effect, GapRow, Verd
 use nalgebra::Vector3;
 use truearm::effects::MAX_TERMS;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Label, Result};
 use crate::identify::estimate::Estimate;
 use crate::identify::registration::register;
 use crate::identify::robust::{Crowd, Flags};
@@ -85,7 +85,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis> {
     let with = |crowd| diagnosed(robot, data, holdout, options, crowd, progress);
     match with(Crowd::Refused) {
-        Err(Error::Contradiction { .. }) => with(Crowd::Described),
+        Err(error) if error.kind() == Kind::Contradiction => with(Crowd::Described),
         done => done,
     }
 }
@@ -238,8 +238,10 @@ fn believable_lambda(problem: &Problem, node: &Node) -> f64 {
 pub(crate) type HeldOut = Vec<Option<Vector3<f64>>>;
 
 /// A station or marker of a hold-out file that the training did not have.
-pub(crate) fn unknown_label(data: &Measurements, what: &str, label: &str) -> Error {
+pub(crate) fn unknown_label(data: &Measurements, of: Label, label: &str) -> Error {
+    let what = of.name();
     Error::data(
+        of.unknown(),
         format!("{}: {what} \"{label}\" is not in the training data", data.path.display()),
         "hold-out poses are judged in the frames of the training; for another station use \
          `truearm evaluate --reregister base`",

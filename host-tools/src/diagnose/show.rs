@@ -14,7 +14,7 @@ use super::outcome::{Alternative, Coefficient, Effect, GapRow, SeparatingPose};
 use super::search::Search;
 use super::tail::chi_square;
 use super::{HeldOut, unknown_label};
-use crate::error::Result;
+use crate::error::{Label, Result};
 use crate::evaluate::residuals;
 use crate::identify::folds::Fold;
 use crate::identify::robust::{Outlier, robust_fit};
@@ -151,16 +151,16 @@ impl Show<'_> {
     /// Residuals of a hold-out file in the frames of the training.
     fn on_holdout(&self, holdout: &Measurements, state: &State) -> Result<Vec<Vector3<f64>>> {
         let data = self.search.problem.data;
-        let place = |known: &[String], label: &String, what: &str| {
+        let place = |known: &[String], label: &String, what: Label| {
             known.iter().position(|l| l == label).ok_or_else(|| unknown_label(holdout, what, label))
         };
         let mut bases = Vec::new();
         for label in &holdout.stations {
-            bases.push(state.bases[place(&data.stations, label, "station")?]);
+            bases.push(state.bases[place(&data.stations, label, Label::Station)?]);
         }
         let mut markers = Vec::new();
         for label in &holdout.markers {
-            markers.push(state.markers[place(&data.markers, label, "marker")?]);
+            markers.push(state.markers[place(&data.markers, label, Label::Marker)?]);
         }
         let state = State { bases, markers, ..state.clone() };
         Ok(residuals(holdout, &Conditions::new(holdout, self.robot), &state))

@@ -5,7 +5,7 @@ use nalgebra::{DVector, Vector3};
 
 use super::problem::{Linearised, Problem, Scaling};
 use super::unknowns::State;
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::tikhonov::{Factorised, Triangle};
 
 /// A step below this many tolerances (a picometre, a nanoradian) is no step.
@@ -82,6 +82,7 @@ pub fn fit(
         state = state.stepped(&problem.unknowns, &step);
     }
     Err(Error::data(
+        Kind::NotConverged,
         "the identification does not converge",
         "check joint senses, units and the nominal geometry; a wrong sign of one joint is enough",
     ))

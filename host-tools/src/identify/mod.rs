@@ -28,7 +28,7 @@ pub use unknowns::{State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unknown, Unknowns};
 
 use nalgebra::Vector3;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::model::{Measurements, Model, Robot};
 use crate::report::Report;
 use estimate::{cross_validate, estimate};
@@ -138,6 +138,7 @@ pub(crate) fn enough(problem: &Problem, options: &Options) -> Result<()> {
     let data = problem.data;
     if data.poses == 1 {
         return Err(Error::data(
+            Kind::TooFewPoses,
             format!("{}: all rows have the same joint values", data.path.display()),
             "measure different poses; column q1_deg.. is the encoder reading of each",
         ));
@@ -148,6 +149,7 @@ pub(crate) fn enough(problem: &Problem, options: &Options) -> Result<()> {
     let (points, unknowns) = (distinct.len(), problem.unknowns.list().len());
     if 3 * points < unknowns && !options.allow_few_poses {
         return Err(Error::data(
+            Kind::TooFewPoses,
             format!(
                 "{}: {points} distinct points give {} equations for {unknowns} unknowns",
                 data.path.display(),

@@ -6,7 +6,7 @@ use truearm::Pose;
 
 use super::robust::{mad_scale, median};
 use super::unknowns::State;
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::model::Measurements;
 use crate::model::arm::chain;
 
@@ -143,12 +143,14 @@ pub fn register(
             };
             if from.len() < 3 {
                 return Err(Error::data(
+                    Kind::FrameUndetermined,
                     format!("{label}: {} rows cannot fix a tracker frame", from.len()),
                     "measure at least three points that are not on a line, better ten",
                 ));
             }
             let Some((pose, scale)) = robust_transform(&from, &to) else {
                 return Err(Error::data(
+                    Kind::FrameUndetermined,
                     format!(
                         "{label}: the points lie on a line or in one place, so that the tracker frame is undetermined"
                     ),
@@ -165,5 +167,6 @@ pub fn register(
             ));
         }
     }
-    best.map(|(_, state)| state).ok_or_else(|| Error::data("no measurements", "add rows"))
+    best.map(|(_, state)| state)
+        .ok_or_else(|| Error::data(Kind::NoRows, "no measurements", "add rows"))
 }

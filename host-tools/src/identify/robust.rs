@@ -94,7 +94,7 @@ pub fn mad_scale(values: &[f64]) -> f64 {
 /// Fits the given rows in the prior scaling, flagging gross errors.
 ///
 /// # Errors
-/// As for [`fit`], or [`Error::Contradiction`] when so many rows disagree that
+/// As for [`fit`], or [`Kind::Contradiction`](crate::Kind::Contradiction) when so many rows disagree that
 /// none can be called wrong.
 pub fn robust_fit(
     problem: &Problem,
@@ -129,7 +129,7 @@ pub fn refit(
         let share = next.len() as f64 / rows.len() as f64;
         match flags.crowd {
             Crowd::Refused if share > MOST_FLAGGED => {
-                return Err(Error::Contradiction { rows: next.len(), of: rows.len() });
+                return Err(Error::contradiction(next.len(), rows.len()));
             }
             Crowd::Described if share > MAJORITY => {
                 let fit = self::fit(problem, rows, None, &start, freedom)?;

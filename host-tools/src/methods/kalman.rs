@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use super::{Method, Solution, Task};
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::identify::{State, Unknown};
 
 /// EKF over the parameters, which do not move in time. The prior is the
@@ -65,7 +65,11 @@ impl Method for Kalman {
             let innovation: Matrix3<f64> = (&h * &pht).fixed_view::<3, 3>(0, 0).into();
             let innovation = innovation + Matrix3::identity() * noise;
             let inverse = innovation.try_inverse().ok_or_else(|| {
-                Error::data("the innovation covariance is singular", "give a sigma above zero")
+                Error::data(
+                    Kind::Singular,
+                    "the innovation covariance is singular",
+                    "give a sigma above zero",
+                )
             })?;
             let gain = &pht * inverse;
             let step = &gain * residual;

@@ -21,7 +21,7 @@ pub use rpim::{Printed, PrintedRpim, Rpim};
 
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::identify::{Linearised, Problem, Scaling, State, Unknown};
 
 /// Which unknowns the classical methods move.
@@ -124,6 +124,7 @@ impl<'a> Task<'a> {
     pub fn stepped(&self, state: &State, step: &DVector<f64>) -> Result<State> {
         if !step.iter().all(|x| x.abs() < 1e6) {
             return Err(Error::data(
+                Kind::Singular,
                 "the step is not finite or kilometres long",
                 "the problem is singular: use a regularised method",
             ));

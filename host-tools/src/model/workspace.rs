@@ -5,7 +5,7 @@ use truearm::Pose;
 
 use super::arm::chain;
 use super::robot::Robot;
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::units::{joint_from_file, joint_to_file};
 
 /// A pose is given up for when so many draws gave none.
@@ -46,12 +46,14 @@ impl Workspace {
         if let Some(limits) = limits {
             if limits.len() != joints {
                 return Err(Error::data(
+                    Kind::NoPoses,
                     format!("limits of {} joints, but the robot has {joints}", limits.len()),
                     "give low:high for every joint, separated by commas",
                 ));
             }
             if let Some([low, high]) = limits.iter().find(|[low, high]| low >= high) {
                 return Err(Error::data(
+                    Kind::NoPoses,
                     format!("limits from {low} to {high} rad or m"),
                     "give the lower limit first",
                 ));
@@ -64,6 +66,7 @@ impl Workspace {
             .collect();
         if !missing.is_empty() {
             return Err(Error::data(
+                Kind::NoPoses,
                 format!("{}: no limits of joints {}", robot.path.display(), missing.join(", ")),
                 "add limits_deg (limits_mm) to its [[joints]], or give --limits low:high,... \
                  for all joints",
@@ -117,6 +120,7 @@ impl Workspace {
                 tries = 0;
             } else if tries > MOST_TRIES {
                 return Err(Error::data(
+                    Kind::NoPoses,
                     format!(
                         "of {MOST_TRIES} random poses within the joint limits none is in the box \
                          and in the tracker's sight"

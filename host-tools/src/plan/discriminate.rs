@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::diagnose::{Diagnosis, trial_rows};
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::evaluate::residuals;
 use crate::identify::{Conditions, Problem, Scaling, State};
 use crate::model::{Measurements, Robot, Workspace};
@@ -77,6 +77,7 @@ pub fn discriminate(
 ) -> Result<Discrimination> {
     if found.alternatives.is_empty() {
         return Err(Error::data(
+            Kind::NoAlternative,
             "the diagnosis names no alternative: there is nothing to tell apart",
             "plan without --discriminate to make the model as a whole better",
         ));

@@ -16,7 +16,7 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::model::{Robot, Workspace};
 use design::Design;
 
@@ -76,6 +76,7 @@ pub fn plan(
 ) -> Result<PosePlan> {
     if options.candidates < 2 * options.poses || options.poses == 0 {
         return Err(Error::data(
+            Kind::NoPoses,
             format!("{} poses out of {} candidates", options.poses, options.candidates),
             "ask for at least one pose, and for some thousand candidates",
         ));
@@ -88,6 +89,7 @@ pub fn plan(
     let least = design.parameters().div_ceil(3);
     if options.poses < least {
         return Err(Error::data(
+            Kind::TooFewPoses,
             format!(
                 "{} poses give {} equations for {} parameters that points can determine",
                 options.poses,

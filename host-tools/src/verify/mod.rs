@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use truearm::Pose;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::identify::registration::rigid_transform;
 use crate::identify::{Conditions, Predictor, State};
 use crate::model::ModelTerm;
@@ -113,7 +113,7 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     let repeatability: Vec<f64> =
         poses.iter().filter_map(|(_, rows)| repeatability(&of(rows))).collect();
     let repeats = poses.iter().map(|(_, rows)| rows.len());
-    let no_rows = || Error::data("no rows to verify", "give a file with rows");
+    let no_rows = || Error::data(Kind::NoRows, "no rows to verify", "give a file with rows");
     Ok(Verification {
         file: data.path.display().to_string(),
         rows: data.rows.len(),
@@ -194,6 +194,7 @@ fn markers(model: &Model, commanded: &Commanded) -> Result<Vec<Vector3<f64>>> {
     let find = |label: &String| {
         model.markers.iter().find(|m| m.0 == *label).map(|m| m.1).ok_or_else(|| {
             Error::data(
+                Kind::UnknownMarker,
                 format!(
                     "{}: marker \"{label}\" is unknown to the model, which knows {}",
                     commanded.data.path.display(),
@@ -236,6 +237,7 @@ fn frames(
             let fitted = rigid_transform(&from, &to, &vec![1.0; rows.len()]);
             return fitted.filter(|_| rows.len() >= 4).ok_or_else(|| {
                 Error::data(
+                    Kind::FrameUndetermined,
                     format!(
                         "{file}: {} rows of station \"{label}\" do not fix a frame",
                         rows.len()
@@ -247,6 +249,7 @@ fn frames(
         let station = model.stations.iter().find(|(l, _)| l == label);
         station.map(|(_, base)| base.compose(&small.inverse())).ok_or_else(|| {
             Error::data(
+                Kind::UnknownStation,
                 format!(
                     "{file}: station \"{label}\" is unknown to the model, which knows {}",
                     known().join(", ")

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Kind, Place, Result};
 use crate::files;
 
 /// A memory region of a linker script.
@@ -30,7 +30,7 @@ impl MemoryRegions {
     pub fn read(path: &Path) -> Result<Self> {
         if !path.exists() {
             let message = format!("{}: there is no such file", path.display());
-            return Err(Error::data(message, HELP));
+            return Err(Error::data(Kind::NoSlot, message, HELP));
         }
         Self::parse(path, &files::read(path)?)
     }
