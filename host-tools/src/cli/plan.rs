@@ -4,7 +4,7 @@ use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::files::{poses_csv, write};
 use truearm_host::model::{Measurements, Robot, Workspace};
-use truearm_host::plan::{Observability, PlanOptions, PosePlan, discriminate, plan};
+use truearm_host::plan::{Explained, Observability, PlanOptions, PosePlan, discriminate, plan};
 use truearm_host::{Error, Kind, Result};
 
 use super::progress::Bar;
@@ -164,8 +164,17 @@ impl Plan {
             diagnose(robot, &data, None, &DiagnoseOptions::default(), &|what| bar.stage(what));
         bar.finish();
         let found = found?;
-        let planned =
-            discriminate(&data, &found, workspace, (self.poses, self.candidates, self.seed))?;
+        let flagged = &found.report.base.outlier_rows;
+        let kept: Vec<usize> =
+            (0..data.rows.len()).filter(|row| !flagged.contains(&(row + 1))).collect();
+        let explained = Explained {
+            named: &found.state,
+            alternatives: &found.alternatives,
+            kept: &kept,
+            lambda: found.report.base.lambda,
+        };
+        let draw = (self.poses, self.candidates, self.seed);
+        let planned = discriminate(&found.model.robot, &data, &explained, workspace, draw)?;
         let told = data.rows[0].directions.iter().any(|d| *d != 0);
         let directions = if told { planned.directions.as_slice() } else { &[] };
         write(&self.out, poses_csv(robot, "q", &planned.poses, directions).as_bytes())?;

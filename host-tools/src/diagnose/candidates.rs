@@ -3,6 +3,7 @@
 
 use truearm::effects::{Effect, Term};
 
+use super::policy::POLICY;
 use crate::identify::{Conditions, Problem};
 use crate::model::ModelTerm;
 use crate::model::Robot;
@@ -38,7 +39,7 @@ impl Candidate {
     pub fn excludes(&self, other: &Self) -> bool {
         let orders = |c: &Self| c.terms.first().and_then(ModelTerm::order);
         let near = match (self.name(), orders(self), orders(other)) {
-            ("joint-periodic-error", Some(a), Some(b)) => (a - b).abs() < 0.4,
+            ("joint-periodic-error", Some(a), Some(b)) => (a - b).abs() < POLICY.same_order,
             _ => true,
         };
         self.name() == other.name() && self.joints() == other.joints() && near

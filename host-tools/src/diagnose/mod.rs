@@ -4,24 +4,19 @@
 //! ([`search`]) -> *show* the gap shrink on held-out poses -> verdict.
 
 pub mod candidates;
-mod limit;
-mod node;
+mod chi_square;
 mod outcome;
-mod scan;
-pub mod score;
+pub mod policy;
 pub mod search;
 mod show;
-mod slip;
-mod tail;
+mod tell;
 mod verdict;
-mod whereabouts;
 
 pub use outcome::{Alternative, Coefficient, DiagnoseReport, Effect, GapRow, Verdict};
 
-use nalgebra::Vector3;
 use truearm::effects::MAX_TERMS;
 
-use crate::error::{Error, Kind, Label, Result};
+use crate::error::{Error, Kind, Result};
 use crate::identify::estimate::Estimate;
 use crate::identify::registration::register;
 use crate::identify::robust::{Crowd, Flags};
@@ -29,14 +24,10 @@ use crate::identify::{
     Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
 use crate::model::{Measurements, Model, Robot};
-use node::Node;
+use policy::POLICY;
 use search::Search;
-pub(crate) use show::trial_rows;
+use search::node::Node;
 use verdict::{judge, with_held_out_gain};
-
-/// A coordinate this many standard deviations off what the other rows predict
-/// is a gross error once the structure is modelled.
-const GROSS: f64 = 6.0;
 
 /// The result.
 #[derive(Debug, Clone)]
@@ -109,7 +100,7 @@ fn diagnosed(
         problem: &problem,
         candidates: &candidates,
         highest_order: options.highest_order,
-        flags: Flags { lambda: 1.0, gross: GROSS, crowd },
+        flags: Flags { lambda: 1.0, gross: POLICY.gross, crowd },
         rows: &rows,
         most_terms: options.most_terms,
     };
@@ -171,7 +162,7 @@ fn shown(show: &show::Show, found: Found) -> Result<Diagnosis> {
         gap,
         alternatives,
         not_testable,
-        whereabouts: whereabouts::sentences(problem, &root, show.search.flags.lambda),
+        whereabouts: tell::sentences(problem, &root, show.search.flags.lambda),
     };
     Ok(Diagnosis {
         model: identified.model,
@@ -231,19 +222,5 @@ fn too_many(best: &Node) -> Option<String> {
 fn believable_lambda(problem: &Problem, node: &Node) -> f64 {
     let norm = problem.corrections(&node.fit.fit.state).norm_squared();
     let count = 5.0 * problem.nominal.len() as f64;
-    (count / norm.max(1e-9)).clamp(0.02, 1.0)
-}
-
-/// Held-out residuals of rows, where the others determine them.
-pub(crate) type HeldOut = Vec<Option<Vector3<f64>>>;
-
-/// A station or marker of a hold-out file that the training did not have.
-pub(crate) fn unknown_label(data: &Measurements, of: Label, label: &str) -> Error {
-    let what = of.name();
-    Error::data(
-        of.unknown(),
-        format!("{}: {what} \"{label}\" is not in the training data", data.path.display()),
-        "hold-out poses are judged in the frames of the training; for another station use \
-         `truearm evaluate --reregister base`",
-    )
+    (count / norm.max(1e-9)).clamp(POLICY.least_lambda, 1.0)
 }

@@ -1,21 +1,14 @@
 //! Whether what was found may be named.
 
 use super::candidates::Candidate;
-use super::node::{Node, at_floor};
 use super::outcome::{GapRow, Verdict};
-use super::search::{MANY_ROWS, Search};
+use super::policy::POLICY;
+use super::search::Search;
+use super::search::node::{Node, at_floor};
 use super::show::{Show, stages};
 use crate::error::Result;
 use crate::identify::State;
 use crate::identify::robust::Crowd;
-
-/// Below this share of the structure that geometry leaves, a name would be
-/// forced: something else is at work. Few rows that stay above the noise floor
-/// tell nothing for sure; in many rows there is always something finer.
-const NAMEABLE_FEW: f64 = 0.97;
-const NAMEABLE_MANY: f64 = 0.7;
-/// Share of it that an effect must carry to be named where something is left.
-const STRONG: f64 = 0.05;
 
 /// Explained or unexplained, and the explanation that may be named; one that
 /// needs no name is clean. What may be named is decided by the `full`
@@ -31,13 +24,13 @@ pub fn judge(search: &Search, root: &Node, full: &Node, best: &Node) -> Result<(
     // Something is left. Names are given only to what carries a good part of
     // the structure, and only if together they carry nearly all of it.
     let excess = (root.reduced - 1.0).max(1e-9);
-    let many = search.rows.len() >= MANY_ROWS;
-    let enough = if many { NAMEABLE_MANY } else { NAMEABLE_FEW };
+    let many = search.rows.len() >= POLICY.many_rows;
+    let enough = if many { POLICY.nameable_many } else { POLICY.nameable_few };
     if 1.0 - (full.reduced - 1.0) / excess < enough {
         return Ok((Verdict::Unexplained, root.clone()));
     }
     let stages = stages(search, root, best)?;
-    let strong = |k: &usize| (stages[*k - 1].reduced - stages[*k].reduced) / excess > STRONG;
+    let strong = |k: &usize| (stages[*k - 1].reduced - stages[*k].reduced) / excess > POLICY.strong;
     let last = (1..stages.len()).take_while(strong).last().unwrap_or(0);
     Ok((Verdict::Unexplained, stages[last].clone()))
 }

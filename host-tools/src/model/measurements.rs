@@ -1,6 +1,8 @@
 use std::path::PathBuf;
 
 use nalgebra::Vector3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 
 /// The rows of a `measurements.csv`, in SI units.
 #[derive(Debug, Clone)]
@@ -57,6 +59,19 @@ pub struct Row {
 }
 
 impl Measurements {
+    /// Rows that could be measured next, under the conditions of the first row,
+    /// approached from either side; no point is known of them.
+    #[must_use]
+    pub fn trial(&self, poses: &[Vec<f64>], rng: &mut ChaCha8Rng) -> Self {
+        let like = &self.rows[0];
+        let rows = poses.iter().map(|q| {
+            let directions =
+                like.directions.iter().map(|_| if rng.random_bool(0.5) { 1 } else { -1 }).collect();
+            Row { q: q.clone(), directions, point: Vector3::zeros(), ..like.clone() }
+        });
+        Self { rows: rows.collect(), ..self.clone() }
+    }
+
     /// Smallest and largest value of each joint.
     #[must_use]
     pub fn covered(&self) -> Vec<[f64; 2]> {

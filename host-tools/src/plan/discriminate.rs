@@ -4,12 +4,24 @@ use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::diagnose::{Diagnosis, trial_rows};
 use crate::error::{Error, Kind, Result};
 use crate::evaluate::residuals;
 use crate::identify::{Conditions, Problem, Scaling, State};
 use crate::model::{Measurements, Robot, Workspace};
 use crate::tikhonov::covariance;
+
+/// What a diagnosis left: one explanation, and those that it could not rule out.
+#[derive(Debug, Clone, Copy)]
+pub struct Explained<'a> {
+    /// What was named, with base, marker and terms.
+    pub named: &'a State,
+    /// The others.
+    pub alternatives: &'a [State],
+    /// Rows that were fitted.
+    pub kept: &'a [usize],
+    /// Lambda of the fit.
+    pub lambda: f64,
+}
 
 /// Poses and how well they will separate.
 #[derive(Debug, Clone)]
@@ -68,30 +80,30 @@ impl Rival {
 /// only what no refit absorbs counts.
 ///
 /// # Errors
-/// A diagnosis without alternatives, and as for [`Workspace::sample`].
+/// No alternatives, and as for [`Workspace::sample`].
 pub fn discriminate(
+    robot: &Robot,
     data: &Measurements,
-    found: &Diagnosis,
+    explained: &Explained,
     workspace: &Workspace,
     (count, candidates, seed): (usize, usize, u64),
 ) -> Result<Discrimination> {
-    if found.alternatives.is_empty() {
+    if explained.alternatives.is_empty() {
         return Err(Error::data(
             Kind::NoAlternative,
             "the diagnosis names no alternative: there is nothing to tell apart",
             "plan without --discriminate to make the model as a whole better",
         ));
     }
-    let robot = &found.model.robot;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let poses = workspace.sample(robot, candidates.max(count), &mut rng)?;
-    let trial = trial_rows(data, &poses, &mut rng);
+    let trial = data.trial(&poses, &mut rng);
     let conditions = Conditions::new(&trial, robot);
-    let named = residuals(&trial, &conditions, &found.state);
-    let mut rivals: Vec<Rival> = found
+    let named = residuals(&trial, &conditions, explained.named);
+    let mut rivals: Vec<Rival> = explained
         .alternatives
         .iter()
-        .map(|state| rival(robot, data, found, state, (&trial, &named)))
+        .map(|state| rival(robot, data, explained, state, (&trial, &named)))
         .collect();
     let mut chosen: Vec<usize> = Vec::new();
     while chosen.len() < count {
@@ -114,15 +126,13 @@ pub fn discriminate(
 fn rival(
     robot: &Robot,
     data: &Measurements,
-    found: &Diagnosis,
+    explained: &Explained,
     state: &State,
     (trial, named): (&Measurements, &[Vector3<f64>]),
 ) -> Rival {
-    let flagged = &found.report.base.outlier_rows;
-    let kept: Vec<usize> = (0..data.rows.len()).filter(|r| !flagged.contains(&(r + 1))).collect();
     let terms = state.terms.len();
     let measured = Problem::new(data, robot, Scaling::Prior).with_terms(terms);
-    let triangle = measured.linearise(state).triangle(&kept, None);
+    let triangle = measured.linearise(state).triangle(explained.kept, None);
     let planned = Problem::new(trial, robot, Scaling::Prior).with_terms(terms);
     let at = planned.linearise(state);
     let equations = (0..trial.rows.len()).map(|k| {
@@ -136,7 +146,7 @@ fn rival(
         blocks,
         apart,
         mean: DVector::zeros(measured.unknowns.list().len()),
-        covariance: covariance(&triangle, measured.unknowns.free(), found.report.base.lambda),
+        covariance: covariance(&triangle, measured.unknowns.free(), explained.lambda),
         separation: 0.0,
     }
 }

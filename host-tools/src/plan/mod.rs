@@ -8,7 +8,7 @@ pub mod design;
 mod discriminate;
 mod observability;
 
-pub use discriminate::{Discrimination, discriminate};
+pub use discriminate::{Discrimination, Explained, discriminate};
 pub use observability::Observability;
 
 use rand::SeedableRng;

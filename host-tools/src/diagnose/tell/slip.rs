@@ -2,16 +2,12 @@
 
 use truearm::JointKind;
 
-use super::node::Node;
-use super::score::Scorer;
-use super::tail::{SIGNIFICANT, chance, chi_square};
+use crate::diagnose::chi_square::{chance, chi_square};
+use crate::diagnose::policy::POLICY;
+use crate::diagnose::search::node::Node;
+use crate::diagnose::search::score::Scorer;
 use crate::identify::Problem;
-
-/// Share of the residuals of contradicting rows that one shift of a joint must
-/// explain to be told.
-const SLIPPED: f64 = 0.8;
-/// Share of all residuals that a step of a joint must explain to be told.
-const STEP: f64 = 0.2;
+use crate::units::{joint_to_file, joint_unit};
 
 /// The joint value's step, from some row to the last in the order of
 /// measurement, that explains most of the residuals.
@@ -44,10 +40,11 @@ pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     let all = root.reduced * root.freedom;
     let noise = ((all - explained) / root.freedom).max(1.0);
     let p = chi_square(explained / noise, 1) * (joints * rows.len()) as f64;
-    if p > SIGNIFICANT || explained < STEP * all {
+    if p > POLICY.significant || explained < POLICY.step * all {
         return Vec::new();
     }
-    let (shift, unit) = in_file(problem, joint, shift);
+    let kind = problem.nominal[joint].kind;
+    let (shift, unit) = (joint_to_file(kind, shift), joint_unit(kind));
     vec![format!(
         "from row {} on joint {} is as if shifted by {shift:.4} {unit}, {:.0} % of the residual \
          variance ({}): has its encoder slipped?",
@@ -81,8 +78,9 @@ pub fn contradiction(problem: &Problem, root: &Node) -> Vec<String> {
         (cr * cr / (cc * rr), joint, cr / cc)
     };
     let best = (0..problem.nominal.len()).map(fitted).max_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((share, joint, shift)) = best.filter(|best| best.0 > SLIPPED) {
-        let (shift, unit) = in_file(problem, joint, shift);
+    if let Some((share, joint, shift)) = best.filter(|best| best.0 > POLICY.slipped) {
+        let kind = problem.nominal[joint].kind;
+        let (shift, unit) = (joint_to_file(kind, shift), joint_unit(kind));
         out.push(format!(
             "there joint {} is as if shifted by {shift:.4} {unit} ({:.0} % of their residuals): has \
              its encoder slipped?",
@@ -91,14 +89,6 @@ pub fn contradiction(problem: &Problem, root: &Node) -> Vec<String> {
         ));
     }
     out
-}
-
-/// A joint value in the unit of a file.
-fn in_file(problem: &Problem, joint: usize, value: f64) -> (f64, &'static str) {
-    match problem.nominal[joint].kind {
-        JointKind::Revolute => (value.to_degrees(), "degrees"),
-        JointKind::Prismatic => (value * 1e3, "mm"),
-    }
 }
 
 /// Rising numbers, runs of them as a range.

@@ -2,12 +2,10 @@
 
 use truearm::effects::Effect;
 
-use super::candidates::Candidate;
+use crate::diagnose::candidates::Candidate;
+use crate::diagnose::policy::POLICY;
 use crate::identify::robust::RobustFit;
 use crate::model::ModelTerm;
-
-/// More flagged rows than this share (or three) are no gross errors but structure.
-const MOST_GROSS: f64 = 0.08;
 
 /// A fitted explanation.
 #[derive(Debug, Clone)]
@@ -77,7 +75,9 @@ fn plausible(term: &ModelTerm) -> bool {
 /// degrees of freedom within its scatter, with room for a sigma that is stated
 /// to one digit; and not for the price of many flagged rows.
 pub fn at_floor(node: &Node) -> bool {
-    !crowded(node) && node.reduced < 1.0 + (5.0 * (2.0 / node.freedom).sqrt()).max(0.3)
+    !crowded(node)
+        && node.reduced
+            < 1.0 + (POLICY.floor_deviations * (2.0 / node.freedom).sqrt()).max(POLICY.floor_share)
 }
 
 /// Whether more rows are flagged than can be gross errors.
@@ -85,5 +85,5 @@ pub fn at_floor(node: &Node) -> bool {
 pub fn crowded(node: &Node) -> bool {
     let flagged = node.fit.outliers.len() as f64;
     let rows = flagged + node.fit.kept.len() as f64;
-    flagged > (MOST_GROSS * rows).max(3.0)
+    flagged > (POLICY.crowd_share * rows).max(POLICY.crowd_rows)
 }

@@ -3,9 +3,10 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::node::{Node, crowded};
 use super::slip::{contradiction, step};
-use super::tail::{SIGNIFICANT, chance, chi_square};
+use crate::diagnose::chi_square::{chance, chi_square};
+use crate::diagnose::policy::POLICY;
+use crate::diagnose::search::node::{Node, crowded};
 use crate::identify::Problem;
 
 /// Sentences for what is significant, a joint that slipped first, then strongest
@@ -56,7 +57,7 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     let mut found: Vec<(f64, String)> = Vec::new();
     for (name, functions) in tests {
         let Some((share, p)) = dependence(&residuals, &functions) else { continue };
-        if p * count < SIGNIFICANT {
+        if p * count < POLICY.significant {
             let (percent, chance) = (share * 100.0, chance(p * count));
             let sentence =
                 format!("{percent:.0} % of the residual variance goes with {name} ({chance})");

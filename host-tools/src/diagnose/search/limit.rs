@@ -1,12 +1,10 @@
 //! The best explanation that a controller has room for.
 
-use super::candidates::{arm_terms, of_arm};
+use super::Search;
 use super::node::Node;
-use super::search::{Search, WORTH};
+use crate::diagnose::candidates::{arm_terms, of_arm};
+use crate::diagnose::policy::POLICY;
 use crate::error::Result;
-
-/// Most exchanges of an addition for a better one.
-const EXCHANGES: usize = 12;
 
 impl Search<'_> {
     /// An explanation with no more terms of the arm than asked for: what
@@ -20,7 +18,7 @@ impl Search<'_> {
             return Ok(node);
         }
         let mut best = self.cut(node)?;
-        for _ in 0..EXCHANGES {
+        for _ in 0..POLICY.exchanges {
             let found = self.promising(&best, 1);
             let Some((candidate, ..)) = found.into_iter().next() else { break };
             let added = [best.added.as_slice(), &[candidate]].concat();
@@ -28,7 +26,7 @@ impl Search<'_> {
                 break;
             };
             let next = self.cut(more)?;
-            if next.worth(&best) < WORTH / 2.0 {
+            if next.worth(&best) < POLICY.hint {
                 break;
             }
             best = next;

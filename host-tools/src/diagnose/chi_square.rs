@@ -1,8 +1,5 @@
 //! Tail of the chi-square distribution, and what is said of it.
 
-/// A dependence weaker than this after correction is not worth a sentence.
-pub(super) const SIGNIFICANT: f64 = 1e-3;
-
 /// Probability that chi-square with `k` degrees of freedom exceeds `x`, by the
 /// finite sums for whole and half numbers (Abramowitz and Stegun 26.4.4-5).
 #[must_use]
@@ -34,7 +31,7 @@ pub fn chi_square(x: f64, k: usize) -> f64 {
 }
 
 /// A p value in words.
-pub(super) fn chance(p: f64) -> String {
+pub fn chance(p: f64) -> String {
     if p < 1e-99 { "p < 1e-99".to_owned() } else { format!("p = {p:.1e}") }
 }
 

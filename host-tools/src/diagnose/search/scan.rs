@@ -4,14 +4,10 @@
 use nalgebra::DMatrix;
 use truearm::effects::Effect;
 
-use super::candidates::{Candidate, periodic};
 use super::score::{JointColumns, Score};
+use crate::diagnose::candidates::{Candidate, periodic};
+use crate::diagnose::policy::POLICY;
 
-/// Below lies eccentricity, and what a limited joint range cannot tell from
-/// geometry.
-const LOWEST: f64 = 2.6;
-/// Peaks that are sharpened.
-const PEAKS: usize = 2;
 /// Orders tested in one matrix product.
 const BATCH: usize = 64;
 /// A blob holds orders in this fraction of a cycle.
@@ -26,8 +22,8 @@ pub fn scan(
     highest: f64,
 ) -> Vec<(Candidate, Score)> {
     let step = columns.step();
-    let count = ((highest - LOWEST) / step).max(1.0) as usize;
-    let order = |k: usize| LOWEST + step * k as f64;
+    let count = ((highest - POLICY.lowest_order) / step).max(1.0) as usize;
+    let order = |k: usize| POLICY.lowest_order + step * k as f64;
     let mut scores = Vec::with_capacity(count);
     for first in (0..count).step_by(BATCH) {
         scores.extend(statistics(columns, order(first), BATCH.min(count - first)));
@@ -43,12 +39,12 @@ pub fn scan(
         let whole = found.round().max(1.0);
         let at_whole = statistics(columns, whole, 1)[0];
         let (order, statistic) =
-            if at_whole > best - 4.0 { (whole, at_whole) } else { (found, best) };
+            if at_whole > best - POLICY.whole_order { (whole, at_whole) } else { (found, best) };
         let terms = periodic(Effect::JointPeriodicError, joint, &[order]);
         let tried = (count * joints) as f64;
         (Candidate { terms, tried }, Score { statistic, freedom: 2 })
     };
-    peaks.into_iter().take(PEAKS).map(candidate).collect()
+    peaks.into_iter().take(POLICY.peaks).map(candidate).collect()
 }
 
 impl JointColumns {

@@ -5,7 +5,8 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 use truearm::effects::Effect;
 
-use super::candidates::Candidate;
+use crate::diagnose::candidates::Candidate;
+use crate::diagnose::policy::POLICY;
 use crate::identify::{Problem, State, measurement_column};
 use crate::model::ModelTerm;
 use crate::model::arm::RowInputs;
@@ -50,9 +51,6 @@ pub struct Score {
     /// Coefficients that the data can tell apart.
     pub freedom: usize,
 }
-
-/// Share of a column that must survive the projection to count as seen.
-const SEEN: f64 = 1e-5;
 
 impl<'a> Scorer<'a> {
     /// Of a fit to `rows` with this lambda.
@@ -143,7 +141,7 @@ impl<'a> Scorer<'a> {
         let mut score = Score { statistic: 0.0, freedom: 0 };
         let right = cr.component_mul(&scale);
         for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-            if *value > SEEN {
+            if *value > POLICY.seen {
                 score.statistic += vector.dot(&right).powi(2) / value;
                 score.freedom += 1;
             }

@@ -3,37 +3,25 @@
 //! jointly with the geometry, flags and all, and they are compared by what they
 //! explain less a price for every coefficient and every alternative tried.
 
+mod limit;
+pub mod node;
+mod scan;
+pub mod score;
+
 use nalgebra::{DVector, Vector3};
 use rayon::prelude::*;
 
 use super::candidates::{Candidate, arm_terms};
-use super::node::Node;
-use super::scan::scan;
-use super::score::{Score, Scorer};
+use super::policy::POLICY;
 use crate::error::Result;
 use crate::identify::robust::{Flags, RobustFit, refit, robust_fit};
 use crate::identify::{Problem, State};
 use crate::model::ModelTerm;
 use crate::tikhonov::covariance;
+use node::Node;
+use scan::scan;
+use score::{Score, Scorer};
 
-/// Rows from which on effects are told apart at once, and finer structure
-/// shows: then many terms are added one round after another.
-pub const MANY_ROWS: usize = 400;
-/// Explanations followed side by side with fewer rows.
-const BEAM: usize = 5;
-/// Refits tried from each.
-const BRANCHES: usize = 7;
-/// Most effects in one such model.
-const DEEPEST: usize = 6;
-/// Rounds with many rows, and additions in each.
-const ROUNDS: usize = 20;
-const TOGETHER: usize = 4;
-
-/// Terms of the arm that are followed, however few the model may have.
-const MOST_TERMS: usize = 64;
-
-/// What an addition must be worth beyond its price, in units of chi-square.
-pub const WORTH: f64 = 8.0;
 /// Families an effect may come from.
 pub const FAMILIES: f64 = 11.0;
 
@@ -163,7 +151,10 @@ impl Search<'_> {
             let place = out.iter().any(|o| o.0.excludes(&entry.0));
             let name = out.iter().filter(|o| o.0.name() == entry.0.name()).count();
             // Look-alikes of other families must get a turn.
-            if !place && (name < 3 || rows >= MANY_ROWS) && out.len() < most {
+            if !place
+                && (name < POLICY.of_one_effect || rows >= POLICY.many_rows)
+                && out.len() < most
+            {
                 out.push(entry);
             }
         }
@@ -176,17 +167,17 @@ impl Search<'_> {
     /// # Errors
     /// When not even geometry alone can be fitted.
     pub fn run(&self, root: Node, progress: &dyn Fn()) -> Result<Vec<Node>> {
-        if self.rows.len() >= MANY_ROWS {
+        if self.rows.len() >= POLICY.many_rows {
             return self.run_deep(root, progress);
         }
         let mut all = vec![root];
         let mut beam = vec![0];
-        for _ in 0..DEEPEST {
+        for _ in 0..POLICY.deepest {
             let mut grown: Vec<Node> = Vec::new();
             for parent in &beam {
                 let parent = all[*parent].clone();
-                for (candidate, _, gain) in self.promising(&parent, BRANCHES) {
-                    if gain < WORTH / 2.0 {
+                for (candidate, _, gain) in self.promising(&parent, POLICY.branches) {
+                    if gain < POLICY.hint {
                         break;
                     }
                     let mut added = parent.added.clone();
@@ -196,7 +187,7 @@ impl Search<'_> {
                         continue;
                     }
                     if let Ok(node) = self.fit_near(added, &parent.fit.fit.state, Some(&parent.fit))
-                        && node.worth(&parent) > WORTH
+                        && node.worth(&parent) > POLICY.worth
                         && node.plausible()
                     {
                         grown.push(node);
@@ -208,10 +199,10 @@ impl Search<'_> {
                 break;
             }
             grown.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-            grown.truncate(2 * BEAM);
+            grown.truncate(2 * POLICY.beam);
             let first = all.len();
             all.extend(grown);
-            beam = (first..all.len().min(first + BEAM)).collect();
+            beam = (first..all.len().min(first + POLICY.beam)).collect();
         }
         all.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let best = self.pruned(all[0].clone())?;
@@ -224,20 +215,27 @@ impl Search<'_> {
     fn run_deep(&self, root: Node, progress: &dyn Fn()) -> Result<Vec<Node>> {
         let mut node = root.clone();
         let mut refused: Vec<Candidate> = Vec::new();
-        for _ in 0..ROUNDS {
-            let mut found = self.promising(&node, 4 * TOGETHER);
+        for _ in 0..POLICY.rounds {
+            let mut found = self.promising(&node, 4 * POLICY.together);
             found.retain(|f| !refused.iter().any(|r| r.excludes(&f.0)));
-            let Some(best) = found.first().map(|f| f.2).filter(|gain| *gain > WORTH) else { break };
+            let Some(best) = found.first().map(|f| f.2).filter(|gain| *gain > POLICY.worth) else {
+                break;
+            };
             let mut added = node.added.clone();
             let mut places: Vec<(Vec<usize>, f64)> = Vec::new();
             for (candidate, _, gain) in found {
                 // Neighbours in order or joint explain the same: one a round.
                 let order = candidate.terms[0].order().unwrap_or(0.0);
                 let joints = candidate.joints();
-                let near = |(j, o): &(Vec<usize>, f64)| *j == joints && (o - order).abs() < 3.0;
+                let near = |(j, o): &(Vec<usize>, f64)| {
+                    *j == joints && (o - order).abs() < POLICY.orders_apart
+                };
                 let with = arm_terms(&added) + arm_terms(std::slice::from_ref(&candidate));
-                let fits = with <= self.most_terms.max(MOST_TERMS);
-                if gain > 0.2 * best && fits && places.len() < TOGETHER && !places.iter().any(near)
+                let fits = with <= self.most_terms.max(POLICY.followed_terms);
+                if gain > POLICY.share_of_best * best
+                    && fits
+                    && places.len() < POLICY.together
+                    && !places.iter().any(near)
                 {
                     places.push((joints, order));
                     added.push(candidate);
@@ -260,7 +258,7 @@ impl Search<'_> {
                 node = self.fit_near(added, &node.fit.fit.state, Some(&node.fit))?;
                 continue;
             }
-            if next.worth(&node) < WORTH {
+            if next.worth(&node) < POLICY.worth {
                 break;
             }
             node = next;
@@ -275,7 +273,8 @@ impl Search<'_> {
         while k < node.added.len() {
             // A refit only where it could end in dropping the term.
             if self.wald(&node, k)
-                > 4.0 * price(node.added[k].terms.len(), node.added[k].tried, self.rows.len())
+                > POLICY.surely_kept
+                    * price(node.added[k].terms.len(), node.added[k].tried, self.rows.len())
             {
                 k += 1;
                 continue;
@@ -283,7 +282,7 @@ impl Search<'_> {
             let mut added = node.added.clone();
             added.remove(k);
             match self.fit_near(added, &node.fit.fit.state, Some(&node.fit)) {
-                Ok(without) if node.worth(&without) < WORTH / 2.0 => {
+                Ok(without) if node.worth(&without) < POLICY.hint => {
                     node = without;
                     k = 0;
                 }

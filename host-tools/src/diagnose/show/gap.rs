@@ -1,0 +1,132 @@
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use crate::diagnose::candidates::Candidate;
+use crate::diagnose::outcome::GapRow;
+use crate::diagnose::search::Search;
+use crate::diagnose::search::node::Node;
+use crate::error::{Error, Label, Result};
+use crate::evaluate::residuals;
+use crate::identify::folds::Fold;
+use crate::identify::robust::robust_fit;
+use crate::identify::{Conditions, State};
+use crate::model::{Measurements, Robot};
+use crate::report::{Stats, own_evidence};
+
+/// Held-out judgement of models.
+#[derive(Clone, Copy)]
+pub struct Show<'a> {
+    /// The search they came from.
+    pub search: &'a Search<'a>,
+    /// Folds of poses.
+    pub folds: &'a [Fold],
+    /// A file that nothing was fitted to.
+    pub holdout: Option<&'a Measurements>,
+    /// The nominal arm.
+    pub robot: &'a Robot,
+}
+
+impl Show<'_> {
+    /// Residuals of every row, predicted from the other folds with flags redone
+    /// in each; the node's terms are held, their coefficients are not.
+    ///
+    /// # Errors
+    /// When a fold's fit does not converge.
+    pub fn held_out(&self, node: &Node) -> Result<HeldOut> {
+        let start = &node.fit.fit.state;
+        let problem = self.search.problem.with_terms(start.terms.len());
+        let judged = self.folds.par_iter().map(|fold| {
+            let fit = robust_fit(&problem, &fold.fit, start, self.search.flags)?;
+            let at = problem.linearise(&fit.fit.state);
+            Ok(fold.held_out.iter().map(|r| (*r, at.residual(*r))).collect::<Vec<_>>())
+        });
+        let mut out = vec![None; problem.data.rows.len()];
+        for fold in judged.collect::<Vec<Result<Vec<_>>>>() {
+            for (row, residual) in fold? {
+                out[row] = Some(residual);
+            }
+        }
+        Ok(out)
+    }
+
+    /// The gap table. The rows left out of the hold-out figures are those that
+    /// stand out from the final model by their own evidence.
+    ///
+    /// # Errors
+    /// A hold-out file of unknown stations, or a fit that does not converge.
+    pub fn gap(&self, nominal: &State, stages: &[Node]) -> Result<Vec<GapRow>> {
+        let data = self.search.problem.data;
+        let last = &stages[stages.len() - 1];
+        let flagged: Vec<usize> = last.fit.outliers.iter().map(|o| o.row).collect();
+        let train = |state: &State| {
+            let all = residuals(data, &self.search.problem.conditions, state);
+            rms((0..all.len()).filter(|i| !flagged.contains(i)).map(|i| all[i]))
+        };
+        let left_out = match self.holdout {
+            Some(holdout) => own_evidence(&self.on_holdout(holdout, &last.fit.fit.state)?),
+            None => Vec::new(),
+        };
+        let held = |state: &State| -> Result<Option<f64>> {
+            let Some(holdout) = self.holdout else { return Ok(None) };
+            let all = self.on_holdout(holdout, state)?;
+            Ok(Some(rms((0..all.len()).filter(|i| !left_out.contains(i)).map(|i| all[i]))))
+        };
+        let mut rows = vec![GapRow {
+            model: "nominal".to_owned(),
+            train_rms_mm: train(nominal),
+            cross_validated_rms_mm: None,
+            holdout_rms_mm: held(nominal)?,
+        }];
+        for (k, node) in stages.iter().enumerate() {
+            let known =
+                |c: &&Candidate| k > 0 && stages[k - 1].added.iter().any(|a| a.name() == c.name());
+            let new = node.added.iter().find(|c| !known(c)).map(|c| c.name());
+            let state = &node.fit.fit.state;
+            let cross: Vec<_> = self.held_out(node)?;
+            let kept = (0..cross.len()).filter(|i| !flagged.contains(i)).filter_map(|i| cross[i]);
+            rows.push(GapRow {
+                model: new.map_or("geometry".to_owned(), |name| format!("+ {name}")),
+                train_rms_mm: train(state),
+                cross_validated_rms_mm: Some(rms(kept)),
+                holdout_rms_mm: held(state)?,
+            });
+        }
+        Ok(rows)
+    }
+
+    /// Residuals of a hold-out file in the frames of the training.
+    fn on_holdout(&self, holdout: &Measurements, state: &State) -> Result<Vec<Vector3<f64>>> {
+        let data = self.search.problem.data;
+        let place = |known: &[String], label: &String, what: Label| {
+            known.iter().position(|l| l == label).ok_or_else(|| unknown_label(holdout, what, label))
+        };
+        let mut bases = Vec::new();
+        for label in &holdout.stations {
+            bases.push(state.bases[place(&data.stations, label, Label::Station)?]);
+        }
+        let mut markers = Vec::new();
+        for label in &holdout.markers {
+            markers.push(state.markers[place(&data.markers, label, Label::Marker)?]);
+        }
+        let state = State { bases, markers, ..state.clone() };
+        Ok(residuals(holdout, &Conditions::new(holdout, self.robot), &state))
+    }
+}
+
+fn rms(residuals: impl Iterator<Item = Vector3<f64>>) -> f64 {
+    Stats::of(&residuals.collect::<Vec<_>>()).map_or(0.0, |s| s.rms_mm)
+}
+
+/// Held-out residuals of rows, where the others determine them.
+pub type HeldOut = Vec<Option<Vector3<f64>>>;
+
+/// A station or marker of a hold-out file that the training did not have.
+fn unknown_label(data: &Measurements, of: Label, label: &str) -> Error {
+    let what = of.name();
+    Error::data(
+        of.unknown(),
+        format!("{}: {what} \"{label}\" is not in the training data", data.path.display()),
+        "hold-out poses are judged in the frames of the training; for another station use \
+         `truearm evaluate --reregister base`",
+    )
+}

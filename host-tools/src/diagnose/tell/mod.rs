@@ -1,0 +1,7 @@
+//! Sentences on what no name is given to: where the residuals are, and joints
+//! that look as if they had slipped.
+
+mod slip;
+mod whereabouts;
+
+pub use whereabouts::sentences;
