@@ -16,7 +16,7 @@ pub use outcome::{Alternative, Coefficient, DiagnoseReport, Effect, GapRow, Verd
 
 use truearm::effects::MAX_TERMS;
 
-use crate::error::{Error, Kind, Result};
+use crate::error::{Kind, Result};
 use crate::identify::estimate::Estimate;
 use crate::identify::registration::register;
 use crate::identify::robust::{Crowd, Flags};
