@@ -8,7 +8,10 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::Approach::{self, Negative, Positive, Unknown};
-use truearm::effects::{Effect, Load, Masses, Term, TermInputs, deflection};
+use truearm::blob::{Blob, encode, encoded_len};
+use truearm::effects::{
+    ActsOn, Effect, Load, Masses, NeedsLoad, Order, Term, TermInputs, deflection,
+};
 use truearm::kinematics::Deflection;
 use truearm::{Arm, ArmParameters, Chain, JointKind, Link, MdhParameters, Pose, State, Tables};
 
@@ -99,22 +102,28 @@ fn gravity_loads_are_the_slope_of_the_potential_energy() {
 }
 
 fn term(effect: Effect, joint: u8, component: u8) -> Term<f64> {
-    let order = match effect {
-        Effect::EncoderEccentricity => 2.0,
-        Effect::GearTransmissionError => 201.0,
-        Effect::JointPeriodicError => 7.25,
-        _ => 0.0,
+    let order = match effect.order() {
+        Order::Harmonic => 2.0,
+        Order::Cycles => 7.25 + 193.75 * f64::from(joint % 2),
+        Order::None | Order::Friction => 0.0,
     };
     Term { effect, joint, source: 1 - u8::from(joint == 1), component, order, coefficient: 0.0 }
 }
 
-/// Every effect on every joint, both components.
+/// Every effect on every joint, both components; a friction that gravity
+/// exceeds at times.
 fn all_terms<const N: usize>() -> Vec<Term<f64>> {
-    let mut terms = vec![term(Effect::ThermalExpansion, Term::<f64>::ALL, 0)];
-    for (effect, _) in Effect::NAMES {
+    let mut terms = Vec::new();
+    for effect in Effect::ALL {
+        if effect.acts_on() == ActsOn::Lengths {
+            terms.push(term(*effect, Term::<f64>::ALL, 0));
+        }
         for joint in 0..N as u8 {
             for component in 0..2 {
-                terms.push(term(effect, joint, component));
+                terms.push(term(*effect, joint, component));
+            }
+            if effect.order() == Order::Friction {
+                terms.push(Term { order: 12.5, ..term(*effect, joint, 0) });
             }
         }
     }
@@ -141,7 +150,7 @@ fn column_error<const N: usize>(links: &[Link<f64>; N]) -> (f64, usize) {
             let point = |bend: f64| chain.forward_deflected(&q, &bent(bend)).translation;
             // The base turns by a rotation vector: its column is that of small ones.
             let bends =
-                if term.effect == Effect::BaseCompliance { vec![0.0] } else { vec![0.0, 2e-3] };
+                if term.effect.acts_on() == ActsOn::Base { vec![0.0] } else { vec![0.0, 2e-3] };
             for bend in bends {
                 let jacobian = chain.identification_jacobian(&bent(bend).deflected(&q));
                 let about = |axis: usize| {
@@ -343,5 +352,130 @@ fn folded_terms_give_the_sum_of_the_terms() {
         for (folded, sum) in parts(&folded).into_iter().zip(parts(&sum)) {
             assert!((folded - sum).abs() < 1e-14, "{folded} {sum}");
         }
+    }
+}
+
+#[test]
+fn descriptors_are_consistent() {
+    for (place, effect) in Effect::ALL.iter().enumerate() {
+        let name = effect.name();
+        assert_eq!(usize::from(effect.code()), place, "{name}");
+        // A name stands once, so that it is found again.
+        assert_eq!(Effect::from_name(name), Some(*effect));
+        assert!(name.chars().all(|c| c.is_ascii_lowercase() || c == '-'), "{name}");
+        assert!(matches!(effect.components().len(), 0 | 2), "{name}");
+        assert!((1e-6..0.1).contains(&effect.plausible()), "{name}");
+        let friction = effect.order() == Order::Friction;
+        assert!(friction || effect.load() != NeedsLoad::WithFriction, "{name}");
+        assert!(effect.suits(JointKind::Revolute), "{name}");
+        // What counts cycles a turn is nothing of a joint that slides.
+        assert_eq!(effect.suits(JointKind::Prismatic), !effect.order().is_cycles(), "{name}");
+        let [turns, slides] = [JointKind::Revolute, JointKind::Prismatic];
+        let own = effect.acts_on() == ActsOn::Joint;
+        assert_eq!(effect.unit(turns, turns) != effect.unit(slides, slides), own, "{name}");
+        assert_eq!(
+            effect.unit(turns, turns) != effect.unit(turns, slides),
+            effect.is_coupled(),
+            "{name}"
+        );
+    }
+    assert_eq!(Effect::from_name("ghost"), None);
+}
+
+/// What a term depends on is what its effect says it needs.
+#[test]
+fn a_basis_depends_on_what_its_effect_needs() {
+    let mut rng = ChaCha8Rng::seed_from_u64(10);
+    for term in all_terms::<6>() {
+        let (mut load, mut approach, mut warmth) = (false, false, false);
+        for _ in 0..50 {
+            let torque = [0; 6].map(|_| rng.random_range(-40.0..40.0));
+            let inputs = TermInputs {
+                q: [0; 6].map(|_| rng.random_range(-3.0..3.0)),
+                load: Load { torque, moment: [7.0, -9.0] },
+                approach: [Positive; 6],
+                warmth: 5.0,
+            };
+            let basis = |inputs: TermInputs<f64, 6>| term.basis(&inputs);
+            let here = basis(inputs);
+            load |= here != basis(TermInputs { load: Load::none(), ..inputs });
+            approach |= here != basis(TermInputs { approach: [Negative; 6], ..inputs });
+            warmth |= here != basis(TermInputs { warmth: -2.0, ..inputs });
+        }
+        assert_eq!(load, term.needs_load(), "{term:?}");
+        assert_eq!(approach, term.effect.needs_approach(), "{term:?}");
+        assert_eq!(warmth, term.effect.needs_warmth(), "{term:?}");
+    }
+}
+
+#[test]
+fn every_term_comes_back_from_a_blob() {
+    for some in all_terms::<6>() {
+        let unused = some.component > 0 && some.effect.components().is_empty();
+        let f = |x: f64| f64::from(x as f32);
+        let written = Term {
+            component: if unused { 0 } else { some.component },
+            source: if some.effect.is_coupled() { some.source } else { 0 },
+            joint: some.own_joint().unwrap_or(if some.of_all_links() { some.joint } else { 0 }),
+            coefficient: f(f64::from(some.effect.plausible()) * 0.7),
+            ..some
+        };
+        if some.effect.is_coupled() && some.source == some.joint {
+            continue;
+        }
+        let mut bytes = [0; 1024];
+        let sent = parameters(&[Term { source: some.source, ..written }]);
+        encode(&sent, &mut bytes).unwrap();
+        let blob = Blob::check(&bytes[..encoded_len(6, 1)]).unwrap();
+        let read = blob.parameters::<f64, 6>().unwrap();
+        assert_eq!(read.terms[..], [written]);
+        // Beyond what is plausible it is refused.
+        let wild = Term { coefficient: 1.001 * f64::from(some.effect.plausible()), ..written };
+        assert!(encode(&parameters(&[wild]), &mut bytes).is_err(), "{wild:?}");
+    }
+}
+
+#[test]
+fn the_format_lists_every_effect() {
+    let text = include_str!("../src/blob/FORMAT.md");
+    let head =
+        "| effect | name | component | joint | order | coefficient (revolute joint), at most |";
+    let table = text.split_once(head).expect("the table of effects").1;
+    let rows: Vec<Vec<&str>> = table
+        .lines()
+        .skip(2)
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    assert_eq!(rows.len(), Effect::ALL.len());
+    for (effect, row) in Effect::ALL.iter().zip(rows) {
+        let [code, name, component, joint, order, most] = row[..] else { panic!("{row:?}") };
+        assert_eq!((code, name), (&*effect.code().to_string(), effect.name()));
+        let parts = match effect.components() {
+            [first, second] if effect.acts_on() == ActsOn::Base => {
+                format!("0: about {first}, 1: about {second}")
+            }
+            [first, second] => format!("0: {first}, 1: {second}"),
+            _ => "0".to_owned(),
+        };
+        assert_eq!(component, parts, "{name}");
+        let place = match effect.acts_on() {
+            ActsOn::Base => "0",
+            ActsOn::Lengths => "the link, or 0 and \"all links\"",
+            ActsOn::Joint if effect.is_coupled() => "yes, and another as source",
+            ActsOn::Joint => "yes",
+        };
+        assert_eq!(joint, place, "{name}");
+        let orders = match effect.order() {
+            Order::None => "0",
+            Order::Harmonic => "1 or 2 cycles a turn",
+            Order::Cycles => "cycles a turn, above 0",
+            Order::Friction => "friction torque, N m; 0: direction only",
+        };
+        assert_eq!(order, orders, "{name}");
+        let (size, unit) = most.split_once(' ').unwrap();
+        assert_eq!(size.parse(), Ok(effect.plausible()), "{name}");
+        let turns = JointKind::Revolute;
+        assert_eq!(unit.replace("(N m)", "Nm"), effect.unit(turns, turns), "{name}");
     }
 }

@@ -40,8 +40,8 @@ fn host_gives_the_bits_of_the_vector_files() {
 fn the_second_blob_has_every_effect_and_all_of_them_act() {
     let full = parameters::<f32>(TERMS_BLOB);
     assert_eq!(full.terms.len(), MAX_TERMS);
-    for (effect, name) in Effect::NAMES {
-        assert!(full.terms.iter().any(|t| t.effect == effect), "{name}");
+    for effect in Effect::ALL {
+        assert!(full.terms.iter().any(|t| t.effect == *effect), "{}", effect.name());
     }
     let vectors = Vectors::parse(TERMS_VECTORS).unwrap();
     for i in 0..MAX_TERMS {

@@ -3,7 +3,7 @@
 use super::error::{DecodeError, FieldName, Flaw, Record};
 use super::layout::TERM;
 use super::reader::Reader;
-use crate::effects::{Effect, Term};
+use crate::effects::{ActsOn, Effect, Order, Term};
 use crate::scalar::Scalar;
 
 /// Bits 0 to 3 of an effect's code, and where bits 4 and 5 of it stand, which no
@@ -27,14 +27,13 @@ fn flaw(index: u8, field: &'static str, flaw: Flaw) -> DecodeError {
 pub(super) fn to_bytes<T: Scalar>(index: u8, term: &Term<T>) -> Result<[u8; TERM]> {
     let refuse = |field| flaw(index, field, Flaw::Implausible);
     let effect = term.effect;
-    let code = Effect::NAMES.iter().position(|(e, _)| *e == effect);
-    let code = code.filter(|code| *code < 64).ok_or(refuse("effect"))? as u8;
+    let code = effect.code();
     let mut first = code & EFFECT | code << 2 & EFFECT_HIGH;
-    let all = effect == Effect::ThermalExpansion && term.joint == Term::<T>::ALL;
+    let all = term.of_all_links();
     if all {
         first |= ALL_LINKS;
     }
-    if has_component(effect) {
+    if effect.has_components() {
         match term.component {
             0 => (),
             1 => first |= COMPONENT,
@@ -46,10 +45,10 @@ pub(super) fn to_bytes<T: Scalar>(index: u8, term: &Term<T>) -> Result<[u8; TERM
         0..16 => Ok(joint),
         _ => Err(refuse(field)),
     };
-    let joint = nibble(effect != Effect::BaseCompliance && !all, term.joint, "joint")?;
-    let source = nibble(effect == Effect::JointCoupling, term.source, "source joint")?;
+    let joint = nibble(term.own_joint().is_some(), term.joint, "joint")?;
+    let source = nibble(effect.is_coupled(), term.source, "source joint")?;
     let mut order = 0;
-    if has_order(effect) {
+    if effect.order() != Order::None {
         let value = term.order.to_f64();
         let steps = value * ORDER_STEPS + 0.5;
         // Few enough steps; and none at all for 0 only, which with a friction
@@ -69,9 +68,8 @@ pub(super) fn to_bytes<T: Scalar>(index: u8, term: &Term<T>) -> Result<[u8; TERM
 pub(super) fn from_bytes<T: Scalar>(bytes: &[u8; TERM]) -> Option<Term<T>> {
     let [first, joints, o0, o1, c0, c1, c2, c3] = *bytes;
     let code = first & EFFECT | (first & EFFECT_HIGH) >> 2;
-    let (effect, _) = Effect::NAMES.get(usize::from(code))?;
     Some(Term {
-        effect: *effect,
+        effect: *Effect::ALL.get(usize::from(code))?,
         joint: if first & ALL_LINKS != 0 { Term::<T>::ALL } else { joints & 0x0f },
         source: joints >> 4,
         component: u8::from(first & COMPONENT != 0),
@@ -87,29 +85,21 @@ pub(super) fn check(index: u8, bytes: &[u8; TERM], joints: u8, masses: bool) -> 
     let [first, numbers, ..] = *bytes;
     let Some(term) = from_bytes::<f32>(bytes) else { return unknown("effect") };
     let all = first & ALL_LINKS != 0;
-    if all && term.effect != Effect::ThermalExpansion {
+    if all && term.effect.acts_on() != ActsOn::Lengths {
         return unknown("flags");
     }
-    if term.component != 0 && !has_component(term.effect) {
+    if term.component != 0 && !term.effect.has_components() {
         return unknown("component");
     }
     let joint = numbers & 0x0f;
-    let one_joint = term.effect != Effect::BaseCompliance && !all;
-    if if one_joint { joint >= joints } else { joint != 0 } {
+    if if term.own_joint().is_some() { joint >= joints } else { joint != 0 } {
         return implausible("joint");
     }
     let source = term.source;
-    let coupling = term.effect == Effect::JointCoupling;
-    if if coupling { source >= joints || source == joint } else { source != 0 } {
+    if if term.effect.is_coupled() { source >= joints || source == joint } else { source != 0 } {
         return implausible("source joint");
     }
-    let legal = match term.effect {
-        Effect::EncoderEccentricity => term.order == 1.0 || term.order == 2.0,
-        Effect::GearTransmissionError | Effect::JointPeriodicError => term.order > 0.0,
-        Effect::Backlash => true,
-        _ => term.order == 0.0,
-    };
-    if !legal {
+    if !term.effect.order().takes(term.order) {
         return implausible("order");
     }
     if !term.coefficient.is_finite() {
@@ -128,12 +118,4 @@ pub(super) fn check(index: u8, bytes: &[u8; TERM], joints: u8, masses: bool) -> 
 pub(super) fn each(bytes: &[u8]) -> impl Iterator<Item = &[u8; TERM]> {
     let mut reader = Reader(bytes);
     core::iter::from_fn(move || reader.take())
-}
-
-const fn has_component(effect: Effect) -> bool {
-    effect.is_periodic() || matches!(effect, Effect::BaseCompliance)
-}
-
-const fn has_order(effect: Effect) -> bool {
-    effect.is_periodic() || matches!(effect, Effect::Backlash)
 }

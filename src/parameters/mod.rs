@@ -194,7 +194,8 @@ impl Parameter {
             Self::BaseRotation(_) | Self::StationRotation(_) => "rad",
             Self::Link { parameter, .. } if !parameter.is_length() => "rad",
             Self::Term(term) => {
-                arm.terms.get(usize::from(term)).map_or("", |term| term.effect.unit())
+                let kinds = arm.nominal.map(|link| link.kind);
+                arm.terms.get(usize::from(term)).map_or("", |term| term.unit(&kinds))
             }
             _ => "m",
         }

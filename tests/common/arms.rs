@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::check_point::CheckPoint;
-use truearm::effects::{Effect, Masses, Term};
+use truearm::effects::{ActsOn, Effect, Masses, Order, Term};
 use truearm::{
     Approach, Arm, ArmParameters, JointKind, Link, MdhParameters, Scalar, State, Tables,
 };
@@ -47,14 +47,14 @@ pub fn stored<T: Scalar, const N: usize>(
 
 /// A term of every effect, with masses to load them.
 pub fn with_terms<T: Scalar, const N: usize>(arm: &mut ArmParameters<'static, T, N>) {
-    for (k, (effect, _)) in Effect::NAMES.iter().enumerate() {
-        let joint =
-            if *effect == Effect::ThermalExpansion { Term::<T>::ALL } else { (k % N) as u8 };
-        let order = match effect {
-            Effect::GearTransmissionError => 100.0,
-            Effect::Backlash => 5.0,
-            Effect::BaseCompliance | Effect::JointCompliance | Effect::ThermalExpansion => 0.0,
-            _ => 2.0,
+    for (k, effect) in Effect::ALL.iter().enumerate() {
+        let lengths = effect.acts_on() == ActsOn::Lengths;
+        let joint = if lengths { Term::<T>::ALL } else { (k % N) as u8 };
+        let order = match effect.order() {
+            Order::None => 0.0,
+            Order::Harmonic => 2.0,
+            Order::Cycles => 100.0,
+            Order::Friction => 5.0,
         };
         let term = Term {
             effect: *effect,

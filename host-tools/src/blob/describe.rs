@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 use truearm::blob::{self, Blob};
-use truearm::effects::{Effect, Term};
+use truearm::effects::Term;
 use truearm::{ArmParameters, JointKind};
 
 use crate::model::arm::with_joints;
-use crate::model::term_unit;
+use crate::model::{friction, friction_unit, part};
 
 /// A blob in words, every field with its unit. `given` is how many bytes it was
 /// found in.
@@ -152,7 +152,7 @@ fn uncertainty<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String
     }
     let kinds = p.nominal.map(|link| link.kind);
     for (i, term) in p.terms.iter().enumerate() {
-        let unit = term_unit(term, &kinds);
+        let unit = term.unit(&kinds);
         text += &format!("term {:<3} {:.3e} {unit}\n", i + 1, sigma[9 + 5 * N + i]);
     }
     text
@@ -166,12 +166,12 @@ fn terms(terms: &[Term<f64>], kinds: &[JointKind]) -> String {
             .to_owned(),
     };
     for (i, t) in terms.iter().enumerate() {
-        let (joint, component, order) = term_columns(t);
+        let (joint, component, order) = term_columns(t, kinds);
         let (name, coefficient) = (t.effect.name(), t.coefficient);
         let line = format!(
             "{:<5} {name:24} {joint:6} {component:10} {order:>8} {coefficient:>16.6e} {}",
             i + 1,
-            term_unit(t, kinds)
+            t.unit(kinds)
         );
         text += &line;
         text.push('\n');
@@ -180,26 +180,25 @@ fn terms(terms: &[Term<f64>], kinds: &[JointKind]) -> String {
 }
 
 /// Joint, component and order of a term as a reader of reports knows them.
-pub(crate) fn term_columns(term: &Term<f64>) -> (String, &'static str, String) {
+pub(crate) fn term_columns(
+    term: &Term<f64>,
+    kinds: &[JointKind],
+) -> (String, &'static str, String) {
     let number = |joint: u8| (u16::from(joint) + 1).to_string();
-    let joint = match term.effect {
-        Effect::BaseCompliance => "base".to_owned(),
-        Effect::ThermalExpansion if term.joint == Term::<f64>::ALL => "all".to_owned(),
-        Effect::JointCoupling => format!("{}>{}", number(term.source), number(term.joint)),
-        _ => number(term.joint),
+    let joint = match term.own_joint() {
+        Some(joint) if term.effect.is_coupled() => {
+            format!("{}>{}", number(term.source), number(joint))
+        }
+        Some(joint) => number(joint),
+        None if term.of_all_links() => "all".to_owned(),
+        None => "base".to_owned(),
     };
-    let second = term.component != 0;
-    let component = match term.effect {
-        Effect::BaseCompliance => ["x", "y"][usize::from(second)],
-        effect if effect.is_periodic() => ["cos", "sin"][usize::from(second)],
-        _ => "",
+    let order = match friction(term) {
+        Some(friction) => format!("{friction} {}", friction_unit(kinds, term.joint)),
+        None if term.effect.order().is_cycles() => term.order.to_string(),
+        None => String::new(),
     };
-    let order = match term.effect {
-        Effect::Backlash if term.order > 0.0 => format!("{} N m", term.order),
-        effect if effect.is_periodic() => term.order.to_string(),
-        _ => String::new(),
-    };
-    (joint, component, order)
+    (joint, part(term), order)
 }
 
 /// Four decimals without a minus zero.

@@ -10,7 +10,6 @@ use truearm::{Approach, Arm, ArmParameters, JointKind, LinkParameter, State};
 use super::describe::{rms, term_columns};
 use crate::error::{Error, Kind, Result};
 use crate::model::arm::with_joints;
-use crate::model::term_unit;
 
 /// Temperatures drawn: so far from the reference temperature, K.
 const WARMTH: f64 = 10.0;
@@ -179,7 +178,7 @@ fn terms(out: &mut String, a: &[Term<f64>], b: &[Term<f64>], kinds: &[JointKind]
         Term { coefficient: 0.0, ..*x } == Term { coefficient: 0.0, ..*y }
     };
     let name = |t: &Term<f64>| {
-        let (joint, component, order) = term_columns(t);
+        let (joint, component, order) = term_columns(t, kinds);
         let words = [t.effect.name(), &joint, component, &order];
         words.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" ")
     };
@@ -192,18 +191,18 @@ fn terms(out: &mut String, a: &[Term<f64>], b: &[Term<f64>], kinds: &[JointKind]
                 let (from, to) = (x.coefficient, b[k].coefficient);
                 if from != to {
                     let by = to - from;
-                    let (name, unit) = (name(x), term_unit(x, kinds));
+                    let (name, unit) = (name(x), x.unit(kinds));
                     *out += &format!("term {name}: {from:.6e} -> {to:.6e} ({by:+.3e}) {unit}\n");
                 }
             }
             None => {
-                let unit = term_unit(x, kinds);
+                let unit = x.unit(kinds);
                 *out += &format!("term {}: gone, was {:.6e} {unit}\n", name(x), x.coefficient);
             }
         }
     }
     for (y, _) in b.iter().zip(found).filter(|(_, found)| !found) {
-        let unit = term_unit(y, kinds);
+        let unit = y.unit(kinds);
         *out += &format!("term {}: new, {:.6e} {unit}\n", name(y), y.coefficient);
     }
 }

@@ -151,7 +151,7 @@ pub fn notes(model: &Model) -> Vec<String> {
     for (i, term) in arm_terms(model).enumerate() {
         let rounded = (term.order * 64.0).round() / 64.0;
         if rounded != term.order {
-            let what = if term.effect.is_periodic() { "order" } else { "friction" };
+            let what = if term.effect.order().is_cycles() { "order" } else { "friction" };
             out.push(format!(
                 "warning: {what} of term {} ({} of joint {}) rounded from {} to {rounded}",
                 i + 1,

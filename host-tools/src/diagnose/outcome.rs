@@ -50,6 +50,9 @@ pub struct Coefficient {
     /// Backlash: friction torque above which gravity takes the side, N m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_nm: Option<f64>,
+    /// The same of a joint that slides, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_n: Option<f64>,
 }
 
 /// A line of the gap table.

@@ -3,9 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 use truearm::JointKind;
-use truearm::effects::{Effect, Term};
+use truearm::effects::{ActsOn, Effect, Order, Term};
 
-use crate::model::{ModelTerm, term_unit};
+use crate::model::{DRIFT, ModelTerm, XYZ, friction_unit};
 
 /// A term of the arm.
 #[derive(Serialize, Deserialize)]
@@ -38,49 +38,35 @@ pub(super) struct MeasurementTermFile {
     unit: String,
 }
 
-const DRIFT: [&str; 6] = ["rx", "ry", "rz", "x", "y", "z"];
-const XYZ: [&str; 3] = ["x", "y", "z"];
-
-/// Names of the two components of an effect, if it has two.
-fn components(effect: Effect) -> Option<[&'static str; 2]> {
-    match effect {
-        Effect::BaseCompliance => Some(["x", "y"]),
-        _ if effect.is_periodic() => Some(["cos", "sin"]),
-        _ => None,
-    }
-}
-
 /// Both tables of a list of terms.
 pub(super) fn to_file(
     terms: &[ModelTerm],
     kinds: &[JointKind],
 ) -> (Vec<TermFile>, Vec<MeasurementTermFile>) {
     let (mut arm, mut measurement) = (Vec::new(), Vec::new());
-    for model_term in terms {
-        let effect = model_term.effect_name().to_owned();
-        let coefficient = model_term.coefficient();
-        let (component, series) = match model_term {
-            ModelTerm::Arm(term) => {
-                let unit = term_unit(term, kinds);
-                let friction =
-                    (term.effect == Effect::Backlash && term.order > 0.0).then_some(term.order);
+    for term in terms {
+        let effect = term.effect_name().to_owned();
+        let component = Some(term.part().to_owned()).filter(|part| !part.is_empty());
+        let (coefficient, unit) = (term.coefficient(), term.unit(kinds).to_owned());
+        let series = match term {
+            ModelTerm::Arm(of_arm) => {
+                let force = friction_unit(kinds, of_arm.joint) == "N";
                 arm.push(TermFile {
                     effect,
-                    joints: model_term.joints(),
-                    order: model_term.order(),
-                    component: components(term.effect)
-                        .map(|names| names[usize::from(term.component != 0)].to_owned()),
-                    friction_n_m: friction.filter(|_| unit == "rad"),
-                    friction_n: friction.filter(|_| unit == "m"),
+                    joints: term.joints(),
+                    order: term.order(),
+                    component,
+                    friction_n_m: term.friction().filter(|_| !force),
+                    friction_n: term.friction().filter(|_| force),
                     coefficient,
                     unit,
                 });
                 continue;
             }
-            ModelTerm::Drift { component, .. } => (DRIFT[*component], None),
-            ModelTerm::Remount { axis, series, .. } => (XYZ[*axis], Some(series.clone())),
+            ModelTerm::Drift { .. } => None,
+            ModelTerm::Remount { series, .. } => Some(series.clone()),
         };
-        let (component, unit) = (component.to_owned(), model_term.unit().to_owned());
+        let component = component.unwrap_or_default();
         measurement.push(MeasurementTermFile { effect, series, component, coefficient, unit });
     }
     (arm, measurement)
@@ -90,35 +76,22 @@ pub(super) fn to_file(
 pub(super) fn arm_term(file: &TermFile, kinds: &[JointKind]) -> Result<ModelTerm, String> {
     let effect = Effect::from_name(&file.effect)
         .ok_or_else(|| format!("effect \"{}\" is not known", file.effect))?;
-    let place = |joint: usize| match joint {
-        joint if (1..=kinds.len()).contains(&joint) => Ok((joint - 1) as u8),
-        _ => Err(format!("joint {joint} where joints are 1 to {}", kinds.len())),
-    };
-    let (joint, source) = match (effect, &file.joints[..]) {
-        (Effect::BaseCompliance, []) => (0, 0),
-        (Effect::ThermalExpansion, []) => (Term::<f64>::ALL, 0),
-        (Effect::JointCoupling, [source, target]) if source != target => {
-            (place(*target)?, place(*source)?)
+    let (joint, source) = places(effect, &file.joints, kinds.len())?;
+    let component = match (effect.components(), file.component.as_deref()) {
+        ([], None) => 0,
+        ([], Some(_)) => return Err(format!("{} has no component", effect.name())),
+        (names, part) => {
+            let found = names.iter().position(|name| Some(*name) == part);
+            found.ok_or_else(|| format!("component must be one of {names:?}"))? as u8
         }
-        (Effect::JointCoupling, _) => {
-            return Err("joints must be [source, target], two different ones".to_owned());
-        }
-        (effect, [joint]) if effect != Effect::BaseCompliance => (place(*joint)?, 0),
-        _ => return Err(format!("joints = {:?} do not suit {}", file.joints, effect.name())),
     };
-    let component = match (components(effect), file.component.as_deref()) {
-        (None, None) => 0,
-        (Some([first, _]), Some(name)) if name == first => 0,
-        (Some([_, second]), Some(name)) if name == second => 1,
-        (Some(names), _) => return Err(format!("component must be one of {names:?}")),
-        (None, Some(_)) => return Err(format!("{} has no component", effect.name())),
-    };
-    let order = match (effect, file.order, file.friction_n_m.or(file.friction_n)) {
-        (_, Some(order), None) if effect.is_periodic() && order > 0.0 && order.is_finite() => order,
-        (_, _, None) if effect.is_periodic() => {
+    let cycles = effect.order().is_cycles();
+    let order = match (effect.order(), file.order, file.friction_n_m.or(file.friction_n)) {
+        (_, Some(order), None) if cycles && order > 0.0 && order.is_finite() => order,
+        (_, _, None) if cycles => {
             return Err("order must be given, cycles a turn above 0".to_owned());
         }
-        (Effect::Backlash, None, friction) => friction.unwrap_or(0.0),
+        (Order::Friction, None, friction) => friction.unwrap_or(0.0),
         (_, None, None) => 0.0,
         _ => return Err(format!("{} takes no such order or friction", effect.name())),
     };
@@ -127,8 +100,28 @@ pub(super) fn arm_term(file: &TermFile, kinds: &[JointKind]) -> Result<ModelTerm
     }
     let coefficient = file.coefficient;
     let term = Term { effect, joint, source, component, order, coefficient };
-    right_unit(&file.unit, &term_unit(&term, kinds), coefficient)?;
+    right_unit(&file.unit, term.unit(kinds), coefficient)?;
     Ok(ModelTerm::Arm(term))
+}
+
+/// Joint and source, counted from 0, of joints counted from 1 of so many.
+fn places(effect: Effect, joints: &[usize], count: usize) -> Result<(u8, u8), String> {
+    let place = |joint: usize| match joint {
+        joint if (1..=count).contains(&joint) => Ok((joint - 1) as u8),
+        _ => Err(format!("joint {joint} where joints are 1 to {count}")),
+    };
+    match (effect.acts_on(), joints) {
+        (ActsOn::Base, []) => Ok((0, 0)),
+        (ActsOn::Lengths, []) => Ok((Term::<f64>::ALL, 0)),
+        (ActsOn::Joint, [source, target]) if effect.is_coupled() && source != target => {
+            Ok((place(*target)?, place(*source)?))
+        }
+        _ if effect.is_coupled() => {
+            Err("joints must be [source, target], two different ones".to_owned())
+        }
+        (ActsOn::Joint | ActsOn::Lengths, [joint]) => Ok((place(*joint)?, 0)),
+        _ => Err(format!("joints = {joints:?} do not suit {}", effect.name())),
+    }
 }
 
 /// Reads a term of the measurement; what is wrong with it, in words.
@@ -147,7 +140,7 @@ pub(super) fn measurement_term(file: &MeasurementTermFile) -> Result<ModelTerm, 
         ("tool-remount", None) => return Err("a tool-remount needs its series".to_owned()),
         (effect, _) => return Err(format!("effect \"{effect}\" is not known")),
     };
-    right_unit(&file.unit, term.unit(), coefficient)?;
+    right_unit(&file.unit, term.unit(&[]), coefficient)?;
     Ok(term)
 }
 
@@ -170,32 +163,24 @@ mod tests {
     /// A term of every effect on a joint of either kind, and of the measurement.
     fn terms() -> Vec<ModelTerm> {
         let mut terms = Vec::new();
-        for (effect, _) in Effect::NAMES {
+        for effect in Effect::ALL.iter().copied() {
             for joint in 0..2 {
-                let component = u8::from(components(effect).is_some()) * joint;
-                let base = effect == Effect::BaseCompliance;
+                let all = effect.acts_on() == ActsOn::Lengths && joint == 1;
+                let base = effect.acts_on() == ActsOn::Base;
                 terms.push(ModelTerm::Arm(Term {
                     effect,
-                    joint: if base { 0 } else { joint },
-                    source: if effect == Effect::JointCoupling { 2 } else { 0 },
-                    component,
-                    order: match effect {
-                        Effect::Backlash => 3.7 * f64::from(joint),
-                        _ if effect.is_periodic() => 2.013,
-                        _ => 0.0,
+                    joint: if all { Term::<f64>::ALL } else { joint * u8::from(!base) },
+                    source: if effect.is_coupled() { 2 } else { 0 },
+                    component: joint * u8::from(!effect.components().is_empty()),
+                    order: match effect.order() {
+                        Order::Friction => 3.7 * f64::from(joint),
+                        Order::Harmonic | Order::Cycles => 2.013,
+                        Order::None => 0.0,
                     },
                     coefficient: 1.25e-5,
                 }));
             }
         }
-        terms.push(ModelTerm::Arm(Term {
-            effect: Effect::ThermalExpansion,
-            joint: Term::<f64>::ALL,
-            source: 0,
-            component: 0,
-            order: 0.0,
-            coefficient: -1e-5,
-        }));
         for component in 0..6 {
             terms.push(ModelTerm::Drift { component, coefficient: 1e-4 });
         }

@@ -12,5 +12,6 @@ mod workspace;
 pub use identified::{Model, Provenance};
 pub use measurements::{Commanded, Measurements, Row};
 pub use robot::{Joint, LinkMass, Robot};
-pub use term::{ModelTerm, term_unit};
+pub(crate) use term::{DRIFT, XYZ};
+pub use term::{ModelTerm, friction, friction_unit, part};
 pub use workspace::{Sight, Workspace};

@@ -2,7 +2,7 @@
 //! measurement, which never do.
 
 use truearm::JointKind;
-use truearm::effects::{Effect, Term};
+use truearm::effects::{Order, Term};
 
 /// A term with its coefficient.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,38 +61,44 @@ impl ModelTerm {
     /// Joints it names in reports, counted from 1; coupling is source, target.
     #[must_use]
     pub fn joints(&self) -> Vec<usize> {
-        match self {
-            Self::Arm(term) => match term.effect {
-                Effect::BaseCompliance => Vec::new(),
-                Effect::ThermalExpansion if term.joint == Term::<f64>::ALL => Vec::new(),
-                Effect::JointCoupling => {
-                    vec![usize::from(term.source) + 1, usize::from(term.joint) + 1]
-                }
-                _ => vec![usize::from(term.joint) + 1],
-            },
-            Self::Drift { .. } | Self::Remount { .. } => Vec::new(),
-        }
+        let Self::Arm(term) = self else { return Vec::new() };
+        let source = term.effect.is_coupled().then_some(term.source);
+        source.into_iter().chain(term.own_joint()).map(|joint| usize::from(joint) + 1).collect()
     }
 
     /// Order of a periodic effect, cycles a turn.
     #[must_use]
     pub fn order(&self) -> Option<f64> {
         match self {
-            Self::Arm(term) => match term.effect {
-                Effect::EncoderEccentricity
-                | Effect::GearTransmissionError
-                | Effect::JointPeriodicError => Some(term.order),
-                _ => None,
-            },
+            Self::Arm(term) => term.effect.order().is_cycles().then_some(term.order),
             _ => None,
         }
     }
 
-    /// Unit of the coefficient.
+    /// Friction, N m or N, above which gravity decides; none where it never does.
     #[must_use]
-    pub fn unit(&self) -> &'static str {
+    pub fn friction(&self) -> Option<f64> {
         match self {
-            Self::Arm(term) => term.effect.unit(),
+            Self::Arm(term) => friction(term),
+            _ => None,
+        }
+    }
+
+    /// Which of several coefficients it is: cos, sin, x, y...; else empty.
+    #[must_use]
+    pub fn part(&self) -> &'static str {
+        match self {
+            Self::Arm(term) => part(term),
+            Self::Drift { component, .. } => DRIFT.get(*component).copied().unwrap_or_default(),
+            Self::Remount { axis, .. } => XYZ.get(*axis).copied().unwrap_or_default(),
+        }
+    }
+
+    /// Unit of the coefficient in an arm of joints of these kinds.
+    #[must_use]
+    pub fn unit(&self, kinds: &[JointKind]) -> &'static str {
+        match self {
+            Self::Arm(term) => term.unit(kinds),
             Self::Drift { component: 0..3, .. } => "rad/h",
             Self::Drift { .. } => "m/h",
             Self::Remount { .. } => "m",
@@ -100,15 +106,28 @@ impl ModelTerm {
     }
 }
 
-/// Unit of a coefficient for these joints.
+/// Names of the components of a drift.
+pub(crate) const DRIFT: [&str; 6] = ["rx", "ry", "rz", "x", "y", "z"];
+/// And of a re-seated target.
+pub(crate) const XYZ: [&str; 3] = ["x", "y", "z"];
+
+/// The name of a term's component, if its effect has several.
 #[must_use]
-pub fn term_unit(term: &Term<f64>, kinds: &[JointKind]) -> String {
-    let linear = |joint: u8| kinds.get(usize::from(joint)) == Some(&JointKind::Prismatic);
-    let of = |joint| if linear(joint) { "m" } else { "rad" };
-    match term.effect {
-        Effect::JointCoupling => format!("{}/{}", of(term.joint), of(term.source)),
-        Effect::BaseCompliance | Effect::ThermalExpansion => term.effect.unit().to_owned(),
-        Effect::JointCompliance if linear(term.joint) => "m/N".to_owned(),
-        effect => effect.unit().replace("rad", of(term.joint)),
+pub fn part(term: &Term<f64>) -> &'static str {
+    term.effect.components().get(usize::from(term.component)).copied().unwrap_or_default()
+}
+
+/// Friction of a term's joint, N m or N, above which gravity decides.
+#[must_use]
+pub fn friction(term: &Term<f64>) -> Option<f64> {
+    (term.effect.order() == Order::Friction && term.order > 0.0).then_some(term.order)
+}
+
+/// Unit of a friction of a joint.
+#[must_use]
+pub fn friction_unit(kinds: &[JointKind], joint: u8) -> &'static str {
+    match kinds.get(usize::from(joint)) {
+        Some(JointKind::Prismatic) => "N",
+        _ => "N m",
     }
 }

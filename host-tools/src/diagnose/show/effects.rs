@@ -1,65 +1,37 @@
-use truearm::effects::{Effect as ArmEffect, Term};
+use truearm::JointKind;
+use truearm::effects::ActsOn;
 
+use crate::diagnose::candidates::Candidate;
 use crate::diagnose::chi_square::chi_square;
 use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
 use crate::diagnose::policy::POLICY;
+use crate::diagnose::search::FAMILIES;
 use crate::diagnose::search::node::{Node, at_floor};
 use crate::identify::Findings;
 use crate::identify::robust::Outlier;
-use crate::model::ModelTerm;
+use crate::model::{ModelTerm, friction_unit};
 
 /// The effects of the final model: one entry a name and order, couplings and
 /// thermal links one each; flagged rows as `outliers`.
 #[must_use]
 pub fn effects(findings: &Findings, stages: &[Node], gap: &[GapRow], best: &Node) -> Vec<Effect> {
     let sigmas = findings.sigmas();
+    let kinds: Vec<JointKind> = findings.problem.nominal.iter().map(|link| link.kind).collect();
     let first = findings.problem.unknowns.terms().start;
     let terms = &best.fit.fit.state.terms;
     let mut out: Vec<Effect> = Vec::new();
-    for (k, stage) in stages.iter().enumerate().skip(1) {
-        let before = &stages[k - 1];
-        let fresh = |name: &str| before.added.iter().all(|c| c.name() != name);
-        let added = stage.added.iter().filter(|c| fresh(c.name()));
-        let (mut count, mut tried) = (0, 1.0_f64);
-        for candidate in added.clone() {
-            count += candidate.terms.len();
-            tried *= candidate.tried * crate::diagnose::search::FAMILIES;
-        }
-        let statistic = (before.misfit - stage.misfit) / stage.reduced.max(1.0);
-        let p_value = (chi_square(statistic, count) * tried).min(1.0);
+    for (k, pair) in stages.windows(2).enumerate() {
+        let [before, stage] = pair else { continue };
+        let (name, p_value) = step(before, stage);
         let figure = |row: &GapRow| row.holdout_rms_mm.or(row.cross_validated_rms_mm);
-        let holdout_gain = match (figure(&gap[k]), figure(&gap[k + 1])) {
+        let holdout_gain = match (figure(&gap[k + 1]), figure(&gap[k + 2])) {
             (Some(b), Some(a)) if b > 0.0 => 1.0 - a / b,
             _ => 0.0,
         };
-        let name = added.clone().next().map_or("", crate::diagnose::candidates::Candidate::name);
         for (i, term) in terms.iter().enumerate().filter(|(_, t)| t.effect_name() == name) {
-            let alone = matches!(term, ModelTerm::Arm(t)
-                if matches!(t.effect, ArmEffect::JointCoupling | ArmEffect::ThermalExpansion));
-            let joints = term.joints();
-            let entry = out.iter_mut().find(|e| {
-                e.name == name && e.order == term.order() && (!alone || e.joints == joints)
-            });
-            let coefficient = coefficient(term, sigmas[first + i]);
-            match entry {
-                Some(entry) => {
-                    for joint in joints {
-                        if !alone && !entry.joints.contains(&joint) {
-                            entry.joints.push(joint);
-                        }
-                    }
-                    entry.joints.sort_unstable_by(|a, b| if alone { a.cmp(a) } else { a.cmp(b) });
-                    entry.coefficients.push(coefficient);
-                }
-                None => out.push(Effect {
-                    name,
-                    joints,
-                    order: term.order(),
-                    coefficients: vec![coefficient],
-                    p_value,
-                    holdout_gain,
-                }),
-            }
+            let coefficients = vec![coefficient(term, &kinds, sigmas[first + i])];
+            let (joints, order) = (term.joints(), term.order());
+            add(&mut out, term, Effect { name, joints, order, coefficients, p_value, holdout_gain });
         }
     }
     let gross = best.fit.outliers.iter().any(|o| !other_side(findings, best, o));
@@ -79,6 +51,34 @@ pub fn effects(findings: &Findings, stages: &[Node], gap: &[GapRow], best: &Node
     out
 }
 
+/// The effect that a stage adds to the one before, and its chance from noise.
+fn step(before: &Node, stage: &Node) -> (&'static str, f64) {
+    let known = |c: &&Candidate| before.added.iter().any(|a| a.name() == c.name());
+    let added: Vec<&Candidate> = stage.added.iter().filter(|c| !known(c)).collect();
+    let count = added.iter().map(|c| c.terms.len()).sum();
+    let tried: f64 = added.iter().map(|c| c.tried * FAMILIES).product();
+    let statistic = (before.misfit - stage.misfit) / stage.reduced.max(1.0);
+    let p_value = (chi_square(statistic, count) * tried).min(1.0);
+    (added.first().map_or("", |c| c.name()), p_value)
+}
+
+/// Adds a term's entry, or its joint and coefficient to the entry it belongs to.
+fn add(out: &mut Vec<Effect>, term: &ModelTerm, new: Effect) {
+    // Of one place: a coupled pair, or links that grow alike.
+    let alone = matches!(term, ModelTerm::Arm(t)
+        if t.effect.is_coupled() || t.effect.acts_on() == ActsOn::Lengths);
+    let same = |e: &&mut Effect| {
+        e.name == new.name && e.order == new.order && (!alone || e.joints == new.joints)
+    };
+    let Some(entry) = out.iter_mut().find(same) else { return out.push(new) };
+    entry.coefficients.extend(new.coefficients);
+    if !alone {
+        entry.joints.extend(new.joints);
+        entry.joints.sort_unstable();
+        entry.joints.dedup();
+    }
+}
+
 /// Whether a flagged row is where a link rests on the other side of its gap:
 /// where friction and gravity are about equal, masses known to some per cent
 /// and a base that leans a little do not tell the side. Such a row is left
@@ -93,37 +93,26 @@ fn other_side(findings: &Findings, best: &Node, outlier: &Outlier) -> bool {
         let per_unit = equations.block.column(k) * problem.metres(outlier.row);
         let shift = per_unit * (-2.0 * t.coefficient / problem.unit(problem.unknowns.list()[k]));
         let left = (outlier.residual - shift).norm();
-        t.effect == ArmEffect::Backlash
+        t.effect.needs_approach()
             && left
                 < (POLICY.gap_share * outlier.residual.norm())
                     .max(POLICY.gap_deviations * row.sigma)
     })
 }
 
-fn coefficient(term: &ModelTerm, sigma: f64) -> Coefficient {
-    let (part, friction) = match term {
-        ModelTerm::Arm(t) => match t.effect {
-            ArmEffect::BaseCompliance => (["x", "y"][usize::from(t.component) % 2], None),
-            ArmEffect::EncoderEccentricity
-            | ArmEffect::GearTransmissionError
-            | ArmEffect::JointPeriodicError => (["cos", "sin"][usize::from(t.component) % 2], None),
-            ArmEffect::Backlash => ("", Some(t.order).filter(|f| *f > 0.0)),
-            _ => ("", None),
-        },
-        ModelTerm::Drift { component, .. } => (["rx", "ry", "rz", "x", "y", "z"][*component], None),
-        ModelTerm::Remount { axis, .. } => (["x", "y", "z"][*axis], None),
+fn coefficient(term: &ModelTerm, kinds: &[JointKind], sigma: f64) -> Coefficient {
+    let joint = match term {
+        ModelTerm::Arm(t) => t.own_joint(),
+        _ => None,
     };
+    let force = joint.is_some_and(|joint| friction_unit(kinds, joint) == "N");
     Coefficient {
-        joint: match term {
-            ModelTerm::Arm(t) if t.effect == ArmEffect::BaseCompliance => None,
-            ModelTerm::Arm(t) if t.joint == Term::<f64>::ALL => None,
-            ModelTerm::Arm(t) => Some(usize::from(t.joint) + 1),
-            _ => None,
-        },
-        part,
+        joint: joint.map(|joint| usize::from(joint) + 1),
+        part: term.part(),
         value: term.coefficient(),
-        unit: term.unit(),
+        unit: term.unit(kinds),
         sigma,
-        friction_nm: friction,
+        friction_nm: term.friction().filter(|_| !force),
+        friction_n: term.friction().filter(|_| force),
     }
 }

@@ -1,0 +1,118 @@
+use crate::kinematics::JointKind;
+
+/// What a controller knows of an effect besides its arithmetic; each effect's
+/// file has one. It is taken apart while compiling: an image holds only what it
+/// asks for.
+pub(super) struct Descriptor {
+    /// Its code in a blob, which is its place in the table.
+    pub code: u8,
+    /// In reports and files.
+    pub name: &'static str,
+    pub acts_on: ActsOn,
+    /// Whether it follows another joint, [`super::Term::source`].
+    pub coupled: bool,
+    /// What components 0 and 1 are; empty where there is one coefficient only.
+    pub components: &'static [&'static str],
+    pub order: Order,
+    pub load: NeedsLoad,
+    /// Whether it needs to know how the joint came to rest.
+    pub approach: bool,
+    /// Whether it needs the temperature.
+    pub warmth: bool,
+    /// Whether a joint must turn to have it.
+    pub revolute_only: bool,
+    pub units: Units,
+    /// A coefficient beyond this is no such effect but a wrong model.
+    pub plausible: f32,
+}
+
+/// What a term deflects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ActsOn {
+    /// The value of its joint, rad or m.
+    Joint,
+    /// The rotation of the base about its x (component 0) or y axis, rad; such a
+    /// term has no joint.
+    Base,
+    /// The lengths a and d of its link, or of all links: relative growth.
+    Lengths,
+}
+
+/// What [`super::Term::order`] is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Order {
+    /// Unused, 0.
+    None,
+    /// 1 or 2 cycles per turn of the joint.
+    Harmonic,
+    /// Cycles per turn of the joint, above 0.
+    Cycles,
+    /// Friction of the joint, N m or N, above which gravity decides; 0: never.
+    Friction,
+}
+
+impl Order {
+    /// Whether it is a number of cycles a turn.
+    #[must_use]
+    pub const fn is_cycles(self) -> bool {
+        matches!(self, Self::Harmonic | Self::Cycles)
+    }
+
+    /// Whether a term may have this order; not NaN.
+    #[must_use]
+    pub(crate) fn takes(self, order: f32) -> bool {
+        match self {
+            Self::None => order == 0.0,
+            Self::Harmonic => order == 1.0 || order == 2.0,
+            Self::Cycles => order > 0.0,
+            Self::Friction => order >= 0.0,
+        }
+    }
+}
+
+/// Whether a term depends on gravity, so that the arm's [`super::Masses`] are
+/// needed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum NeedsLoad {
+    /// It does not.
+    Never,
+    /// It does.
+    Always,
+    /// If its [`super::Term::order`], a friction, is above 0.
+    WithFriction,
+}
+
+/// Units of a coefficient by the kinds of its joint and of its source joint.
+#[derive(Clone, Copy)]
+pub(super) struct Units([[&'static str; 2]; 2]);
+
+impl Units {
+    /// Whatever the joint.
+    pub const fn any(unit: &'static str) -> Self {
+        Self([[unit; 2]; 2])
+    }
+
+    /// Of a joint that turns, and of one that slides.
+    pub const fn joint(revolute: &'static str, prismatic: &'static str) -> Self {
+        Self([[revolute; 2], [prismatic; 2]])
+    }
+
+    /// Of a joint that turns with a source that turns and that slides; then of
+    /// one that slides.
+    pub const fn joints(units: [[&'static str; 2]; 2]) -> Self {
+        Self(units)
+    }
+
+    pub const fn of(self, joint: JointKind, source: JointKind) -> &'static str {
+        let Self([[rr, rp], [pr, pp]]) = self;
+        match (joint, source) {
+            (JointKind::Revolute, JointKind::Revolute) => rr,
+            (JointKind::Revolute, JointKind::Prismatic) => rp,
+            (JointKind::Prismatic, JointKind::Revolute) => pr,
+            (JointKind::Prismatic, JointKind::Prismatic) => pp,
+        }
+    }
+}
