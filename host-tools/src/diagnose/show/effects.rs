@@ -31,7 +31,11 @@ pub fn effects(findings: &Findings, stages: &[Node], gap: &[GapRow], best: &Node
         for (i, term) in terms.iter().enumerate().filter(|(_, t)| t.effect_name() == name) {
             let coefficients = vec![coefficient(term, &kinds, sigmas[first + i])];
             let (joints, order) = (term.joints(), term.order());
-            add(&mut out, term, Effect { name, joints, order, coefficients, p_value, holdout_gain });
+            add(
+                &mut out,
+                term,
+                Effect { name, joints, order, coefficients, p_value, holdout_gain },
+            );
         }
     }
     let gross = best.fit.outliers.iter().any(|o| !other_side(findings, best, o));
