@@ -7,9 +7,10 @@ use truearm::{Link, Pose};
 use crate::error::{Error, Kind, Label, Result};
 use crate::identify::fit::{Freedom, fit};
 use crate::identify::registration::{register, rigid_transform};
-use crate::identify::{Conditions, Predictor, Problem, Scaling, State};
+use crate::identify::{Conditions, Predictor, Problem, Scaling, State, View};
 use crate::model::ModelTerm;
 use crate::model::{Measurements, Model};
+use crate::observations::{Residual, kind};
 use crate::report::{Stats, Validation, own_evidence};
 
 /// What may be fitted on the scored file itself.
@@ -50,7 +51,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
     let left_out = own_evidence(&residuals);
     let kept: Vec<_> =
         (0..residuals.len()).filter(|i| !left_out.contains(i)).map(|i| residuals[i]).collect();
-    let stats = |r: &[Vector3<f64>]| {
+    let stats = |r: &[Residual]| {
         Stats::of(r)
             .ok_or_else(|| Error::data(Kind::NoRows, "no rows to score", "give a file with rows"))
     };
@@ -97,12 +98,11 @@ pub fn state_on(model: &Model, data: &Measurements, frames: Reregister) -> Resul
     }
 }
 
-/// Measured minus predicted of every row, m.
+/// Measured minus predicted of every row, SI.
 #[must_use]
-pub fn residuals(data: &Measurements, conditions: &Conditions, state: &State) -> Vec<Vector3<f64>> {
-    let model = Predictor::new(state);
-    let rows = data.rows.iter().enumerate();
-    rows.map(|(i, row)| row.point - model.point(row, i, conditions)).collect()
+pub fn residuals(data: &Measurements, conditions: &Conditions, state: &State) -> Vec<Residual> {
+    let view = View { model: &Predictor::new(state), data, conditions };
+    (0..data.rows.len()).map(|row| Residual::of(row, &view)).collect()
 }
 
 fn unknown(data: &Measurements, of: Label, label: &str, known: &str, option: &str) -> Error {
@@ -176,9 +176,12 @@ fn with_bases(
         data.rows.iter().enumerate().map(|(i, r)| arm.point(r, i, conditions)).collect();
     let mut bases = Vec::new();
     for (s, label) in data.stations.iter().enumerate() {
-        let rows: Vec<_> = (0..data.rows.len()).filter(|i| data.rows[*i].station == s).collect();
+        let of = |i: &usize| {
+            data.rows[*i].station == s && kind(&data.rows[*i]).point(&data.rows[*i]).is_some()
+        };
+        let rows: Vec<_> = (0..data.rows.len()).filter(of).collect();
         let from: Vec<_> = rows.iter().map(|i| points[*i]).collect();
-        let to: Vec<_> = rows.iter().map(|i| data.rows[*i].point).collect();
+        let to: Vec<_> = rows.iter().map(|i| data.rows[*i].measured.point()).collect();
         let fail = || {
             Error::data(
                 Kind::FrameUndetermined,

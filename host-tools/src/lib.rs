@@ -1,6 +1,7 @@
 //! Host side of truearm: from tracker files to an identified arm and a blob.
 //!
-//! Data flow one way: [`files`] -> [`model`] -> [`identify`] -> [`report`] and
+//! Data flow one way: [`files`] -> [`model`] -> [`observations`] -> [`identify`] ->
+//! [`report`] and
 //! [`model::Model`] -> [`mod@evaluate`], [`blob`]. The kinematics are those of the
 //! [`truearm`] crate, the same code that runs on the controller.
 
@@ -12,6 +13,7 @@ pub mod files;
 pub mod identify;
 pub mod methods;
 pub mod model;
+pub mod observations;
 pub mod plan;
 pub mod plot;
 pub mod report;

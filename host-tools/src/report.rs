@@ -1,11 +1,11 @@
 //! `report.json`: one schema for all verbs.
 
-use nalgebra::Vector3;
 use serde::Serialize;
 
 use crate::identify::LambdaChoice;
 use crate::identify::error_bars::Uncertainty;
 use crate::identify::robust::median;
+use crate::observations::Miss;
 
 /// Distances between measured and predicted points, mm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -21,10 +21,10 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// Of residuals in metres; `None` of none.
+    /// Of how far off things are; `None` of none.
     #[must_use]
-    pub fn of(residuals: &[Vector3<f64>]) -> Option<Self> {
-        let d: Vec<f64> = residuals.iter().map(|r| r.norm() * 1e3).collect();
+    pub fn of(residuals: &[impl Miss]) -> Option<Self> {
+        let d: Vec<f64> = residuals.iter().map(|r| r.miss() * 1e3).collect();
         let n = d.len() as f64;
         if d.is_empty() {
             return None;
@@ -45,10 +45,10 @@ impl Stats {
 pub struct FlaggedRow {
     /// Data row, counted from 1.
     pub row: usize,
-    /// Which of x, y, z are wrong.
+    /// Which components are wrong: of a point x, y, z.
     pub coordinates: Vec<&'static str>,
     /// Measured minus predicted by the other rows, mm.
-    pub residual_mm: [f64; 3],
+    pub residual_mm: Vec<f64>,
 }
 
 /// A number, or `"> 1e15"` where rounding hides it.
@@ -178,8 +178,8 @@ pub struct Report {
 /// Rows to leave out of a held-out file on their own evidence: beyond 10 robust
 /// standard deviations, the worst first, at most 1 % of the rows.
 #[must_use]
-pub fn own_evidence(residuals: &[Vector3<f64>]) -> Vec<usize> {
-    let d: Vec<f64> = residuals.iter().map(|r| r.norm()).collect();
+pub fn own_evidence(residuals: &[impl Miss]) -> Vec<usize> {
+    let d: Vec<f64> = residuals.iter().map(Miss::miss).collect();
     let scale = robust_distance_scale(&d);
     let mut rows: Vec<usize> = (0..d.len()).filter(|i| d[*i] > 10.0 * scale).collect();
     rows.sort_by(|a, b| d[*b].total_cmp(&d[*a]));

@@ -26,7 +26,7 @@ fn equations(seed: u64, poses: usize, scaling: Scaling) -> (DMatrix<f64>, f64) {
     let problem = Problem::new(&data, &robot, scaling);
     let start = register(&data, &problem.nominal, robot.tool).unwrap();
     let rows: Vec<usize> = (0..data.rows.len()).collect();
-    let metres = problem.metres(0);
+    let metres = problem.scale(0)[0];
     (problem.linearise(&start).rows(&rows, None), metres)
 }
 

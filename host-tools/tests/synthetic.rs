@@ -55,7 +55,7 @@ fn plain_least_squares(robot: &Robot, data: &Measurements) -> (State, f64) {
     for i in 0..rows {
         let e = at.equations(i);
         a.rows_mut(3 * i, 3).copy_from(&e.block);
-        b.rows_mut(3 * i, 3).copy_from(&(e.residual / data.rows[i].sigma));
+        b.rows_mut(3 * i, 3).copy_from(&e.scaled_residual().column());
     }
     let step = at.to_si(&a.svd(true, true).solve(&b, 0.0).unwrap());
     let moved = state.stepped(&problem.unknowns, &step);
@@ -156,7 +156,7 @@ fn gross_errors_are_flagged_and_no_other_row() {
         let mut data = truth.parse(&text);
         let wrong = [3, 17, 18, 40, 41, 59];
         for (k, row) in wrong.iter().enumerate() {
-            data.rows[*row].point[k % 3] += [0.4e-3, -1e-3, 10e-3, -0.1, 3.0, 0.5e-3][k];
+            data.rows[*row].measured[k % 3] += [0.4e-3, -1e-3, 10e-3, -0.1, 3.0, 0.5e-3][k];
         }
         let found = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap();
         let flagged: Vec<usize> = found.report.outliers.iter().map(|o| o.row - 1).collect();

@@ -50,7 +50,7 @@ fn the_file_is_the_printed_table() {
         for (q, degrees) in row.q.iter().zip(printed) {
             assert_eq!(*q, degrees.to_radians());
         }
-        for (x, mm) in row.point.iter().zip(&printed[6..]) {
+        for (x, mm) in row.measured.iter().zip(&printed[6..]) {
             assert!((x * 1e3 - mm).abs() < 1e-9, "line {}", row.line);
         }
     }

@@ -88,10 +88,10 @@ pub fn identified_once(cell: &Cell, fresh: bool, rng: &mut ChaCha8Rng) -> Simula
     let judged = Problem::new(&check, robot, Scaling::Prior);
     let at = judged.linearise(&found.fit.state);
     for row in 0..JUDGED {
-        let e = at.equations(row);
-        let sigmas = covariances.of_point(&e.block, judged.metres(row));
+        let (residual, (_, moved)) = (at.residual(row), at.target(row));
+        let sigmas = covariances.of_predicted(&moved);
         for c in 0..3 {
-            out[0].count(e.residual[c], [sigmas[0][c], sigmas[1][c]]);
+            out[0].count(residual[c], [sigmas[0][c], sigmas[1][c]]);
         }
     }
 

@@ -87,13 +87,13 @@ impl Trial {
         for k in 0..repeats {
             let mut data = exact.clone();
             for row in &mut data.rows {
-                row.point += vector(rng) * SIGMA;
+                row.measured = (row.measured.point() + vector(rng) * SIGMA).into();
             }
             let problem = Problem::new(&data, &self.robot, Scaling::Prior);
             let found = fit(&problem, &rows, None, &self.truth.state(), Freedom::All(1.0));
             let arm = Predictor::new(&found.unwrap().state);
             for (i, row) in judged.rows.iter().enumerate() {
-                let error = arm.point(row, i, &conditions) - row.point;
+                let error = arm.point(row, i, &conditions) - row.measured.point();
                 squares[k % 2][i] += error.norm_squared();
             }
         }

@@ -147,7 +147,7 @@ pub fn parse(robot: &Robot, text: &str) -> Measurements {
 
 pub fn rms(robot: &Robot, state: &State, check: &Measurements) -> f64 {
     let residuals = truearm_host::evaluate::residuals(check, &Conditions::new(check, robot), state);
-    (residuals.iter().map(|r| r.norm_squared()).sum::<f64>() / residuals.len() as f64).sqrt()
+    (residuals.iter().map(|r| r.norm().powi(2)).sum::<f64>() / residuals.len() as f64).sqrt()
 }
 
 /// The identified state, stations and markers in the order of `check`.

@@ -47,7 +47,7 @@ fn the_report_says_what_is_told_together_only() {
     for row in &truth.parse(&truth.measure(400, 0.0, &mut rng)).rows {
         let mut row = row.clone();
         row.q[2] = 0.8 + 0.02 * row.q[2];
-        row.point = truth.point(&row.q, 0, 0);
+        row.measured = truth.point(&row.q, 0, 0).into();
         row.pose = narrow.rows.len();
         narrow.rows.push(row);
     }

@@ -170,7 +170,7 @@ impl Accident {
             let square = |row: &truearm_host::model::Row| {
                 let q: [f32; JOINTS] = core::array::from_fn(|k| row.q[k] as f32);
                 let seen = arm.real_pose(&q).translation.map(f64::from);
-                (self.commanded.transform_point(&seen) - row.point).norm_squared()
+                (self.commanded.transform_point(&seen) - row.measured.point()).norm_squared()
             };
             (check.rows.iter().map(square).sum::<f64>() / check.rows.len() as f64).sqrt()
         };

@@ -113,17 +113,31 @@ impl Identify {
 /// One line a data row: residuals in mm with nominal geometry, identified, and
 /// held out.
 pub fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
-    let header = "row,line,station,marker,flagged,nominal_dx_mm,nominal_dy_mm,nominal_dz_mm,\
-                  dx_mm,dy_mm,dz_mm,held_out_dx_mm,held_out_dy_mm,held_out_dz_mm";
+    // Of every kind that the file has, its components.
+    let mut names: Vec<&str> = Vec::new();
+    for name in rows.iter().flat_map(|r| r.identified.components()) {
+        if !names.contains(name) {
+            names.push(name);
+        }
+    }
+    let mut header: Vec<String> =
+        ["row", "line", "station", "marker", "flagged"].map(str::to_owned).to_vec();
+    for of in ["nominal_", "", "held_out_"] {
+        header.extend(names.iter().map(|name| format!("{of}d{name}_mm")));
+    }
     let line = |(i, (row, result)): (usize, (&Row, &RowResult))| {
         let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
         let mut cells = vec![(i + 1).to_string(), row.line.to_string()];
         cells.extend([station.clone(), marker.clone(), u8::from(result.flagged).to_string()]);
         for v in [Some(result.nominal), Some(result.identified), result.held_out] {
-            let mm = |axis: usize| v.map_or(String::new(), |v| format!("{:.5}", v[axis] * 1e3));
-            cells.extend((0..3).map(mm));
+            let mm = |name: &&str| {
+                let v = v?;
+                let place = v.components().iter().position(|c| c == name)?;
+                Some(format!("{:.5}", v[place] * 1e3))
+            };
+            cells.extend(names.iter().map(|name| mm(name).unwrap_or_default()));
         }
         cells
     };
-    csv_text(header.split(','), data.rows.iter().zip(rows).enumerate().map(line))
+    csv_text(header.iter().map(String::as_str), data.rows.iter().zip(rows).enumerate().map(line))
 }

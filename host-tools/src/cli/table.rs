@@ -86,11 +86,12 @@ pub fn report(r: &Report) -> String {
         out +=
             &format!("{} flagged as gross errors and left out:\n", count(r.outliers.len(), "row"));
         for o in &r.outliers {
-            let [x, y, z] = o.residual_mm;
+            let residual: Vec<String> = o.residual_mm.iter().map(|r| format!("{r:.3}")).collect();
             out += &format!(
-                "  row {}: {} wrong (measured minus predicted {x:.3}, {y:.3}, {z:.3} mm)\n",
+                "  row {}: {} wrong (measured minus predicted {} mm)\n",
                 o.row,
-                o.coordinates.join(", ")
+                o.coordinates.join(", "),
+                residual.join(", ")
             );
         }
     }

@@ -24,6 +24,7 @@ use crate::identify::{
     Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
 use crate::model::{Measurements, Model, Robot};
+use crate::observations::kind;
 use policy::POLICY;
 use search::Search;
 use search::node::Node;
@@ -151,7 +152,7 @@ fn shown(show: &show::Show, found: Found) -> Result<Diagnosis> {
     let mut identified = findings.summarise();
     identified.report.warnings.extend(too_many(&best));
     let rows = &problem.data.rows;
-    let variance: f64 = rows.iter().map(|r| 3.0 * r.sigma * r.sigma).sum();
+    let variance: f64 = rows.iter().map(|r| kind(r).noise(r).powi(2)).sum();
     let report = DiagnoseReport {
         base: identified.report,
         verdict,

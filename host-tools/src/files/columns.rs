@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use nalgebra::Vector3;
 use truearm::JointKind;
 
+use super::measured::MeasuredColumns;
 use crate::error::{Error, Place, Result};
 use crate::model::{Robot, Row};
 
 /// Where each known column stands.
 pub(super) struct Columns {
     q: Vec<usize>,
-    point: [usize; 3],
+    measured: MeasuredColumns,
     optional: Optional,
     directions: Vec<Option<usize>>,
     orientation: Option<[usize; 4]>,
@@ -40,11 +40,11 @@ pub(super) struct Cells<'a> {
 }
 
 impl Cells<'_> {
-    fn text(&self, column: usize) -> &str {
+    pub fn text(&self, column: usize) -> &str {
         self.record.get(column).unwrap_or("")
     }
 
-    fn fail(&self, column: usize, message: String, help: &str) -> Error {
+    pub fn fail(&self, column: usize, message: String, help: &str) -> Error {
         Error::file(self.path, Place::field(self.line, &self.names[column]), message, help)
     }
 
@@ -70,7 +70,7 @@ impl Cells<'_> {
         }
     }
 
-    fn number(&self, column: usize) -> Result<f64> {
+    pub fn number(&self, column: usize) -> Result<f64> {
         self.optional(Some(column))?.ok_or_else(|| {
             self.fail(column, "empty cell".to_owned(), "fill it in or delete the row")
         })
@@ -154,15 +154,7 @@ impl Columns {
                 ));
             }
         }
-        let mut point = [0; 3];
-        for (slot, name) in point.iter_mut().zip(["x_mm", "y_mm", "z_mm"]) {
-            *slot = take(name).ok_or_else(|| {
-                header(
-                    format!("missing column {name}"),
-                    "the measured point needs x_mm, y_mm, z_mm",
-                )
-            })?;
-        }
+        let measured = MeasuredColumns::find(&mut take, header)?;
         let quaternion = ["qx", "qy", "qz", "qw"].map(&mut take);
         let orientation = match quaternion {
             [Some(x), Some(y), Some(z), Some(w)] => Some([x, y, z, w]),
@@ -186,7 +178,7 @@ impl Columns {
             marker: take("marker"),
         };
         let extra = (0..names.len()).filter(|i| !known[*i]).collect();
-        Ok(Self { q, point, optional, directions, orientation, extra })
+        Ok(Self { q, measured, optional, directions, orientation, extra })
     }
 
     /// Reads a row; new station and marker labels join the lists.
@@ -212,17 +204,7 @@ impl Columns {
                 JointKind::Prismatic => value * 1e-3,
             });
         }
-        let mut point = Vector3::zeros();
-        for (i, column) in self.point.iter().enumerate() {
-            point[i] = cells.number(*column)? * 1e-3;
-            if point[i].abs() > 1e3 {
-                return Err(cells.fail(
-                    *column,
-                    format!("{} m away", point[i]),
-                    "give the point in mm",
-                ));
-            }
-        }
+        let (kind, measured) = self.measured.row(cells)?;
         let o = &self.optional;
         let sigma = match cells.optional(o.sigma)? {
             Some(mm) if mm > 0.0 => mm * 1e-3,
@@ -271,7 +253,8 @@ impl Columns {
         Ok(Row {
             line: cells.line,
             q,
-            point,
+            kind,
+            measured,
             sigma,
             station: label(stations, text(o.station)),
             marker: label(markers, text(o.marker)),

@@ -6,6 +6,7 @@ mod commanded;
 mod covariance;
 mod digest;
 mod key;
+mod measured;
 mod measurements;
 mod model;
 mod model_file;

@@ -10,7 +10,8 @@
 //! arms; for one given arm those of the noise cover the *mean* of many
 //! identifications, which is not the truth where the data are weak.
 
-use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::estimate::Estimate;
@@ -18,6 +19,7 @@ use super::problem::{Problem, Scaling};
 use super::redundancy::correlated;
 use super::unknowns::Unknown;
 use super::{State, robust};
+use crate::model::Values;
 use crate::tikhonov;
 
 /// Half width of a 95 % interval, in standard deviations.
@@ -39,16 +41,15 @@ impl Covariances {
     #[must_use]
     pub fn of(problem: &Problem, found: &Estimate, spread: f64) -> Self {
         let (free, lambda) = (problem.unknowns.free(), found.lambda);
-        let inverse = tikhonov::covariance(&found.fit.triangle, free, lambda);
-        let a = found.fit.triangle.matrix();
+        let inverse = tikhonov::covariance(&found.fit.normal, free, lambda);
         let sigma = match problem.scaling {
-            Scaling::Prior => scale(found),
+            Scaling::Prior => scale(problem, found),
             Scaling::Printed => {
                 let sigmas: Vec<f64> = problem.data.rows.iter().map(|r| r.sigma).collect();
-                scale(found) * robust::median(&sigmas)
+                scale(problem, found) * robust::median(&sigmas)
             }
         };
-        let scatter = &inverse * a.tr_mul(&a) * &inverse * (sigma * sigma);
+        let scatter = &inverse * found.fit.normal.h() * &inverse * (sigma * sigma);
         let units = problem.units();
         let list = problem.unknowns.list();
         let pull = DVector::from_fn(list.len(), |k, _| {
@@ -65,17 +66,17 @@ impl Covariances {
         &units * (&self.noise + &self.bias) * &units
     }
 
-    /// One standard deviation of each coordinate of a predicted point, m: from
-    /// noise alone, and with the bias. `block` are the equations of its row and
-    /// `metres` their unit.
+    /// One standard deviation of each of some predicted quantities: from noise
+    /// alone, and with the bias. `block` says how they move with each unknown
+    /// in its unit.
     #[must_use]
-    pub fn of_point(&self, block: &Matrix3xX<f64>, metres: f64) -> [Vector3<f64>; 2] {
+    pub fn of_predicted(&self, block: &DMatrix<f64>) -> [Values; 2] {
         let variance = |c: &DMatrix<f64>| {
             let weighed = block * c;
-            Vector3::from_fn(|k, _| weighed.row(k).dot(&block.row(k)).max(0.0))
+            Values::from_fn(block.nrows(), |k| weighed.row(k).dot(&block.row(k)).max(0.0))
         };
         let (noise, bias) = (variance(&self.noise), variance(&self.bias));
-        [noise, noise + bias].map(|v| v.map(f64::sqrt) * metres)
+        [noise, noise.zip_map(&bias, |n, b| n + b)].map(|v| v.map(f64::sqrt))
     }
 }
 
@@ -83,8 +84,8 @@ impl Covariances {
 /// residuals is above that by more than three of its own standard deviations
 /// (1.17 over the root of their number, for a median of normal deviates). Else
 /// chance, which only ever raises it, would widen every interval.
-fn scale(found: &Estimate) -> f64 {
-    let count = (3 * found.robust.kept.len()).max(1) as f64;
+fn scale(problem: &Problem, found: &Estimate) -> f64 {
+    let count = problem.equations(&found.robust.kept).max(1) as f64;
     let scale = found.robust.scale;
     if scale > 1.0 + 3.0 * 1.17 / count.sqrt() { scale } else { 1.0 }
 }
@@ -138,14 +139,16 @@ pub struct Uncertainty {
 pub fn uncertainty(problem: &Problem, found: &Estimate, of: &Covariances) -> Uncertainty {
     let at = problem.linearise(&found.fit.state);
     let (mut squares, mut largest) = ([0.0; 2], [0.0_f64; 2]);
-    for row in &found.robust.kept {
-        let sigmas = of.of_point(&at.equations(*row).block, problem.metres(*row));
-        for (k, sigma) in sigmas.iter().enumerate() {
+    let mut count: f64 = 0.0;
+    let bars = |row: &usize| of.of_predicted(&at.target(*row).1);
+    for bars in found.robust.kept.par_iter().map(bars).collect::<Vec<_>>() {
+        count += bars[0].len() as f64;
+        for (k, sigma) in bars.iter().enumerate() {
             squares[k] += sigma.norm_squared();
-            largest[k] = largest[k].max(sigma.max());
+            largest[k] = largest[k].max(sigma.amax());
         }
     }
-    let count = (3 * found.robust.kept.len()).max(1) as f64;
+    let count = count.max(1.0);
     let [noise_rms_mm, rms_mm] = squares.map(|s| (s / count).sqrt() * FACTOR * 1e3);
     let [noise_max_mm, max_mm] = largest.map(|m| m * FACTOR * 1e3);
     Uncertainty {

@@ -1,16 +1,18 @@
 //! The whole estimate from a set of rows: flags, lambda, fit. Everything that
 //! is decided from data is decided here, so that a fold can redo all of it.
 
-use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::fit::{Fit, Freedom, fit};
 use super::folds::{self, Fold};
 use super::lambda::{LambdaChoice, LambdaRule, choose, lambda_by};
 use super::problem::{Problem, Scaling};
-use super::robust::{Flags, RobustFit, robust_fit};
+use super::robust::{Flags, RobustFit, robust_fit, robust_fit_near};
 use super::unknowns::State;
 use crate::error::Result;
+use crate::model::Row;
+use crate::observations::Residual;
+use crate::tikhonov::Normal;
 
 /// An estimate.
 #[derive(Debug, Clone)]
@@ -39,13 +41,19 @@ pub fn estimate(
 ) -> Result<Estimate> {
     let prior = Problem { scaling: Scaling::Prior, ..problem.clone() };
     let robust = robust_fit(&prior, rows, start, Flags::default())?;
-    let kept = &robust.kept;
-    let (fit, lambda) = regularised(problem, rule, kept, &robust.fit)?;
-    let choice = report.then(|| {
+    let mut found = decided(problem, rule, robust)?;
+    found.choice = report.then(|| {
+        let kept = &found.robust.kept;
         let folds = folds::random(problem.data, kept, folds::SEED + 1);
-        choose(problem, &fit.state, kept, &folds)
+        choose(problem, &found.fit.state, kept, &folds)
     });
-    Ok(Estimate { fit, robust, lambda, choice })
+    Ok(found)
+}
+
+/// Lambda and the fit with it, of rows that are kept.
+fn decided(problem: &Problem, rule: LambdaRule, robust: RobustFit) -> Result<Estimate> {
+    let (fit, lambda) = regularised(problem, rule, &robust.kept, &robust.fit)?;
+    Ok(Estimate { fit, robust, lambda, choice: None })
 }
 
 /// Linearisations for which lambda is chosen anew.
@@ -80,9 +88,40 @@ pub fn regularised(
     unreachable!("the last round returns")
 }
 
+/// Where the estimates of folds begin: the whole less each fold's part, at the
+/// weights of the whole. What a part says is thereby taken out again, to first
+/// order; the fold's own passes decide the rest.
+#[must_use]
+pub fn without_parts(
+    problem: &Problem,
+    whole: &RobustFit,
+    folds: &[Fold],
+    lambda: f64,
+) -> Vec<State> {
+    let prior = Problem { scaling: Scaling::Prior, ..problem.clone() };
+    let at = prior.linearise(&whole.fit.state);
+    let mut kept = vec![false; prior.data.rows.len()];
+    whole.kept.iter().for_each(|row| kept[*row] = true);
+    let part = |fold: &Fold| {
+        let rows: Vec<usize> = fold.held_out.iter().copied().filter(|r| kept[*r]).collect();
+        at.normal(&rows, None)
+    };
+    let parts: Vec<Normal> = folds.iter().map(part).collect();
+    let free = prior.unknowns.free();
+    let state = |part: &Normal| {
+        let left = whole.fit.normal.minus(part)?;
+        let step = left.solve(free, lambda)? - at.corrections();
+        let step = at.to_si(&step);
+        (step.amax() < 1e3).then(|| whole.fit.state.stepped(&prior.unknowns, &step))
+    };
+    // Where the others say next to nothing of an unknown the difference is
+    // rounding: the fold then begins where the whole ended.
+    parts.iter().map(|part| state(part).unwrap_or_else(|| whole.fit.state.clone())).collect()
+}
+
 /// Measured minus predicted for every row, predicted from the other folds with
-/// flags and lambda decided anew in each. `None` for a row whose station or
-/// marker the other folds do not determine.
+/// flags and lambda decided anew in each, from the whole less the fold. `None`
+/// for a row whose station or marker the other folds do not determine.
 ///
 /// # Errors
 /// As for [`estimate`].
@@ -90,53 +129,54 @@ pub fn cross_validate(
     problem: &Problem,
     rule: LambdaRule,
     folds: &[Fold],
-    start: &State,
+    whole: &Estimate,
     progress: &(dyn Fn() + Sync),
-) -> Result<Vec<Option<Vector3<f64>>>> {
-    let data = problem.data;
-    let judged = folds.par_iter().map(|fold| {
-        let estimate = estimate(problem, rule, &fold.fit, start, false)?;
-        let at = problem.linearise(&estimate.fit.state);
-        let seen = |f: &dyn Fn(usize) -> bool| {
-            let mut poses: Vec<_> = estimate
-                .robust
-                .kept
-                .iter()
-                .filter(|r| f(**r))
-                .map(|r| data.rows[*r].pose)
-                .collect();
-            poses.sort_unstable();
-            poses.dedup();
-            poses.len()
-        };
-        let known = |row: usize| {
-            let (station, marker) = (data.rows[row].station, data.rows[row].marker);
-            seen(&|r| data.rows[r].station == station) >= 3
-                && seen(&|r| data.rows[r].marker == marker) >= 3
-        };
-        // Looked up once a pair, not once a row.
-        let mut pairs: Vec<((usize, usize), bool)> = Vec::new();
-        let mut out = Vec::new();
-        for row in &fold.held_out {
-            let pair = (data.rows[*row].station, data.rows[*row].marker);
-            let usable = match pairs.iter().find(|(p, _)| *p == pair) {
-                Some((_, usable)) => *usable,
-                None => {
-                    pairs.push((pair, known(*row)));
-                    known(*row)
-                }
-            };
-            out.push((*row, usable.then(|| at.residual(*row))));
-        }
+) -> Result<Vec<Option<Residual>>> {
+    let prior = Problem { scaling: Scaling::Prior, ..problem.clone() };
+    let starts = without_parts(problem, &whole.robust, folds, Flags::default().lambda);
+    let judged = folds.par_iter().zip(&starts).map(|(fold, start)| {
+        let robust = robust_fit_near(&prior, &fold.fit, start, Flags::default())?;
+        let found = decided(problem, rule, robust)?;
+        let out = predictions(problem, fold, &found);
         progress();
         Ok(out)
     });
     let judged = judged.collect::<Vec<Result<Vec<_>>>>();
-    let mut residuals = vec![None; data.rows.len()];
+    let mut residuals = vec![None; problem.data.rows.len()];
     for fold in judged {
         for (row, residual) in fold? {
             residuals[row] = residual;
         }
     }
     Ok(residuals)
+}
+
+/// Poses of a station or marker that determine it.
+const DETERMINED: usize = 3;
+
+/// Residuals of the rows of a fold, where the estimate from the others knows
+/// their station and marker.
+fn predictions(problem: &Problem, fold: &Fold, found: &Estimate) -> Vec<(usize, Option<Residual>)> {
+    let data = problem.data;
+    let at = problem.linearise(&found.fit.state);
+    let poses_of = |label: fn(&Row) -> usize, count: usize| {
+        let mut poses = vec![Vec::new(); count];
+        for row in found.robust.kept.iter().map(|row| &data.rows[*row]) {
+            poses[label(row)].push(row.pose);
+        }
+        let distinct = poses.into_iter().map(|mut poses| {
+            poses.sort_unstable();
+            poses.dedup();
+            poses.len()
+        });
+        distinct.collect::<Vec<usize>>()
+    };
+    let stations = poses_of(|row| row.station, data.stations.len());
+    let markers = poses_of(|row| row.marker, data.markers.len());
+    let of = |index: &usize| {
+        let row = &data.rows[*index];
+        let known = stations[row.station].min(markers[row.marker]) >= DETERMINED;
+        (*index, known.then(|| at.residual(*index)))
+    };
+    fold.held_out.iter().map(of).collect()
 }

@@ -1,16 +1,21 @@
 //! Gauss-Newton: linearise, solve the regularised problem, repeat until the
 //! step no longer matters. (The paper stops after the first step.)
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::DVector;
 
-use super::problem::{Linearised, Problem, Scaling};
+use super::linearised::Linearised;
+use super::problem::{Problem, Scaling};
 use super::unknowns::State;
 use crate::error::{Error, Kind, Result};
-use crate::tikhonov::{Factorised, Triangle};
+use crate::model::Values;
+use crate::tikhonov::{Factorised, Normal};
 
 /// A step below this many tolerances (a picometre, a nanoradian) is no step.
 const CONVERGED: f64 = 1e-6;
 const MOST_STEPS: usize = 30;
+/// From this lambda on, in tolerances, normal equations are as good as a
+/// triangle, and far cheaper.
+const SAFE: f64 = 1e-3;
 
 /// Which unknowns a fit moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,8 +31,8 @@ pub enum Freedom {
 pub struct Fit {
     /// The state.
     pub state: State,
-    /// Triangle of the fitted rows at this state.
-    pub triangle: Triangle,
+    /// Normal equations of the fitted rows at this state.
+    pub normal: Normal,
     /// Gauss-Newton steps taken.
     pub steps: usize,
 }
@@ -39,46 +44,29 @@ pub struct Fit {
 pub fn fit(
     problem: &Problem,
     rows: &[usize],
-    weights: Option<&[Vector3<f64>]>,
+    weights: Option<&[Values]>,
     start: &State,
     freedom: Freedom,
 ) -> Result<Fit> {
     let mut state = start.clone();
     let mut last = f64::INFINITY;
+    // In the paper's units a link step counts metres, not tolerances.
+    let floor = match problem.scaling {
+        Scaling::Prior => CONVERGED,
+        Scaling::Printed => CONVERGED * 1e-3,
+    };
     for steps in 0..MOST_STEPS {
         let at = problem.linearise(&state);
-        let (step, triangle) = match (problem.scaling, freedom) {
-            // Regularised in tolerances the normal equations are safe, and far
-            // cheaper than a QR factorisation.
-            (Scaling::Prior, Freedom::All(lambda)) if lambda >= 1e-3 => {
-                (normal_step(problem, &at, rows, weights, lambda), None)
-            }
-            _ => (None, Some(at.triangle(rows, weights))),
-        };
-        let (step, triangle) = match (step, triangle) {
-            (Some(step), triangle) => (step, triangle),
-            (None, triangle) => {
-                let triangle = triangle.unwrap_or_else(|| at.triangle(rows, weights));
-                (newton_step(problem, &triangle, at.corrections(), freedom), Some(triangle))
-            }
-        };
+        let (step, normal) = step(problem, &at, rows, weights, freedom);
         let size = step.amax();
-        let step = at.to_si(&step);
-        // In the paper's units a link step counts metres, not tolerances.
-        let floor = match problem.scaling {
-            Scaling::Prior => CONVERGED,
-            Scaling::Printed => CONVERGED * 1e-3,
-        };
         if size < floor || (steps > 3 && size < 100.0 * floor && size >= 0.5 * last) {
-            let triangle = triangle.unwrap_or_else(|| at.triangle(rows, weights));
-            drop(at);
-            return Ok(Fit { state, triangle, steps });
+            return Ok(Fit { state, normal, steps });
         }
+        let step = at.to_si(&step);
         if !size.is_finite() || step.amax() > 1e3 {
             break;
         }
         last = size;
-        drop(at);
         state = state.stepped(&problem.unknowns, &step);
     }
     Err(Error::data(
@@ -88,41 +76,39 @@ pub fn fit(
     ))
 }
 
-/// The step by Cholesky factorisation of the normal equations; `None` where
-/// rounding makes them indefinite.
-fn normal_step(
+/// The next step in units, and the normal equations it comes from. Normal
+/// equations square the condition number: where the tolerances do not keep it
+/// small, or rounding shows, the step comes from a triangle.
+fn step(
     problem: &Problem,
     at: &Linearised,
     rows: &[usize],
-    weights: Option<&[Vector3<f64>]>,
-    lambda: f64,
-) -> Option<DVector<f64>> {
-    let columns = at.corrections().len();
-    let matrix = at.rows(rows, weights);
-    let (a, b) = (matrix.columns(0, columns), matrix.column(columns));
-    let transposed = a.transpose();
-    let mut h = &transposed * a;
-    let rhs = &transposed * b;
-    let largest = h.diagonal().max();
-    for k in 0..columns {
-        let free = k < problem.unknowns.free();
-        h[(k, k)] += if free { largest * 1e-14 } else { lambda };
-    }
-    // rhs counts corrections from nominal; free unknowns have none.
-    Some(h.cholesky()?.solve(&rhs) - at.corrections())
-}
-
-/// The step in units from a triangle linearised where the corrections are `x`.
-#[must_use]
-pub fn newton_step(
-    problem: &Problem,
-    triangle: &Triangle,
-    x: &DVector<f64>,
+    weights: Option<&[Values]>,
     freedom: Freedom,
-) -> DVector<f64> {
-    let factorised = Factorised::new(triangle, problem.unknowns.free());
-    match freedom {
+) -> (DVector<f64>, Normal) {
+    let (free, x) = (problem.unknowns.free(), at.corrections());
+    let safe = match (problem.scaling, freedom) {
+        (_, Freedom::Frames) => true,
+        (Scaling::Prior, Freedom::All(lambda)) => lambda >= SAFE,
+        (Scaling::Printed, Freedom::All(_)) => false,
+    };
+    if safe {
+        let normal = at.normal(rows, weights);
+        let step = match freedom {
+            // The right-hand side counts corrections from nominal; free
+            // unknowns have none.
+            Freedom::All(lambda) => normal.solve(free, lambda).map(|solution| solution - x),
+            Freedom::Frames => normal.solve_free(free, x),
+        };
+        if let Some(step) = step {
+            return (step, normal);
+        }
+    }
+    let triangle = at.triangle(rows, weights);
+    let factorised = Factorised::new(&triangle, free);
+    let step = match freedom {
         Freedom::All(lambda) => factorised.solve(lambda) - x,
         Freedom::Frames => factorised.solve_free(x),
-    }
+    };
+    (step, Normal::from(&triangle))
 }

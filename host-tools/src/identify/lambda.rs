@@ -3,12 +3,16 @@
 //! inside the best decade); these are judged on held-out poses. The paper judges
 //! on the training residual, whose minimum is always lambda = 0.
 
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
+use super::accumulate::{CHUNK, tree};
 use super::folds::{self, Fold};
+use super::linearised::Linearised;
 use super::problem::{Problem, Scaling};
 use super::unknowns::State;
-use crate::tikhonov::{Factorised, HeldOut};
+use crate::model::Values;
+use crate::tikhonov::{Factorised, Triangle};
 
 /// How lambda is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -84,10 +88,9 @@ pub struct LambdaChoice {
 /// Lambda by one rule at a state; held-out poses only where the rule asks them.
 #[must_use]
 pub fn lambda_by(rule: LambdaRule, problem: &Problem, state: &State, rows: &[usize]) -> f64 {
-    let factorised = || {
-        let triangle = problem.linearise(state).triangle(rows, None);
-        Factorised::new(&triangle, problem.unknowns.free())
-    };
+    let at = problem.linearise(state);
+    let free = problem.unknowns.free();
+    let factorised = || Factorised::new(&at.triangle(rows, None), free);
     let found = match rule {
         LambdaRule::MaximumAPosteriori => Some(1.0),
         LambdaRule::Fixed(lambda) => Some(lambda),
@@ -96,7 +99,12 @@ pub fn lambda_by(rule: LambdaRule, problem: &Problem, state: &State, rows: &[usi
         LambdaRule::Discrepancy => {
             Some(factorised().discrepancy(noise(problem, rows)).unwrap_or(0.0))
         }
-        LambdaRule::MaximumLikelihood => factorised().maximum_likelihood(),
+        LambdaRule::MaximumLikelihood => {
+            // Nearly always far above what normal equations do not see.
+            let cheap = Factorised::of_normal(&at.normal(rows, None), free);
+            let found = cheap.maximum_likelihood().filter(|lambda| cheap.tells(*lambda));
+            found.or_else(|| factorised().maximum_likelihood())
+        }
         LambdaRule::TwoStep | LambdaRule::KFold => None,
     };
     found.unwrap_or_else(|| {
@@ -105,41 +113,33 @@ pub fn lambda_by(rule: LambdaRule, problem: &Problem, state: &State, rows: &[usi
     })
 }
 
-/// Applies the rules at a state, from one factorisation of all rows.
+/// Applies the rules at a state, from one triangle of each fold.
 #[must_use]
 pub fn choose(problem: &Problem, state: &State, rows: &[usize], folds: &[Fold]) -> LambdaChoice {
     let at = problem.linearise(state);
-    let whole = Factorised::new(&at.triangle(rows, None), problem.unknowns.free());
-    let parts = folds.iter().map(|f| HeldOut::new(&whole, &at.rows(&f.held_out, None)));
-    let parts: Vec<HeldOut> = parts.collect();
-    let held_out = |lambda: f64| {
-        let (mut sum, mut count) = (0.0, 0);
-        for (fold, part) in folds.iter().zip(&parts) {
-            let Some(errors) = part.residual(&whole, lambda) else { continue };
-            count += fold.held_out.len();
-            for (i, row) in fold.held_out.iter().enumerate() {
-                // Back from weighted equations to metres.
-                sum += errors.rows(3 * i, 3).norm_squared() * problem.metres(*row).powi(2);
-            }
-        }
-        (sum / f64::from(count.max(1) as u32)).sqrt() * 1e3
+    let free = problem.unknowns.free();
+    let parts: Vec<Triangle> = folds.iter().map(|f| at.triangle(&f.held_out, None)).collect();
+    let whole = Factorised::new(&Triangle::join(parts.iter()), free);
+    let others = Triangle::without_each(&parts);
+    let others: Vec<Factorised> = others.iter().map(|t| Factorised::new(t, free)).collect();
+    // A fold is judged where the others determine all frames.
+    let judged: Vec<(&Fold, &Factorised)> =
+        folds.iter().zip(&others).filter(|(_, o)| o.determined() == whole.determined()).collect();
+    let with_errors = |lambdas: Vec<f64>| -> Vec<(f64, f64)> {
+        let errors = held_out(&at, &judged, &lambdas);
+        lambdas.into_iter().zip(errors).collect()
     };
     let l_curve = whole.corner();
     let largest = whole.singular_values().iter().copied().fold(0.0, f64::max).powi(2);
     let start = l_curve.unwrap_or(1e-6 * largest);
-    let mut tried: Vec<(f64, f64)> = Vec::new();
-    let mut best = |lambdas: &mut dyn Iterator<Item = f64>| {
-        for lambda in lambdas {
-            tried.push((lambda, held_out(lambda)));
-        }
-        flattest(&tried)
-    };
-    let decade = best(&mut (-9..=4).map(|k| start * 10_f64.powi(k)));
-    let two_step =
-        best(&mut (-5..=5).filter(|k| *k != 0).map(|k| decade * 10_f64.powf(f64::from(k) / 10.0)));
+    let mut tried = with_errors((-9..=4).map(|k| start * 10_f64.powi(k)).collect());
+    let decade = flattest(&tried);
+    let tenths = (-5..=5).filter(|k| *k != 0).map(|k| decade * 10_f64.powf(f64::from(k) / 10.0));
+    tried.extend(with_errors(tenths.collect()));
+    let two_step = flattest(&tried);
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     // A quarter of a decade is as finely as held-out errors can tell.
-    let coarse: Vec<_> = whole.grid().iter().step_by(4).map(|l| (*l, held_out(*l))).collect();
+    let coarse = with_errors(whole.grid().into_iter().step_by(4).collect());
     LambdaChoice {
         l_curve,
         two_step,
@@ -149,6 +149,35 @@ pub fn choose(problem: &Problem, state: &State, rows: &[usize], folds: &[Fold]) 
         maximum_likelihood: whole.maximum_likelihood(),
         tried,
     }
+}
+
+/// RMS error of held-out rows, mm, of each lambda: every fold's rows pass once.
+fn held_out(at: &Linearised, folds: &[(&Fold, &Factorised)], lambdas: &[f64]) -> Vec<f64> {
+    let mut squares = DVector::<f64>::zeros(lambdas.len());
+    let mut count = 0;
+    for (fold, others) in folds {
+        let solutions: Vec<_> = lambdas.iter().map(|lambda| others.solve(*lambda)).collect();
+        if solutions.is_empty() {
+            continue;
+        }
+        let solutions = DMatrix::from_columns(&solutions);
+        let leaf = |rows: &[usize]| {
+            let mut sum = DVector::<f64>::zeros(lambdas.len());
+            for row in rows {
+                let e = at.equations(*row);
+                let explained = &e.block * &solutions;
+                for (total, explained) in sum.iter_mut().zip(explained.column_iter()) {
+                    let left = |c: usize| (e.rhs[c] - explained[c]) * e.scale[c];
+                    let left = Values::from_fn(e.rhs.len(), left);
+                    *total += e.residual.with(left).norm().powi(2);
+                }
+            }
+            sum
+        };
+        squares += &tree(&fold.held_out, CHUNK, &leaf, &|a, b| a + b);
+        count += fold.held_out.len();
+    }
+    squares.iter().map(|square| (square / f64::from(count.max(1) as u32)).sqrt() * 1e3).collect()
 }
 
 /// The lambda of least error; where the error is flat, more regularisation is

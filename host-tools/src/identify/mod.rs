@@ -3,33 +3,35 @@
 //! registration (first guesses) -> robust fit (flags) -> lambda -> fit ->
 //! cross-validation -> report. Nothing here reads or writes a file.
 
+pub mod accumulate;
 mod conditions;
 pub mod error_bars;
 pub mod estimate;
 pub mod fit;
 pub mod folds;
 mod lambda;
+mod linearised;
+mod predictor;
 mod problem;
 pub mod redundancy;
 pub mod registration;
 pub mod robust;
 mod summary;
+mod suspects;
 pub mod uncertainty;
 mod unknowns;
 
 pub use conditions::Conditions;
 pub use lambda::{LambdaChoice, LambdaRule, choose, lambda_by};
-pub use problem::{
-    Equations, Linearised, Model as Predictor, Problem, Scaling, link_corrections,
-    measurement_column,
-};
+pub use linearised::{Beside, Equations, Linearised};
+pub use predictor::{Model as Predictor, View, measurement_column};
+pub use problem::{Problem, Scaling, link_corrections};
 pub use summary::Findings;
 pub use unknowns::{State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unknown, Unknowns};
 
-use nalgebra::Vector3;
-
 use crate::error::{Error, Kind, Result};
 use crate::model::{Measurements, Model, Robot};
+use crate::observations::Residual;
 use crate::report::Report;
 use estimate::{cross_validate, estimate};
 use fit::{Freedom, fit};
@@ -59,12 +61,12 @@ pub struct Identification {
 /// What became of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RowResult {
-    /// Measured minus nominal geometry, m.
-    pub nominal: Vector3<f64>,
-    /// Measured minus identified, m.
-    pub identified: Vector3<f64>,
-    /// Measured minus predicted without its fold, m.
-    pub held_out: Option<Vector3<f64>>,
+    /// Measured minus nominal geometry, SI.
+    pub nominal: Residual,
+    /// Measured minus identified, SI.
+    pub identified: Residual,
+    /// Measured minus predicted without its fold, SI.
+    pub held_out: Option<Residual>,
     /// Flagged as a gross error.
     pub flagged: bool,
 }
@@ -98,9 +100,9 @@ pub fn identify(
 
     let found = estimate(&problem, options.rule, &rows, &start, true)?;
     tick();
-    let held_out = cross_validate(&problem, options.rule, &folds, &start, &tick)?;
+    let held_out = cross_validate(&problem, options.rule, &folds, &found, &tick)?;
     let blocked = match &blocks {
-        Some(folds) => Some(cross_validate(&problem, options.rule, folds, &start, &tick)?),
+        Some(folds) => Some(cross_validate(&problem, options.rule, folds, &found, &tick)?),
         None => None,
     };
 
@@ -143,22 +145,26 @@ pub(crate) fn enough(problem: &Problem, options: &Options) -> Result<()> {
             "measure different poses; column q1_deg.. is the encoder reading of each",
         ));
     }
-    let mut distinct: Vec<_> = data.rows.iter().map(|r| (r.pose, r.marker)).collect();
-    distinct.sort_unstable();
-    distinct.dedup();
-    let (points, unknowns) = (distinct.len(), problem.unknowns.list().len());
-    if 3 * points < unknowns && !options.allow_few_poses {
+    let key = |i: &usize| {
+        let row = &data.rows[*i];
+        (row.pose, row.marker, row.kind.0)
+    };
+    let mut distinct: Vec<usize> = (0..data.rows.len()).collect();
+    distinct.sort_by_key(key);
+    distinct.dedup_by_key(|i| key(i));
+    let (points, equations) = (distinct.len(), problem.equations(&distinct));
+    let unknowns = problem.unknowns.list().len();
+    if equations < unknowns && !options.allow_few_poses {
         return Err(Error::data(
             Kind::TooFewPoses,
             format!(
-                "{}: {points} distinct points give {} equations for {unknowns} unknowns",
+                "{}: {points} distinct points give {equations} equations for {unknowns} unknowns",
                 data.path.display(),
-                3 * points
             ),
             format!(
                 "measure at least {} poses, better 50; --allow-few-poses goes on, and the \
                  tolerances then decide what the data leave open",
-                unknowns.div_ceil(3)
+                (unknowns * points).div_ceil(equations)
             ),
         ));
     }

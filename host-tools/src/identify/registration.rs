@@ -9,6 +9,7 @@ use super::unknowns::State;
 use crate::error::{Error, Kind, Result};
 use crate::model::Measurements;
 use crate::model::arm::chain;
+use crate::observations::kind;
 
 /// Rigid transform that carries `from` onto `to`: minimises
 /// `sum w |R from + t - to|^2` (paper Eq. 17). `None` when the points lie on a
@@ -120,12 +121,14 @@ pub fn register(
     // Distances within the station that saw the marker most.
     let by_distance = (0..data.markers.len()).map(|m| {
         let rows_of = |s: usize| {
-            let of = |(_, r): &(usize, &crate::model::Row)| r.marker == m && r.station == s;
+            let of = |(_, r): &(usize, &crate::model::Row)| {
+                r.marker == m && r.station == s && kind(r).point(r).is_some()
+            };
             data.rows.iter().enumerate().filter(of).map(|(i, _)| i).collect::<Vec<_>>()
         };
         let rows = (0..data.stations.len()).map(rows_of).max_by_key(Vec::len).unwrap_or_default();
         let frames: Vec<_> = rows.iter().map(|i| flanges[*i]).collect();
-        let points: Vec<_> = rows.iter().map(|i| data.rows[*i].point).collect();
+        let points: Vec<_> = rows.iter().map(|i| data.rows[*i].measured.point()).collect();
         if rows.len() < 4 { tool } else { tool_by_distances(&frames, &points, tool) }
     });
     candidates.push(by_distance.collect());
@@ -133,9 +136,12 @@ pub fn register(
     for markers in candidates {
         let mut worst = 0.0_f64;
         for (s, base) in bases.iter_mut().enumerate() {
-            let rows = || data.rows.iter().zip(&flanges).filter(|(r, _)| r.station == s);
-            let from: Vec<_> = rows().map(|(r, f)| f.transform_point(&markers[r.marker])).collect();
-            let to: Vec<_> = rows().map(|(r, _)| r.point).collect();
+            let points =
+                data.rows.iter().zip(&flanges).filter_map(|(r, f)| Some((r, f, kind(r).point(r)?)));
+            let rows = || points.clone().filter(|(r, ..)| r.station == s);
+            let from: Vec<_> =
+                rows().map(|(r, f, _)| f.transform_point(&markers[r.marker])).collect();
+            let to: Vec<_> = rows().map(|(.., point)| point).collect();
             let label = if data.stations.len() > 1 {
                 format!("station \"{}\"", data.stations[s])
             } else {

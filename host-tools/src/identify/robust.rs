@@ -1,16 +1,21 @@
 //! Gross errors: found, named, and kept from bending the fit.
 //!
-//! First a redescending M-estimate on single coordinates, which a few wrong
+//! First a redescending M-estimate on single components, which a few wrong
 //! rows cannot bend; then rows are judged by what a fit *without* them
 //! predicts for them (deletion residuals), so that a row of high leverage
 //! cannot hide behind its own pull.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use super::fit::{Fit, Freedom, fit};
-use super::problem::{Linearised, Problem};
+use super::linearised::Linearised;
+use super::problem::Problem;
+use super::suspects;
 use super::unknowns::State;
 use crate::error::{Error, Result};
+use crate::model::Values;
+use crate::observations::{Residual, kind};
 use crate::tikhonov::covariance;
 
 /// How flags are raised.
@@ -18,7 +23,7 @@ use crate::tikhonov::covariance;
 pub struct Flags {
     /// Lambda of the prior scaling.
     pub lambda: f64,
-    /// A coordinate beyond this many standard deviations of what the other rows
+    /// A component beyond this many standard deviations of what the other rows
     /// predict is a gross error; half as many again where the residuals are well
     /// above the stated noise.
     pub gross: f64,
@@ -44,7 +49,7 @@ impl Default for Flags {
 }
 
 /// More flagged rows than this share are no outliers but a wrong model.
-const MOST_FLAGGED: f64 = 0.25;
+pub(super) const MOST_FLAGGED: f64 = 0.25;
 /// With this share flagged nobody can say which rows are the others.
 const MAJORITY: f64 = 0.5;
 
@@ -53,10 +58,10 @@ const MAJORITY: f64 = 0.5;
 pub struct Outlier {
     /// Index of the row.
     pub row: usize,
-    /// Which coordinates are wrong: 0, 1, 2.
-    pub coordinates: Vec<usize>,
-    /// Measured minus predicted by the other rows, m.
-    pub residual: Vector3<f64>,
+    /// Which components of its kind are wrong.
+    pub components: Vec<&'static str>,
+    /// Measured minus predicted by the other rows, SI.
+    pub residual: Residual,
 }
 
 /// A fit that gross errors did not bend.
@@ -91,7 +96,8 @@ pub fn mad_scale(values: &[f64]) -> f64 {
     1.4826 * median(&values.iter().map(|v| v.abs()).collect::<Vec<_>>())
 }
 
-/// Fits the given rows in the prior scaling, flagging gross errors.
+/// Fits the given rows in the prior scaling, flagging gross errors. `start` is
+/// a registered arm, maybe nominal: first weights withstand its errors.
 ///
 /// # Errors
 /// As for [`fit`], or [`Kind::Contradiction`](crate::Kind::Contradiction) when so many rows disagree that
@@ -102,8 +108,23 @@ pub fn robust_fit(
     start: &State,
     flags: Flags,
 ) -> Result<RobustFit> {
-    let flagged = suspects(problem, rows, start, Freedom::All(flags.lambda))?;
+    let flagged = suspects::far_from(problem, rows, start, flags.lambda)?;
     refit(problem, rows, start, flagged, flags)
+}
+
+/// The same from a fit to nearly the same rows, or what is left of it without
+/// the others: no row is flagged because it was.
+///
+/// # Errors
+/// As for [`robust_fit`].
+pub fn robust_fit_near(
+    problem: &Problem,
+    rows: &[usize],
+    near: &State,
+    flags: Flags,
+) -> Result<RobustFit> {
+    let flagged = suspects::near(problem, rows, near, flags.lambda)?;
+    refit(problem, rows, near, flagged, flags)
 }
 
 /// The same from rows already suspected, near a fit.
@@ -146,67 +167,6 @@ pub fn refit(
     }
 }
 
-/// Rows that an M-estimate leaves far off.
-fn suspects(
-    problem: &Problem,
-    rows: &[usize],
-    start: &State,
-    fitted: Freedom,
-) -> Result<Vec<usize>> {
-    let mut state = start.clone();
-    let mut weights = first_weights(problem, rows, start);
-    let count = 3.0 * rows.len() as f64;
-    let unknowns = problem.unknowns.list().len() as f64;
-    let freedom = (count / (count - unknowns).max(0.25 * count)).sqrt();
-    let mut flagged = Vec::new();
-    for pass in 0..15 {
-        state = fit(problem, rows, Some(&weights), &state, fitted)?.state;
-        let at = problem.linearise(&state);
-        let residuals: Vec<Vector3<f64>> =
-            rows.iter().map(|r| at.residual(*r) / problem.data.rows[*r].sigma).collect();
-        let flat: Vec<f64> = residuals.iter().flat_map(|r| r.iter().copied()).collect();
-        let scale = (mad_scale(&flat) * freedom).max(1.0);
-        let worst = |r: &Vector3<f64>| r.amax() / scale;
-        flagged = rows
-            .iter()
-            .zip(&residuals)
-            .filter(|(_, r)| worst(r) > 6.0)
-            .map(|(i, _)| *i)
-            .collect::<Vec<_>>();
-        // Nothing stands out of a plain fit: no need for another.
-        if pass == 0 && residuals.iter().all(|r| worst(r) < 5.0) {
-            return Ok(Vec::new());
-        }
-        let mut moved = 0.0_f64;
-        for (row, r) in rows.iter().zip(&residuals) {
-            let new = r.map(|e| (1.0 + (e / (2.0 * scale)).powi(2)).powi(-2));
-            moved = moved.max((new - weights[*row]).amax());
-            weights[*row] = new;
-        }
-        if moved < 0.01 {
-            break;
-        }
-    }
-    // A fit needs rows; the farthest are then the suspects.
-    flagged.truncate((MOST_FLAGGED * rows.len() as f64) as usize);
-    Ok(flagged)
-}
-
-/// Weights for the first fit, from the registered nominal arm: a row metres off
-/// must not throw the first step out of reach.
-fn first_weights(problem: &Problem, rows: &[usize], start: &State) -> Vec<Vector3<f64>> {
-    let at = problem.linearise(start);
-    let residuals: Vec<(usize, Vector3<f64>)> =
-        rows.iter().map(|r| (*r, at.residual(*r))).collect();
-    let flat: Vec<f64> = residuals.iter().flat_map(|(_, r)| r.iter().copied()).collect();
-    let scale = mad_scale(&flat).max(1e-9);
-    let mut weights = vec![Vector3::repeat(1.0); problem.data.rows.len()];
-    for (row, r) in residuals {
-        weights[row] = r.map(|e| (1.0 + (e / (5.0 * scale)).powi(2)).powi(-2));
-    }
-    weights
-}
-
 /// Tests every row against what the fit without it predicts.
 fn judge(
     problem: &Problem,
@@ -216,53 +176,52 @@ fn judge(
     flags: Flags,
 ) -> (Vec<Outlier>, f64) {
     let at = problem.linearise(&fit.state);
-    let cov = covariance(&fit.triangle, problem.unknowns.free(), flags.lambda);
+    let cov = covariance(&fit.normal, problem.unknowns.free(), flags.lambda);
     let mut fitted = vec![false; problem.data.rows.len()];
     kept.iter().for_each(|row| fitted[*row] = true);
-    let of = |row: &usize| deletion(&at, &cov, *row, fitted[*row], problem.data.rows[*row].sigma);
-    let deletions: Vec<_> = rows.iter().map(of).collect();
+    let of = |row: &usize| deletion(&at, &cov, *row, fitted[*row]);
+    let deletions: Vec<_> = rows.par_iter().map(of).collect();
     let normal: Vec<f64> = rows
         .iter()
         .zip(&deletions)
         .filter(|(row, _)| fitted[**row])
-        .flat_map(|(_, (e, sd))| e.component_div(sd).iter().copied().collect::<Vec<_>>())
+        .flat_map(|(_, (e, sd))| e.zip_map(sd, |e, sd| e / sd).to_vec())
         .collect();
     let scale = mad_scale(&normal).max(1.0);
     // Structure that the model lacks has longer tails than noise.
     let gross = if scale > 1.3 { 1.5 * flags.gross } else { flags.gross };
     let mut outliers = Vec::new();
     for (row, (e, sd)) in rows.iter().zip(&deletions) {
-        let coordinates: Vec<usize> =
-            (0..3).filter(|c| e[*c].abs() > gross * scale * sd[*c]).collect();
-        if !coordinates.is_empty() {
-            let sigma = problem.data.rows[*row].sigma;
-            outliers.push(Outlier { row: *row, coordinates, residual: e * sigma });
+        let of = &problem.data.rows[*row];
+        let names = kind(of).components().iter().enumerate();
+        let wrong = names.filter(|(c, _)| e[*c].abs() > gross * scale * sd[*c]);
+        let components: Vec<&'static str> = wrong.map(|(_, name)| *name).collect();
+        if !components.is_empty() {
+            let residual = Residual::new(of, e.zip_map(&problem.scale(*row), |e, s| e * s));
+            outliers.push(Outlier { row: *row, components, residual });
         }
     }
     (outliers, scale)
 }
 
 /// Measured minus predicted by the other rows, and its standard deviation,
-/// both in units of the row's sigma.
-fn deletion(
-    at: &Linearised,
-    cov: &DMatrix<f64>,
-    row: usize,
-    kept: bool,
-    sigma: f64,
-) -> (Vector3<f64>, Vector3<f64>) {
+/// both in units of the row's equations.
+fn deletion(at: &Linearised, cov: &DMatrix<f64>, row: usize, kept: bool) -> (Values, Values) {
     let e = at.equations(row);
-    let hat: Matrix3<f64> = (&e.block * cov * e.block.transpose()).fixed_view::<3, 3>(0, 0).into();
-    let residual = e.residual / sigma;
+    let hat = &e.block * cov * e.block.transpose();
+    let residual = e.scaled_residual();
+    let count = residual.len();
     if !kept {
         // Not in the fit: its own noise plus the prediction's.
-        return (residual, (Matrix3::identity() + hat).diagonal().map(f64::sqrt));
+        return (residual, Values::from_fn(count, |c| (1.0 + hat[(c, c)]).sqrt()));
     }
-    match (Matrix3::identity() - hat).try_inverse() {
+    match (DMatrix::identity(count, count) - hat).try_inverse() {
         Some(inverse) if inverse.diagonal().iter().all(|d| *d > 0.0) => {
-            (inverse * residual, inverse.diagonal().map(f64::sqrt))
+            let left = &inverse * residual.column();
+            let sd = Values::from_fn(count, |c| inverse[(c, c)].sqrt());
+            (left.iter().copied().collect(), sd)
         }
         // The fit rests on this row alone: nothing contradicts it.
-        _ => (Vector3::zeros(), Vector3::repeat(1.0)),
+        _ => (Values::repeat(count, 0.0), Values::repeat(count, 1.0)),
     }
 }

@@ -10,6 +10,7 @@ use super::uncertainty::{factor, of_arm};
 use super::{Identification, Problem, RowResult, Scaling, State, redundancy, registration, robust};
 use crate::model::arm::chain;
 use crate::model::{Model, Provenance, Robot};
+use crate::observations::Residual;
 use crate::report::{AllRows, FlaggedRow, Report, Stats, robust_distance_scale};
 
 /// All that was found out about a data set.
@@ -26,10 +27,10 @@ pub struct Findings<'a> {
     pub nominal: State,
     /// The estimate.
     pub found: Estimate,
-    /// Held-out residuals of every row, m.
-    pub held_out: Vec<Option<Vector3<f64>>>,
+    /// Held-out residuals of every row.
+    pub held_out: Vec<Option<Residual>>,
     /// The same from folds that are blocks in time.
-    pub blocked: Option<Vec<Option<Vector3<f64>>>>,
+    pub blocked: Option<Vec<Option<Residual>>>,
     /// How they were held out.
     pub cross_validation: String,
 }
@@ -44,9 +45,9 @@ impl Findings<'_> {
         let geometry = problem.with_terms(0);
         let redundancy = redundancy::analyse(&geometry, &self.nominal, &found.robust.kept);
         let results = self.row_results();
-        let own = |cv: &[Option<Vector3<f64>>]| Stats::of(&judged(&results, cv));
+        let own = |cv: &[Option<Residual>]| Stats::of(&judged(&results, cv));
         let flags: Vec<FlaggedRow> = found.robust.outliers.iter().map(flagged_row).collect();
-        let stats = |all: bool, f: fn(&RowResult) -> Vector3<f64>| {
+        let stats = |all: bool, f: fn(&RowResult) -> Residual| {
             let used = results.iter().filter(|r| all || !r.flagged);
             Stats::of(&used.map(f).collect::<Vec<_>>())
         };
@@ -184,10 +185,10 @@ impl Findings<'_> {
 
 /// Held-out residuals that count: a row is left out only if it is flagged and
 /// its own held-out residual is beyond 10 robust standard deviations.
-fn judged(results: &[RowResult], held_out: &[Option<Vector3<f64>>]) -> Vec<Vector3<f64>> {
+fn judged(results: &[RowResult], held_out: &[Option<Residual>]) -> Vec<Residual> {
     let distances: Vec<f64> = held_out.iter().flatten().map(|r| r.norm()).collect();
     let limit = 10.0 * robust_distance_scale(&distances);
-    let counts = |(row, r): &(&RowResult, Vector3<f64>)| !(row.flagged && r.norm() > limit);
+    let counts = |(row, r): &(&RowResult, Residual)| !(row.flagged && r.norm() > limit);
     let rows = results.iter().zip(held_out).filter_map(|(row, r)| Some((row, (*r)?)));
     rows.filter(counts).map(|(_, r)| r).collect()
 }
@@ -195,8 +196,8 @@ fn judged(results: &[RowResult], held_out: &[Option<Vector3<f64>>]) -> Vec<Vecto
 fn flagged_row(outlier: &robust::Outlier) -> FlaggedRow {
     FlaggedRow {
         row: outlier.row + 1,
-        coordinates: outlier.coordinates.iter().map(|c| ["x", "y", "z"][*c]).collect(),
-        residual_mm: (outlier.residual * 1e3).into(),
+        coordinates: outlier.components.clone(),
+        residual_mm: outlier.residual.iter().map(|r| r * 1e3).collect(),
     }
 }
 

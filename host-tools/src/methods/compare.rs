@@ -15,6 +15,7 @@ use crate::identify::{
     redundancy,
 };
 use crate::model::{Measurements, Model, Provenance, Robot};
+use crate::observations::Residual;
 use crate::report::{Condition, Stats};
 
 /// Methods on one data set.
@@ -85,10 +86,10 @@ pub struct Outcome {
     pub state: Option<State>,
     /// Measured minus modelled, m: fitted rows.
     #[serde(skip)]
-    pub residuals: Vec<Vector3<f64>>,
+    pub residuals: Vec<Residual>,
     /// The same of the validation file.
     #[serde(skip)]
-    pub validation_residuals: Vec<Vector3<f64>>,
+    pub validation_residuals: Vec<Residual>,
 }
 
 /// Runs methods on measurements and judges them on others.

@@ -1,6 +1,6 @@
 //! The extended Kalman filter: one point after the other.
 
-use nalgebra::{DMatrix, DVector, Matrix3};
+use nalgebra::{DMatrix, DVector};
 
 use super::{Method, Solution, Task};
 use crate::error::{Error, Kind, Result};
@@ -60,11 +60,10 @@ impl Method for Kalman {
                 let left = residual - &h * &x;
                 (h, left)
             };
-            let noise = task.problem.data.rows[task.rows[index]].sigma.powi(2);
+            let sigmas = task.problem.scale(task.rows[index]);
+            let noise = DMatrix::from_diagonal(&sigmas.map(|s| s * s).column().into_owned());
             let pht = &p * h.transpose();
-            let innovation: Matrix3<f64> = (&h * &pht).fixed_view::<3, 3>(0, 0).into();
-            let innovation = innovation + Matrix3::identity() * noise;
-            let inverse = innovation.try_inverse().ok_or_else(|| {
+            let inverse = (&h * &pht + &noise).try_inverse().ok_or_else(|| {
                 Error::data(
                     Kind::Singular,
                     "the innovation covariance is singular",
@@ -75,7 +74,7 @@ impl Method for Kalman {
             let step = &gain * residual;
             // Joseph's form keeps the covariance symmetric and positive.
             let keep = &identity - &gain * &h;
-            p = &keep * p * keep.transpose() + &gain * gain.transpose() * noise;
+            p = &keep * p * keep.transpose() + &gain * noise * gain.transpose();
             if self.relinearise {
                 state = task.stepped(&state, &step)?;
             } else {

@@ -19,7 +19,7 @@ pub use least_squares::{NormalEquations, PseudoInverse};
 pub use newton::{GaussNewton, LevenbergMarquardt, ReducedGaussNewton};
 pub use rpim::{Printed, PrintedRpim, Rpim};
 
-use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 use crate::error::{Error, Kind, Result};
 use crate::identify::{Linearised, Problem, Scaling, State, Unknown};
@@ -82,32 +82,34 @@ impl<'a> Task<'a> {
     #[must_use]
     pub fn system(&self, state: &State) -> (DMatrix<f64>, DVector<f64>) {
         let at = self.problem.linearise(state);
-        let mut u = DMatrix::zeros(3 * self.rows.len(), self.columns.len());
-        let mut s = DVector::zeros(3 * self.rows.len());
+        let equations = self.problem.equations(&self.rows);
+        let mut u = DMatrix::zeros(equations, self.columns.len());
+        let mut s = DVector::zeros(equations);
+        let mut first = 0;
         for index in 0..self.rows.len() {
             let (block, residual) = self.row(&at, index);
-            u.rows_mut(3 * index, 3).copy_from(&block);
-            s.rows_mut(3 * index, 3).copy_from(&residual);
+            u.rows_mut(first, residual.len()).copy_from(&block);
+            s.rows_mut(first, residual.len()).copy_from(&residual);
+            first += residual.len();
         }
         (u, s)
     }
 
-    /// The three rows of one point.
-    fn row(&self, at: &Linearised, index: usize) -> (Matrix3xX<f64>, Vector3<f64>) {
-        let row = self.rows[index];
-        let e = at.equations(row);
-        let metres = self.problem.metres(row);
+    /// The equations of one row.
+    fn row(&self, at: &Linearised, index: usize) -> (DMatrix<f64>, DVector<f64>) {
+        let e = at.equations(self.rows[index]);
         let units = self.problem.units();
-        let column = |k| e.block.column(k) * (metres / units[k]);
-        let columns: Vec<_> = self.columns.clone().map(column).collect();
-        (Matrix3xX::from_columns(&columns), e.residual)
+        let first = self.columns.start;
+        let entry = |c: usize, k: usize| e.block[(c, first + k)] * e.scale[c] / units[first + k];
+        let block = DMatrix::from_fn(e.scale.len(), self.columns.len(), entry);
+        (block, e.residual.values().column().into_owned())
     }
 
     /// Sum of squared residuals, m^2.
     #[must_use]
     pub fn cost(&self, state: &State) -> f64 {
         let at = self.problem.linearise(state);
-        self.rows.iter().map(|r| at.residual(*r).norm_squared()).sum()
+        self.rows.iter().map(|r| at.residual(*r).values().norm_squared()).sum()
     }
 
     /// Mean distance between measured and modelled points, m.

@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use super::Values;
+
 /// The rows of a `measurements.csv`, in SI units.
 #[derive(Debug, Clone)]
 pub struct Measurements {
@@ -23,16 +25,24 @@ pub struct Measurements {
     pub warnings: Vec<String>,
 }
 
-/// One measured point.
+/// What a row measured: the place of its kind in the table of kinds. The first
+/// is the point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct KindId(pub u8);
+
+/// One row: something measured at one pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// Line of the file.
     pub line: usize,
     /// Encoder readings, rad or m.
     pub q: Vec<f64>,
-    /// Measured point in the tracker frame, m.
-    pub point: Vector3<f64>,
-    /// Standard deviation of a coordinate, m.
+    /// What it measured.
+    pub kind: KindId,
+    /// What the columns of its kind say, SI: of a point its coordinates in the
+    /// tracker frame, m.
+    pub measured: Values,
+    /// Standard deviation of a component, m.
     pub sigma: f64,
     /// Index into [`Measurements::stations`].
     pub station: usize,
@@ -67,7 +77,7 @@ impl Measurements {
         let rows = poses.iter().map(|q| {
             let directions =
                 like.directions.iter().map(|_| if rng.random_bool(0.5) { 1 } else { -1 }).collect();
-            Row { q: q.clone(), directions, point: Vector3::zeros(), ..like.clone() }
+            Row { q: q.clone(), directions, ..like.clone() }
         });
         Self { rows: rows.collect(), ..self.clone() }
     }

@@ -7,11 +7,13 @@ mod measurements;
 pub mod near;
 mod robot;
 mod term;
+mod values;
 mod workspace;
 
 pub use identified::{Model, Provenance};
-pub use measurements::{Commanded, Measurements, Row};
+pub use measurements::{Commanded, KindId, Measurements, Row};
 pub use robot::{Joint, LinkMass, Robot};
 pub(crate) use term::{DRIFT, XYZ};
 pub use term::{ModelTerm, friction, friction_unit, part};
+pub use values::Values;
 pub use workspace::{Sight, Workspace};

@@ -1,6 +1,6 @@
 //! Poses that tell explanations of one data set apart.
 
-use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
+use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -8,6 +8,7 @@ use crate::error::{Error, Kind, Result};
 use crate::evaluate::residuals;
 use crate::identify::{Conditions, Problem, Scaling, State};
 use crate::model::{Measurements, Robot, Workspace};
+use crate::observations::Residual;
 use crate::tikhonov::covariance;
 
 /// What a diagnosis left: one explanation, and those that it could not rule out.
@@ -39,8 +40,8 @@ pub struct Discrimination {
 /// An alternative that is fitted, pose by pose, to what the named explanation
 /// predicts.
 struct Rival {
-    blocks: Vec<Matrix3xX<f64>>,
-    apart: Vec<Vector3<f64>>,
+    blocks: Vec<DMatrix<f64>>,
+    apart: Vec<DVector<f64>>,
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
     separation: f64,
@@ -50,22 +51,22 @@ impl Rival {
     /// Innovation, its information, and the chi-square that a pose adds.
     fn gain(&self, k: usize) -> f64 {
         let block = &self.blocks[k];
-        let left = self.apart[k] - block * &self.mean;
+        let left = &self.apart[k] - block * &self.mean;
         let spread = self.spread(k);
         spread.cholesky().map_or(0.0, |s| left.dot(&s.solve(&left)))
     }
 
-    fn spread(&self, k: usize) -> nalgebra::Matrix3<f64> {
+    fn spread(&self, k: usize) -> DMatrix<f64> {
         let block = &self.blocks[k];
         let hat = block * &self.covariance * block.transpose();
-        nalgebra::Matrix3::identity() + hat.fixed_view::<3, 3>(0, 0)
+        DMatrix::identity(block.nrows(), block.nrows()) + hat
     }
 
     /// Measures the pose: a step of a Kalman filter.
     fn learn(&mut self, k: usize) {
         self.separation += self.gain(k);
         let block = &self.blocks[k];
-        let left = self.apart[k] - block * &self.mean;
+        let left = &self.apart[k] - block * &self.mean;
         let Some(inverse) = self.spread(k).try_inverse() else { return };
         let gain = &self.covariance * block.transpose() * inverse;
         self.mean += &gain * left;
@@ -128,25 +129,26 @@ fn rival(
     data: &Measurements,
     explained: &Explained,
     state: &State,
-    (trial, named): (&Measurements, &[Vector3<f64>]),
+    (trial, named): (&Measurements, &[Residual]),
 ) -> Rival {
     let terms = state.terms.len();
     let measured = Problem::new(data, robot, Scaling::Prior).with_terms(terms);
-    let triangle = measured.linearise(state).triangle(explained.kept, None);
+    let normal = measured.linearise(state).normal(explained.kept, None);
     let planned = Problem::new(trial, robot, Scaling::Prior).with_terms(terms);
     let at = planned.linearise(state);
     let equations = (0..trial.rows.len()).map(|k| {
         let e = at.equations(k);
         // The named explanation's residual less this one's: how far its
         // prediction is off theirs.
-        (e.block, (e.residual - named[k]) / trial.rows[k].sigma)
+        let apart = (e.residual - named[k]).values().zip_map(&e.scale, |d, scale| d / scale);
+        (e.block, apart.column().into_owned())
     });
     let (blocks, apart) = equations.unzip();
     Rival {
         blocks,
         apart,
         mean: DVector::zeros(measured.unknowns.list().len()),
-        covariance: covariance(&triangle, measured.unknowns.free(), explained.lambda),
+        covariance: covariance(&normal, measured.unknowns.free(), explained.lambda),
         separation: 0.0,
     }
 }

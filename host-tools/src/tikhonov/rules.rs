@@ -1,7 +1,7 @@
 //! Lambda from the factorised problem alone: the corner of the L-curve,
 //! generalised cross-validation, discrepancy, marginal likelihood.
 
-use super::{Factorised, NOISE};
+use super::Factorised;
 
 impl Factorised {
     /// Lambdas worth trying: 1e-12 to 100 times the largest singular value
@@ -30,7 +30,7 @@ impl Factorised {
 
     /// Directions above rounding.
     fn directions(&self) -> impl Iterator<Item = usize> {
-        (0..self.s.len()).filter(|k| self.s[*k] > NOISE * self.s[0])
+        (0..self.s.len()).filter(|k| self.s[*k] > self.noise * self.s[0])
     }
 
     /// Generalised cross-validation (Golub, Heath, Wahba 1979): the least
@@ -89,7 +89,7 @@ impl Factorised {
         let (rho, eta) = (self.residual_square(lambda), self.norm_square(lambda));
         // First and second derivative of eta by lambda; rho' = -lambda eta'.
         let (mut d1, mut d2) = (0.0, 0.0);
-        for k in (0..self.s.len()).filter(|k| self.s[*k] > NOISE * self.s[0]) {
+        for k in (0..self.s.len()).filter(|k| self.s[*k] > self.noise * self.s[0]) {
             let (s2, b2) = (self.s[k].powi(2), self.beta[k].powi(2));
             d1 -= 2.0 * s2 * b2 / (s2 + lambda).powi(3);
             d2 += 6.0 * s2 * b2 / (s2 + lambda).powi(4);

@@ -95,8 +95,9 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     let markers = markers(model, commanded)?;
     let targets = targets(model, commanded, &markers);
     let frames = frames(model, data, &targets, refit)?;
-    let to_robot =
-        |row: &crate::model::Row| frames[row.station].inverse().transform_point(&row.point);
+    let to_robot = |row: &crate::model::Row| {
+        frames[row.station].inverse().transform_point(&row.measured.point())
+    };
     let errors: Vec<Vector3<f64>> =
         data.rows.iter().zip(&targets).map(|(row, target)| to_robot(row) - target).collect();
 
@@ -233,7 +234,7 @@ fn frames(
             let rows: Vec<usize> =
                 (0..targets.len()).filter(|i| data.rows[*i].station == s).collect();
             let from: Vec<_> = rows.iter().map(|i| targets[*i]).collect();
-            let to: Vec<_> = rows.iter().map(|i| data.rows[*i].point).collect();
+            let to: Vec<_> = rows.iter().map(|i| data.rows[*i].measured.point()).collect();
             let fitted = rigid_transform(&from, &to, &vec![1.0; rows.len()]);
             return fitted.filter(|_| rows.len() >= 4).ok_or_else(|| {
                 Error::data(

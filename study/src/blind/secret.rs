@@ -171,8 +171,11 @@ impl Secret {
         let flags = Flags { lambda: self.scale.powi(-2), gross: 6.0, ..Flags::default() };
         let found = robust_fit(&problem, &rows, &start, flags).ok()?;
         let at = problem.linearise(&found.fit.state);
-        let square: f64 =
-            found.kept.iter().map(|r| (at.residual(*r) / data.rows[*r].sigma).norm_squared()).sum();
+        let square: f64 = found
+            .kept
+            .iter()
+            .map(|r| (at.residual(*r) / data.rows[*r].sigma).values().norm_squared())
+            .sum();
         // The unknowns that no data can tell apart do not count: about six.
         let freedom = 3 * found.kept.len() + 6 - problem.unknowns.list().len();
         let rms = rms(robot, &found.fit.state, holdout);

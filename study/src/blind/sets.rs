@@ -273,7 +273,7 @@ impl Draft {
         let seen = |moments: &[Moment]| {
             let mut data = parse(&self.robot, &csv(&self.robot, moments, |_| Vector3::zeros()));
             for (row, moment) in data.rows.iter_mut().zip(moments) {
-                row.point = arm.point(moment);
+                row.measured = arm.point(moment).into();
             }
             data
         };

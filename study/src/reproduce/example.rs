@@ -110,7 +110,13 @@ fn curve(cell: &Cell, task: &Task) -> Result<Curve> {
     for lambda in &tenths {
         let state = printed.state(*lambda)?;
         let residuals = residuals(data, &Conditions::new(data, &cell.arm.robot), &state);
-        simulated.push(data.rows.iter().zip(residuals).map(|(row, r)| row.point - r).collect());
+        simulated.push(
+            data.rows
+                .iter()
+                .zip(residuals)
+                .map(|(row, r)| row.measured.point() - r.point())
+                .collect(),
+        );
     }
     let mut by_point = Vec::new();
     for share in [1e-15, 1e-6, 1e-4, 1e-2, 1.0] {

@@ -7,6 +7,7 @@ use super::section_v::NinePoses;
 use super::trial::{SWEEP, Sweep};
 use super::{Study, spread};
 use truearm_host::methods::{Comparison, Outcome};
+use truearm_host::observations::Miss;
 use truearm_host::plot::{Axis, Panel, Series, grid, numbered};
 
 /// Methods of the paper's figures, both forms of its own.
@@ -53,7 +54,7 @@ fn projections(title: &str, sets: &[(&str, Vec<Vector3<f64>>)]) -> String {
 }
 
 fn frames(e: &Example) -> String {
-    let measured = e.cell.identification.rows.iter().map(|r| r.point).collect();
+    let measured = e.cell.identification.rows.iter().map(|r| r.measured.point()).collect();
     projections("Each in its own frame", &[("reference", e.reference()), ("measured", measured)])
 }
 
@@ -72,14 +73,14 @@ fn larger(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
 
 fn registered(e: &Example) -> String {
     let reference = e.reference();
-    let measured = in_robot_frame(e, e.cell.identification.rows.iter().map(|r| r.point));
+    let measured = in_robot_frame(e, e.cell.identification.rows.iter().map(|r| r.measured.point()));
     let measured = larger(&reference, &measured);
     let title = format!("One frame (Eq. 17), differences drawn {DRAWN_LARGER} times");
     projections(&title, &[("reference", reference), ("measured", measured)])
 }
 
-fn distances(residuals: &[Vector3<f64>]) -> Vec<f64> {
-    residuals.iter().map(|r| r.norm() * 1e3).collect()
+fn distances(residuals: &[impl Miss]) -> Vec<f64> {
+    residuals.iter().map(|r| r.miss() * 1e3).collect()
 }
 
 fn method<'a>(found: &'a Comparison, name: &str) -> Option<&'a Outcome> {
@@ -122,7 +123,7 @@ fn simulated(e: &Example) -> String {
     let plane = |points: Vec<Vector3<f64>>| points.iter().map(|p| (p.x * 1e3, p.z * 1e3)).collect();
     let mut series = vec![Series::points(
         "measured",
-        plane(in_robot_frame(e, e.cell.identification.rows.iter().map(|r| r.point))),
+        plane(in_robot_frame(e, e.cell.identification.rows.iter().map(|r| r.measured.point()))),
     )];
     let cases = &e.curve.simulated;
     for (k, points) in cases.iter().enumerate().step_by(3) {
@@ -205,10 +206,10 @@ fn methods(found: &Comparison, validation: bool) -> String {
 
 fn validation(e: &Example) -> String {
     let rows = &e.cell.validation.rows;
-    let measured = in_robot_frame(e, rows.iter().map(|r| r.point));
+    let measured = in_robot_frame(e, rows.iter().map(|r| r.measured.point()));
     let residuals = method(&e.held, "RPIM-P").map(|o| o.validation_residuals.clone());
     let residuals = residuals.unwrap_or_default();
-    let simulated = rows.iter().zip(&residuals).map(|(row, r)| row.point - r);
+    let simulated = rows.iter().zip(&residuals).map(|(row, r)| row.measured.point() - r.point());
     let simulated = larger(&measured, &in_robot_frame(e, simulated));
     let title = format!("18 validation points, differences drawn {DRAWN_LARGER} times");
     projections(&title, &[("measured", measured), ("RPIM-P", simulated)])
@@ -218,7 +219,7 @@ fn axes(e: &Example) -> String {
     let residuals = method(&e.held, "RPIM-P").map(|o| o.validation_residuals.clone());
     let base = e.start.bases[0].rotation;
     let turned: Vec<Vector3<f64>> =
-        residuals.unwrap_or_default().iter().map(|r| base.transpose() * r * 1e3).collect();
+        residuals.unwrap_or_default().iter().map(|r| base.transpose() * r.point() * 1e3).collect();
     let bars = |k: usize| {
         let values: Vec<f64> = turned.iter().map(|r| r[k]).collect();
         Series::bars(["x", "y", "z"][k], &values)

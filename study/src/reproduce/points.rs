@@ -21,9 +21,15 @@ pub fn section_v(nine: &NinePoses) -> String {
     let data = nine.cell.nine.rows.iter().zip(&nine.reference).enumerate();
     let rows: Vec<Vec<String>> = data
         .map(|(i, (row, reference))| {
-            let error = format!("{:.3}", (row.point - reference).norm() * 1e3);
-            [vec![(i + 1).to_string()], degrees(&row.q), mm(reference), mm(&row.point), vec![error]]
-                .concat()
+            let error = format!("{:.3}", (row.measured.point() - reference).norm() * 1e3);
+            [
+                vec![(i + 1).to_string()],
+                degrees(&row.q),
+                mm(reference),
+                mm(&row.measured.point()),
+                vec![error],
+            ]
+            .concat()
         })
         .collect();
     out += "Joint angles (degrees), reference and measured point in the tracker's frame (mm), error \
@@ -106,7 +112,7 @@ pub fn validation(example: &Example) -> String {
     let one = |i: usize| {
         let row = &rows[i];
         let joints = row.q.iter().map(|q| format!("{:.3}", q.to_degrees()));
-        let point = row.point.iter().map(|x| format!("{:.3}", x * 1e3));
+        let point = row.measured.iter().map(|x| format!("{:.3}", x * 1e3));
         let error = |name: &str| {
             let of = example.held.methods.iter().find(|o| o.name == name);
             let r = of.and_then(|o| o.validation_residuals.get(i));

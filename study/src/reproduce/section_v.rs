@@ -40,7 +40,7 @@ pub fn nine_poses(seed: u64) -> Result<NinePoses> {
         .rows
         .iter()
         .zip(errors(&cell.nine, task.start()))
-        .map(|(row, r)| row.point - r)
+        .map(|(row, r)| row.measured.point() - r.point())
         .collect();
     let mut methods = Vec::new();
     let all: [&dyn Method; 3] = [&NoCalibration, &PrintedRpim, &Rpim];

@@ -9,8 +9,7 @@ mod rounds;
 mod scan;
 pub mod score;
 
-use nalgebra::{DVector, Vector3};
-use rayon::prelude::*;
+use nalgebra::DVector;
 
 use super::candidates::Candidate;
 use super::policy::POLICY;
@@ -18,7 +17,7 @@ use crate::error::Result;
 use crate::identify::robust::{Flags, RobustFit, refit, robust_fit};
 use crate::identify::{Problem, State};
 use crate::model::ModelTerm;
-use crate::tikhonov::covariance;
+use crate::tikhonov::{Factorised, covariance};
 use node::Node;
 use scan::scan;
 use score::{Score, Scorer};
@@ -43,8 +42,8 @@ pub struct Search<'a> {
 }
 
 /// Price of so many coefficients chosen among so many alternatives.
-fn price(freedom: usize, tried: f64, rows: usize) -> f64 {
-    freedom as f64 * (3.0 * rows as f64).ln() + 2.0 * tried.ln() + 2.0 * FAMILIES.ln()
+fn price(freedom: usize, tried: f64, equations: usize) -> f64 {
+    freedom as f64 * (equations as f64).ln() + 2.0 * tried.ln() + 2.0 * FAMILIES.ln()
 }
 
 impl Search<'_> {
@@ -86,17 +85,15 @@ impl Search<'_> {
             }
         };
         let at = problem.linearise(&fit.fit.state);
-        let square: f64 = fit
-            .kept
-            .iter()
-            .map(|r| at.residual(*r).norm_squared() / self.problem.data.rows[*r].sigma.powi(2))
-            .sum();
-        let n = self.rows.len();
-        let flags = fit.outliers.len() as f64 * price(3, n as f64, n);
-        let terms: f64 = added.iter().map(|c| price(c.terms.len(), c.tried, n)).sum();
+        let scaled = |r: &usize| at.residual(*r).values().zip_map(&problem.scale(*r), |e, s| e / s);
+        let square: f64 = fit.kept.iter().map(|r| scaled(r).norm_squared()).sum();
+        let (rows, equations) = (self.rows.len() as f64, self.problem.equations(self.rows));
+        let flags: f64 =
+            fit.outliers.iter().map(|o| price(o.residual.len(), rows, equations)).sum();
+        let terms: f64 = added.iter().map(|c| price(c.terms.len(), c.tried, equations)).sum();
         let prior = self.flags.lambda * problem.corrections(&fit.fit.state).norm_squared();
         let unknowns = problem.unknowns.free() as f64 + self.determined(&problem, &fit);
-        let freedom = (3.0 * fit.kept.len() as f64 - unknowns).max(1.0);
+        let freedom = (problem.equations(&fit.kept) as f64 - unknowns).max(1.0);
         Ok(Node {
             added,
             misfit: square + prior,
@@ -109,7 +106,7 @@ impl Search<'_> {
 
     /// Link parameters that the data and not the prior decide.
     fn determined(&self, problem: &Problem, fit: &RobustFit) -> f64 {
-        let f = crate::tikhonov::Factorised::new(&fit.fit.triangle, problem.unknowns.free());
+        let f = Factorised::of_normal(&fit.fit.normal, problem.unknowns.free());
         f.singular_values().iter().map(|s| s * s / (s * s + self.flags.lambda)).sum()
     }
 
@@ -119,10 +116,11 @@ impl Search<'_> {
     pub fn promising(&self, node: &Node, most: usize) -> Vec<(Candidate, Score, f64)> {
         let state = &node.fit.fit.state;
         let problem = self.problem.with_terms(state.terms.len());
-        let Some(scorer) = Scorer::new(&problem, state, &node.fit.kept, self.flags.lambda) else {
+        let fit = &node.fit;
+        let Some(scorer) = Scorer::new(&problem, &fit.fit, &fit.kept, self.flags.lambda) else {
             return Vec::new();
         };
-        let bases: Vec<Vector3<f64>> = state.bases.iter().map(|b| b.translation).collect();
+        let equations = self.problem.equations(self.rows);
         let rows = self.rows.len();
         let mut scored: Vec<(Candidate, Score, f64)> = Vec::new();
         let mut add = |candidate: Candidate, score: Score| {
@@ -132,18 +130,13 @@ impl Search<'_> {
             // Where structure is left over, it counts as noise.
             let noise = (node.reduced - score.statistic / node.freedom).max(1.0);
             let gain =
-                score.statistic / noise - price(candidate.terms.len(), candidate.tried, rows);
+                score.statistic / noise - price(candidate.terms.len(), candidate.tried, equations);
             scored.push((candidate, score, gain));
         };
-        let tested = self.candidates.par_iter().map(|c| scorer.test(c, &bases));
-        for (candidate, score) in self.candidates.iter().zip(tested.collect::<Vec<_>>()) {
+        for (candidate, score) in self.candidates.iter().zip(scorer.test(self.candidates)) {
             add(candidate.clone(), score);
         }
-        let joints = self.problem.nominal.len();
-        let scanned = (0..joints)
-            .into_par_iter()
-            .map(|joint| scan(&scorer.joint(joint), joint, joints, self.highest_order));
-        for (candidate, score) in scanned.collect::<Vec<_>>().into_iter().flatten() {
+        for (candidate, score) in scan(&scorer, self.highest_order) {
             add(candidate, score);
         }
         scored.sort_by(|a, b| b.2.total_cmp(&a.2));
@@ -213,12 +206,13 @@ impl Search<'_> {
 
     /// Drops every term that later ones made needless.
     fn pruned(&self, mut node: Node) -> Result<Node> {
+        let equations = self.problem.equations(self.rows);
         let mut k = 0;
         while k < node.added.len() {
             // A refit only where it could end in dropping the term.
             if self.wald(&node, k)
                 > POLICY.surely_kept
-                    * price(node.added[k].terms.len(), node.added[k].tried, self.rows.len())
+                    * price(node.added[k].terms.len(), node.added[k].tried, equations)
             {
                 k += 1;
                 continue;
@@ -240,7 +234,7 @@ impl Search<'_> {
     pub(super) fn wald(&self, node: &Node, k: usize) -> f64 {
         let state = &node.fit.fit.state;
         let problem = self.problem.with_terms(state.terms.len());
-        let cov = covariance(&node.fit.fit.triangle, problem.unknowns.free(), self.flags.lambda);
+        let cov = covariance(&node.fit.fit.normal, problem.unknowns.free(), self.flags.lambda);
         let before: usize = node.added[..k].iter().map(|c| c.terms.len()).sum();
         let (first, count) = (problem.unknowns.terms().start + before, node.added[k].terms.len());
         let unit = problem.unit(problem.unknowns.list()[first]);

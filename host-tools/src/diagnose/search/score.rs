@@ -1,46 +1,40 @@
 //! Score test: what a candidate would explain if it were added, without
 //! fitting it. Its columns are projected off the fitted model, and the
-//! residual on what is left.
+//! residual on what is left. Everything comes from sums over rows, so that no
+//! column is held as long as the data.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
+use rayon::prelude::*;
 use truearm::effects::Effect;
 
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::policy::POLICY;
-use crate::identify::{Problem, State, measurement_column};
+use crate::identify::accumulate::{CHUNK, tree};
+use crate::identify::fit::Fit;
+use crate::identify::{Linearised, Problem, measurement_column};
 use crate::model::ModelTerm;
-use crate::model::arm::RowInputs;
+use crate::model::arm::{Derivatives, RowInputs};
 
 /// A fitted model, ready to test candidates.
 pub struct Scorer<'a> {
     problem: &'a Problem<'a>,
-    rows: Vec<ScoredRow>,
+    at: Linearised<'a>,
+    rows: &'a [usize],
+    bases: Vec<Vector3<f64>>,
     /// Of the fitted normal equations.
-    inverse: Cholesky<f64, Dyn>,
+    factor: Cholesky<f64, Dyn>,
 }
 
-/// One joint's column at every row.
-pub struct JointColumns {
+/// Some rows as a joint sees them: what its value's column is there.
+pub struct JointRows {
     /// Joint values.
     pub q: Vec<f64>,
-    /// Squared length of the column.
+    /// Squared length of the column, in sigmas.
     pub square: Vec<f64>,
     /// Product with the residual.
     pub right: Vec<f64>,
-    /// What the fitted model can imitate of it.
-    pub projected: DMatrix<f64>,
-}
-
-struct ScoredRow {
-    index: usize,
-    /// Residual over sigma.
-    residual: Vector3<f64>,
-    /// 3 x unknowns over sigma.
-    block: nalgebra::Matrix3xX<f64>,
-    /// Column of each joint value over sigma.
-    joints: Vec<Vector3<f64>>,
-    derivatives: crate::model::arm::Derivatives,
-    weight: f64,
+    /// Products with the columns of the fitted unknowns, a column a row.
+    pub products: DMatrix<f64>,
 }
 
 /// What a candidate would explain.
@@ -52,90 +46,170 @@ pub struct Score {
     pub freedom: usize,
 }
 
+/// Added to the diagonal of the fitted equations, as a share of its largest.
+const HELD: f64 = 1e-13;
+
+/// Sums over rows of the candidates' columns Z, the fitted ones A and the
+/// residual r.
+struct Sums {
+    /// A'Z
+    fitted: DMatrix<f64>,
+    /// Z'r
+    right: DVector<f64>,
+    /// Z'Z of each candidate.
+    own: Vec<DMatrix<f64>>,
+}
+
+impl Sums {
+    fn plus(mut self, other: Self) -> Self {
+        self.fitted += other.fitted;
+        self.right += other.right;
+        self.own.iter_mut().zip(&other.own).for_each(|(a, b)| *a += b);
+        self
+    }
+}
+
 impl<'a> Scorer<'a> {
     /// Of a fit to `rows` with this lambda.
     #[must_use]
     pub fn new(
         problem: &'a Problem<'a>,
-        state: &State,
-        rows: &[usize],
+        fit: &Fit,
+        rows: &'a [usize],
         lambda: f64,
     ) -> Option<Self> {
-        let at = problem.linearise(state);
-        let p = problem.unknowns.list().len();
-        let mut h = DMatrix::zeros(p, p);
-        let mut out = Vec::with_capacity(rows.len());
-        for index in rows {
-            let e = at.equations(*index);
-            h.gemm_tr(1.0, &e.block, &e.block, 1.0);
-            let weight = 1.0 / problem.metres(*index);
-            let d = e.derivatives;
-            let joints = (0..d.links.len()).map(|j| {
-                let revolute = problem.nominal[j].kind == truearm::JointKind::Revolute;
-                d.links[j][if revolute { 2 } else { 3 }] * weight
-            });
-            out.push(ScoredRow {
-                index: *index,
-                residual: e.residual * weight,
-                joints: joints.collect(),
-                block: e.block,
-                derivatives: d,
-                weight,
-            });
-        }
+        let mut h = fit.normal.h().into_owned();
         let largest = h.diagonal().max();
-        for k in 0..p {
-            h[(k, k)] += largest * 1e-13 + if k >= problem.unknowns.free() { lambda } else { 0.0 };
+        for k in 0..h.nrows() {
+            h[(k, k)] += largest * HELD + if k >= problem.unknowns.free() { lambda } else { 0.0 };
         }
-        Some(Self { problem, rows: out, inverse: h.cholesky()? })
+        let bases = fit.state.bases.iter().map(|b| b.translation).collect();
+        let at = problem.linearise(&fit.state);
+        Some(Self { problem, at, rows, bases, factor: h.cholesky()? })
     }
 
-    /// Tests one candidate.
+    /// The rows.
     #[must_use]
-    pub fn test(&self, candidate: &Candidate, bases: &[Vector3<f64>]) -> Score {
-        let k = candidate.terms.len();
-        let p = self.problem.unknowns.list().len();
-        let (mut cc, mut ac, mut cr) =
-            (DMatrix::zeros(k, k), DMatrix::zeros(p, k), DVector::zeros(k));
-        for row in &self.rows {
-            let columns: Vec<Vector3<f64>> =
-                candidate.terms.iter().map(|t| self.column(t, row, bases)).collect();
-            for i in 0..k {
-                cr[i] += columns[i].dot(&row.residual);
-                for j in 0..=i {
-                    cc[(i, j)] += columns[i].dot(&columns[j]);
-                }
-                let product = row.block.tr_mul(&columns[i]);
-                let mut target = ac.column_mut(i);
-                target += product;
-            }
-        }
-        cc.fill_upper_triangle_with_lower_triangle();
-        self.solve(&cc, &ac, &cr)
+    pub fn rows(&self) -> &[usize] {
+        self.rows
     }
 
-    /// The joint's column at every row, projected: what a scan needs of it.
+    /// Number of joints.
     #[must_use]
-    pub fn joint(&self, joint: usize) -> JointColumns {
+    pub fn joints(&self) -> usize {
+        self.problem.nominal.len()
+    }
+
+    /// Smallest and largest value of a joint.
+    #[must_use]
+    pub fn range(&self, joint: usize) -> [f64; 2] {
+        let q = self.rows.iter().map(|row| self.problem.data.rows[*row].q[joint]);
+        q.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| [low.min(q), high.max(q)])
+    }
+
+    /// Tests candidates, all in one pass.
+    #[must_use]
+    pub fn test(&self, candidates: &[Candidate]) -> Vec<Score> {
+        if candidates.is_empty() {
+            return Vec::new();
+        }
+        let leaf = |rows: &[usize]| self.sums(candidates, rows);
+        let sums = tree(self.rows, CHUNK, &leaf, &|a: Sums, b| a.plus(b));
+        let mut first = 0;
+        let firsts: Vec<usize> = candidates
+            .iter()
+            .map(|c| {
+                first += c.terms.len();
+                first - c.terms.len()
+            })
+            .collect();
+        let solved = firsts.into_par_iter().zip(&sums.own).map(|(first, own)| {
+            let count = own.nrows();
+            let fitted = sums.fitted.columns(first, count).into_owned();
+            self.solve(own, &fitted, &sums.right.rows(first, count).into_owned())
+        });
+        solved.collect()
+    }
+
+    fn sums(&self, candidates: &[Candidate], rows: &[usize]) -> Sums {
         let p = self.problem.unknowns.list().len();
-        let mut products = DMatrix::zeros(p, self.rows.len());
-        for (row, mut out) in self.rows.iter().zip(products.column_iter_mut()) {
-            out.copy_from(&row.block.tr_mul(&row.joints[joint]));
+        let columns = |index: usize, d: &Derivatives| {
+            let terms = candidates.iter().flat_map(|c| &c.terms);
+            terms.map(|term| self.column(term, index, d)).collect()
+        };
+        let count: usize = candidates.iter().map(|c| c.terms.len()).sum();
+        let equations = self.problem.equations(rows);
+        let (mut block, mut residual) =
+            (DMatrix::zeros(equations, p + count), DVector::zeros(equations));
+        let mut first = 0;
+        for row in rows {
+            let e = self.at.equations_beside(*row, &columns);
+            let r = e.scaled_residual();
+            block.rows_mut(first, r.len()).copy_from(&e.block);
+            residual.rows_mut(first, r.len()).copy_from(&r.column());
+            first += r.len();
         }
-        self.inverse.l_dirty().solve_lower_triangular_mut(&mut products);
-        JointColumns {
-            q: self.rows.iter().map(|r| self.problem.data.rows[r.index].q[joint]).collect(),
-            square: self.rows.iter().map(|r| r.joints[joint].norm_squared()).collect(),
-            right: self.rows.iter().map(|r| r.joints[joint].dot(&r.residual)).collect(),
-            projected: products,
-        }
+        let (a, z) = (block.columns(0, p), block.columns(p, count));
+        let mut at = 0;
+        let own = candidates.iter().map(|candidate| {
+            let own = z.columns(at, candidate.terms.len());
+            at += candidate.terms.len();
+            own.tr_mul(&own)
+        });
+        let own = own.collect();
+        Sums { fitted: a.transpose() * z, right: z.tr_mul(&residual), own }
+    }
+
+    /// Some of the rows as every joint sees them.
+    #[must_use]
+    pub fn joint_rows(&self, rows: &[usize]) -> Vec<JointRows> {
+        let (p, joints) = (self.problem.unknowns.list().len(), self.joints());
+        let columns = |_: usize, d: &Derivatives| {
+            (0..joints).map(|joint| self.joint_column(joint, d)).collect::<Vec<_>>()
+        };
+        let of = |row: &usize| {
+            let e = self.at.equations_beside(*row, &columns);
+            let own = e.block.columns(p, joints);
+            let right = own.tr_mul(&e.scaled_residual().column());
+            let square = DVector::from_fn(joints, |j, _| own.column(j).norm_squared());
+            (e.block.columns(0, p).tr_mul(&own), square, right)
+        };
+        let found: Vec<_> = rows.par_iter().map(of).collect();
+        let joint = |j: usize| JointRows {
+            q: rows.iter().map(|row| self.problem.data.rows[*row].q[j]).collect(),
+            square: found.iter().map(|(_, square, _)| square[j]).collect(),
+            right: found.iter().map(|(.., right)| right[j]).collect(),
+            products: DMatrix::from_fn(p, rows.len(), |k, i| found[i].0[(k, j)]),
+        };
+        (0..joints).map(joint).collect()
+    }
+
+    /// Takes what the fitted model can imitate out of products with its columns:
+    /// the squared length of a column of the result is what is to be taken from
+    /// that of the column it was made of.
+    pub fn project(&self, products: &mut DMatrix<f64>) {
+        self.factor.l_dirty().solve_lower_triangular_mut(products);
+    }
+
+    /// Squared length of what the fitted model imitates of one column.
+    #[must_use]
+    pub fn imitated(&self, products: &DVector<f64>) -> f64 {
+        let mut projected = products.clone();
+        self.factor.l_dirty().solve_lower_triangular_mut(&mut projected);
+        projected.norm_squared()
+    }
+
+    /// How the point moves with a joint's value.
+    fn joint_column(&self, joint: usize, d: &Derivatives) -> Vector3<f64> {
+        let revolute = self.problem.nominal[joint].kind == truearm::JointKind::Revolute;
+        d.links[joint][if revolute { 2 } else { 3 }]
     }
 
     fn solve(&self, cc: &DMatrix<f64>, ac: &DMatrix<f64>, cr: &DVector<f64>) -> Score {
         // Columns scaled to length 1, so that what survives is a share.
         let k = cr.len();
         let scale = DVector::from_fn(k, |i, _| cc[(i, i)].max(1e-300).sqrt().recip());
-        let rest = cc - ac.tr_mul(&self.inverse.solve(ac));
+        let rest = cc - ac.tr_mul(&self.factor.solve(ac));
         let scaled = DMatrix::from_fn(k, k, |i, j| rest[(i, j)] * scale[i] * scale[j]);
         let eigen = scaled.symmetric_eigen();
         let mut score = Score { statistic: 0.0, freedom: 0 };
@@ -149,18 +223,17 @@ impl<'a> Scorer<'a> {
         score
     }
 
-    /// Column of a term at a row, over sigma.
-    fn column(&self, term: &ModelTerm, row: &ScoredRow, bases: &[Vector3<f64>]) -> Vector3<f64> {
-        let data = &self.problem.data.rows[row.index];
-        let inputs: &RowInputs = &self.problem.conditions.rows[row.index];
-        let d = &row.derivatives;
+    /// How the point of a row moves with a term's coefficient.
+    fn column(&self, term: &ModelTerm, row: usize, d: &Derivatives) -> Vector3<f64> {
+        let data = &self.problem.data.rows[row];
+        let inputs: &RowInputs = &self.problem.conditions.rows[row];
         let ModelTerm::Arm(term) = term else {
-            return measurement_column(term, data, d, &bases[data.station]) * row.weight;
+            return measurement_column(term, data, d, &self.bases[data.station]);
         };
         let basis = inputs.basis(&data.q, term);
         let joint = usize::from(term.joint);
         match term.effect {
-            Effect::BaseCompliance => d.about[usize::from(term.component)] * basis * row.weight,
+            Effect::BaseCompliance => d.about[usize::from(term.component)] * basis,
             Effect::ThermalExpansion => {
                 let links = self.problem.nominal.iter().zip(&d.links).enumerate();
                 let mut sum = Vector3::zeros();
@@ -169,9 +242,9 @@ impl<'a> Scorer<'a> {
                         sum += c[1] * link.parameters.a + c[3] * link.parameters.d;
                     }
                 }
-                sum * basis * row.weight
+                sum * basis
             }
-            _ => row.joints[joint] * basis,
+            _ => self.joint_column(joint, d) * basis,
         }
     }
 }

@@ -63,7 +63,7 @@ fn separating(search: &Search, robot: &Robot, a: &State, b: &State) -> Vec<Separ
     let conditions = Conditions::new(&tried, robot);
     let (first, second) = (residuals(&tried, &conditions, a), residuals(&tried, &conditions, b));
     let mut order: Vec<(f64, usize)> =
-        first.iter().zip(&second).map(|(a, b)| (a - b).norm()).zip(0..POLICY.tried).collect();
+        first.iter().zip(&second).map(|(a, b)| (*a - *b).norm()).zip(0..POLICY.tried).collect();
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut out: Vec<(usize, f64)> = Vec::new();
     for (difference, i) in order {

@@ -9,7 +9,7 @@ use crate::diagnose::search::FAMILIES;
 use crate::diagnose::search::node::{Node, at_floor};
 use crate::identify::Findings;
 use crate::identify::robust::Outlier;
-use crate::model::{ModelTerm, friction_unit};
+use crate::model::{ModelTerm, Values, friction_unit};
 
 /// The effects of the final model: one entry a name and order, couplings and
 /// thermal links one each; flagged rows as `outliers`.
@@ -41,8 +41,10 @@ pub fn effects(findings: &Findings, stages: &[Node], gap: &[GapRow], best: &Node
     let gross = best.fit.outliers.iter().any(|o| !other_side(findings, best, o));
     // Where structure is left that has no name, no row can be called wrong.
     if gross && (at_floor(best) || !best.added.is_empty()) {
-        let rows = findings.problem.data.rows.len() as f64;
-        let p_value = (3.0 * rows * libm::erfc(POLICY.gross / std::f64::consts::SQRT_2)).min(1.0);
+        let problem = findings.problem;
+        let all: Vec<usize> = (0..problem.data.rows.len()).collect();
+        let equations = problem.equations(&all) as f64;
+        let p_value = (equations * libm::erfc(POLICY.gross / std::f64::consts::SQRT_2)).min(1.0);
         out.push(Effect {
             name: "outliers",
             joints: Vec::new(),
@@ -90,17 +92,15 @@ fn add(out: &mut Vec<Effect>, term: &ModelTerm, new: Effect) {
 fn other_side(findings: &Findings, best: &Node, outlier: &Outlier) -> bool {
     let problem = findings.problem;
     let state = &best.fit.fit.state;
-    let row = &problem.data.rows[outlier.row];
     let equations = problem.linearise(state).equations(outlier.row);
+    let residual = outlier.residual.values().zip_map(&equations.scale, |r, scale| r / scale);
     state.terms.iter().zip(problem.unknowns.terms()).any(|(term, k)| {
         let ModelTerm::Arm(t) = term else { return false };
-        let per_unit = equations.block.column(k) * problem.metres(outlier.row);
-        let shift = per_unit * (-2.0 * t.coefficient / problem.unit(problem.unknowns.list()[k]));
-        let left = (outlier.residual - shift).norm();
+        let turn = -2.0 * t.coefficient / problem.unit(problem.unknowns.list()[k]);
+        let left = |c: usize| residual[c] - equations.block[(c, k)] * turn;
+        let left = Values::from_fn(residual.len(), left).norm();
         t.effect.needs_approach()
-            && left
-                < (POLICY.gap_share * outlier.residual.norm())
-                    .max(POLICY.gap_deviations * row.sigma)
+            && left < (POLICY.gap_share * residual.norm()).max(POLICY.gap_deviations)
     })
 }
 

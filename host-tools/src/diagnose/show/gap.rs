@@ -1,4 +1,3 @@
-use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::diagnose::candidates::Candidate;
@@ -7,10 +6,12 @@ use crate::diagnose::search::Search;
 use crate::diagnose::search::node::Node;
 use crate::error::{Error, Label, Result};
 use crate::evaluate::residuals;
+use crate::identify::estimate::without_parts;
 use crate::identify::folds::Fold;
-use crate::identify::robust::robust_fit;
+use crate::identify::robust::robust_fit_near;
 use crate::identify::{Conditions, State};
 use crate::model::{Measurements, Robot};
+use crate::observations::Residual;
 use crate::report::{Stats, own_evidence};
 
 /// Held-out judgement of models.
@@ -33,10 +34,11 @@ impl Show<'_> {
     /// # Errors
     /// When a fold's fit does not converge.
     pub fn held_out(&self, node: &Node) -> Result<HeldOut> {
-        let start = &node.fit.fit.state;
-        let problem = self.search.problem.with_terms(start.terms.len());
-        let judged = self.folds.par_iter().map(|fold| {
-            let fit = robust_fit(&problem, &fold.fit, start, self.search.flags)?;
+        let problem = self.search.problem.with_terms(node.fit.fit.state.terms.len());
+        let flags = self.search.flags;
+        let starts = without_parts(&problem, &node.fit, self.folds, flags.lambda);
+        let judged = self.folds.par_iter().zip(&starts).map(|(fold, start)| {
+            let fit = robust_fit_near(&problem, &fold.fit, start, flags)?;
             let at = problem.linearise(&fit.fit.state);
             Ok(fold.held_out.iter().map(|r| (*r, at.residual(*r))).collect::<Vec<_>>())
         });
@@ -95,7 +97,7 @@ impl Show<'_> {
     }
 
     /// Residuals of a hold-out file in the frames of the training.
-    fn on_holdout(&self, holdout: &Measurements, state: &State) -> Result<Vec<Vector3<f64>>> {
+    fn on_holdout(&self, holdout: &Measurements, state: &State) -> Result<Vec<Residual>> {
         let data = self.search.problem.data;
         let place = |known: &[String], label: &String, what: Label| {
             known.iter().position(|l| l == label).ok_or_else(|| unknown_label(holdout, what, label))
@@ -113,12 +115,12 @@ impl Show<'_> {
     }
 }
 
-fn rms(residuals: impl Iterator<Item = Vector3<f64>>) -> f64 {
+fn rms(residuals: impl Iterator<Item = Residual>) -> f64 {
     Stats::of(&residuals.collect::<Vec<_>>()).map_or(0.0, |s| s.rms_mm)
 }
 
 /// Held-out residuals of rows, where the others determine them.
-pub type HeldOut = Vec<Option<Vector3<f64>>>;
+pub type HeldOut = Vec<Option<Residual>>;
 
 /// A station or marker of a hold-out file that the training did not have.
 fn unknown_label(data: &Measurements, of: Label, label: &str) -> Error {

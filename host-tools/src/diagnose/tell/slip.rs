@@ -1,5 +1,6 @@
 //! Rows that look as if a joint had slipped on its encoder.
 
+use nalgebra::DVector;
 use truearm::JointKind;
 
 use crate::diagnose::chi_square::{chance, chi_square};
@@ -7,7 +8,11 @@ use crate::diagnose::policy::POLICY;
 use crate::diagnose::search::node::Node;
 use crate::diagnose::search::score::Scorer;
 use crate::identify::Problem;
+use crate::model::arm::Derivatives;
 use crate::units::{joint_to_file, joint_unit};
+
+/// Rows that pass together.
+const GROUP: usize = 512;
 
 /// The joint value's step, from some row to the last in the order of
 /// measurement, that explains most of the residuals.
@@ -17,26 +22,11 @@ pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     let row = |r: usize| &problem.data.rows[r];
     let when = |r: usize| row(r).time.or(row(r).order).unwrap_or(r as f64);
     rows.sort_by(|a, b| when(*a).total_cmp(&when(*b)));
-    let state = &root.fit.fit.state;
-    let Some(scorer) = Scorer::new(problem, state, &rows, lambda) else { return Vec::new() };
+    let Some(scorer) = Scorer::new(problem, &root.fit.fit, &rows, lambda) else {
+        return Vec::new();
+    };
     let joints = problem.nominal.len();
-    // What is explained, the shift, the joint, the first row.
-    let mut best = (0.0, 0.0, 0, 0);
-    for joint in 0..joints {
-        let columns = scorer.joint(joint);
-        let (mut cc, mut cr) = (0.0, 0.0);
-        let mut imitated = columns.projected.column(0) * 0.0;
-        for k in (1..rows.len()).rev() {
-            cc += columns.square[k];
-            cr += columns.right[k];
-            imitated += columns.projected.column(k);
-            let left = cc - imitated.norm_squared();
-            if left > 1e-4 * cc && cr * cr / left > best.0 {
-                best = (cr * cr / left, cr / left, joint, k);
-            }
-        }
-    }
-    let (explained, shift, joint, k) = best;
+    let Step { explained, shift, joint, row: k } = largest(&scorer, joints);
     let all = root.reduced * root.freedom;
     let noise = ((all - explained) / root.freedom).max(1.0);
     let p = chi_square(explained / noise, 1) * (joints * rows.len()) as f64;
@@ -55,6 +45,46 @@ pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     )]
 }
 
+/// A joint value that is another from a row on.
+#[derive(Clone, Copy, Default)]
+struct Step {
+    explained: f64,
+    shift: f64,
+    joint: usize,
+    /// Place among the scorer's rows.
+    row: usize,
+}
+
+/// The step that explains most: rows pass from the last to the first, each with
+/// the sums of all that come after it.
+fn largest(scorer: &Scorer, joints: usize) -> Step {
+    let mut sums: Vec<(f64, f64, DVector<f64>)> = Vec::new();
+    let mut best = Step::default();
+    let groups = scorer.rows().len().div_ceil(GROUP);
+    for group in (0..groups).rev() {
+        let first = group * GROUP;
+        let rows = &scorer.rows()[first..(first + GROUP).min(scorer.rows().len())];
+        let of_joints = scorer.joint_rows(rows);
+        if sums.is_empty() {
+            let nothing = DVector::zeros(of_joints[0].products.nrows());
+            sums = vec![(0.0, 0.0, nothing); joints];
+        }
+        for k in (0..rows.len()).rev().filter(|k| first + k > 0) {
+            for (joint, (rows, (cc, cr, products))) in of_joints.iter().zip(&mut sums).enumerate() {
+                *cc += rows.square[k];
+                *cr += rows.right[k];
+                *products += rows.products.column(k);
+                let left = *cc - scorer.imitated(products);
+                let explained = *cr * *cr / left;
+                if left > 1e-4 * *cc && explained > best.explained {
+                    best = Step { explained, shift: *cr / left, joint, row: first + k };
+                }
+            }
+        }
+    }
+    best
+}
+
 /// Which rows contradict the others, and whether they do so as if a joint had
 /// slipped.
 #[must_use]
@@ -67,13 +97,15 @@ pub fn contradiction(problem: &Problem, root: &Node) -> Vec<String> {
     // Least squares of one shift of a joint in all of them.
     let fitted = |joint: usize| {
         let revolute = problem.nominal[joint].kind == JointKind::Revolute;
+        let moved = |_: usize, d: &Derivatives| vec![d.links[joint][if revolute { 2 } else { 3 }]];
         let (mut cc, mut cr, mut rr) = (0.0, 0.0, 0.0);
         for outlier in outliers {
-            let link = at.equations(outlier.row).derivatives.links[joint];
-            let column = link[if revolute { 2 } else { 3 }];
+            let e = at.equations_beside(outlier.row, &moved);
+            let column = e.block.column(e.block.ncols() - 1);
+            let residual = outlier.residual.values().zip_map(&e.scale, |r, scale| r / scale);
             cc += column.norm_squared();
-            cr += column.dot(&outlier.residual);
-            rr += outlier.residual.norm_squared();
+            cr += column.dot(&residual.column());
+            rr += residual.norm_squared();
         }
         (cr * cr / (cc * rr), joint, cr / cc)
     };

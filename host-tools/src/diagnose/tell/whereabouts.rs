@@ -1,13 +1,14 @@
 //! Where the residuals of a geometric fit are: against every joint angle,
 //! approach side, torque, temperature, time, series, payload and region.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 use super::slip::{contradiction, step};
 use crate::diagnose::chi_square::{chance, chi_square};
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::search::node::{Node, crowded};
 use crate::identify::Problem;
+use crate::model::{KindId, Values};
 
 /// Sentences for what is significant, a joint that slipped first, then strongest
 /// first. `lambda` is that of the fit.
@@ -17,7 +18,11 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     // Where many rows are flagged, the flags are what is to be placed.
     let all: Vec<usize> = (0..problem.data.rows.len()).collect();
     let rows = if crowded(root) { &all } else { &root.fit.kept };
-    let residuals: Vec<Vector3<f64>> = rows.iter().map(|r| at.residual(*r)).collect();
+    let scaled = |r: &usize| {
+        let values = at.residual(*r).values().zip_map(&problem.scale(*r), |e, s| e / s);
+        (problem.data.rows[*r].kind, values)
+    };
+    let residuals: Vec<(KindId, Values)> = rows.iter().map(scaled).collect();
     let row = |i: usize| &problem.data.rows[rows[i]];
     let inputs = |i: usize| &problem.conditions.rows[rows[i]];
     let joints = problem.nominal.len();
@@ -51,7 +56,7 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
         Some(series.iter().skip(1).map(of).collect())
     });
     test("the region of the workspace".to_owned(), &|i| {
-        Some(row(i).point.iter().copied().collect())
+        Some(at.target(rows[i]).0.iter().copied().collect())
     });
     let count = tests.len() as f64;
     let mut found: Vec<(f64, String)> = Vec::new();
@@ -70,19 +75,40 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     slips.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect()
 }
 
-/// Share of the residuals' variance that linear functions explain, in all three
-/// coordinates, and its p value (likelihood ratio).
-fn dependence(residuals: &[Vector3<f64>], functions: &[Vec<f64>]) -> Option<(f64, f64)> {
-    let (n, k) = (residuals.len(), functions.first()?.len());
+/// Share of the residuals' variance that linear functions explain, in all
+/// components, and its p value (likelihood ratio). Residuals are in sigmas; rows
+/// of one kind are explained together.
+fn dependence(residuals: &[(KindId, Values)], functions: &[Vec<f64>]) -> Option<(f64, f64)> {
+    let (mut before, mut after, mut equations, mut freedom) = (0.0, 0.0, 0, 0);
+    let mut kinds: Vec<KindId> = residuals.iter().map(|r| r.0).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    for kind in kinds {
+        let rows: Vec<usize> = (0..residuals.len()).filter(|i| residuals[*i].0 == kind).collect();
+        let Some(basis) = basis(&rows, functions) else { continue };
+        let components = residuals[rows[0]].1.len();
+        for c in 0..components {
+            let r = DVector::from_fn(rows.len(), |i, _| residuals[rows[i]].1[c]);
+            before += (&r - DVector::from_element(rows.len(), r.mean())).norm_squared();
+            after += r.norm_squared() - basis.tr_mul(&r).norm_squared();
+        }
+        equations += components * rows.len();
+        freedom += components * (basis.ncols() - 1);
+    }
+    let share = 1.0 - after / before;
+    let statistic = -(equations as f64) * (1.0 - share).ln();
+    (equations > 0).then(|| (share, chi_square(statistic, freedom)))
+}
+
+/// Orthonormal columns that span a constant and the functions at some rows;
+/// `None` of too few rows or of functions that stand still.
+fn basis(rows: &[usize], functions: &[Vec<f64>]) -> Option<DMatrix<f64>> {
+    let (n, k) = (rows.len(), functions.first()?.len());
     if k == 0 || n < 4 * (k + 1) {
         return None;
     }
-    let mut a = DMatrix::from_element(n, k + 1, 1.0);
-    for (i, f) in functions.iter().enumerate() {
-        for (j, v) in f.iter().enumerate() {
-            a[(i, j + 1)] = *v;
-        }
-    }
+    let at = |i: usize, j: usize| if j == 0 { 1.0 } else { functions[rows[i]][j - 1] };
+    let mut a = DMatrix::from_fn(n, k + 1, at);
     for j in 1..=k {
         let scale = a.column(j).amax();
         if scale == 0.0 {
@@ -92,17 +118,5 @@ fn dependence(residuals: &[Vector3<f64>], functions: &[Vec<f64>]) -> Option<(f64
     }
     let svd = a.svd(true, false);
     let rank = svd.singular_values.iter().filter(|s| **s > 1e-9 * svd.singular_values[0]).count();
-    if rank < 2 {
-        return None;
-    }
-    let u = svd.u?;
-    let (mut before, mut after) = (0.0, 0.0);
-    for c in 0..3 {
-        let r = DVector::from_fn(n, |i, _| residuals[i][c]);
-        before += (&r - DVector::from_element(n, r.mean())).norm_squared();
-        after += r.norm_squared() - u.columns(0, rank).tr_mul(&r).norm_squared();
-    }
-    let share = 1.0 - after / before;
-    let statistic = -3.0 * n as f64 * (1.0 - share).ln();
-    Some((share, chi_square(statistic, 3 * (rank - 1))))
+    (rank >= 2).then(|| svd.u.map(|u| u.columns(0, rank).into_owned()))?
 }

@@ -1,0 +1,195 @@
+//! A problem at a state: residuals and equations of its rows, and their sums.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::accumulate::{CHUNK, tree};
+use super::predictor::{Model, View};
+use super::problem::Problem;
+use super::unknowns::State;
+use crate::model::arm::Derivatives;
+use crate::model::{Row, Values};
+use crate::observations::{Moving, Residual, Seen, kind};
+use crate::tikhonov::{Normal, Triangle};
+
+/// A row's equations, scaled: `block x = rhs`.
+pub struct Equations {
+    /// As many rows as the row's kind has components; a column an unknown, in
+    /// units, then those asked for beside them, in SI.
+    pub block: DMatrix<f64>,
+    /// Right-hand side: residual plus what the current corrections explain, so
+    /// that the penalised unknowns are counted from nominal.
+    pub rhs: Values,
+    /// Measured minus modelled, SI.
+    pub residual: Residual,
+    /// SI to one unit of each equation.
+    pub scale: Values,
+}
+
+impl Equations {
+    /// The residual in units of the equations.
+    #[must_use]
+    pub fn scaled_residual(&self) -> Values {
+        self.residual.values().zip_map(&self.scale, |r, scale| r / scale)
+    }
+}
+
+/// Points that move with something beside the unknowns: as many columns for
+/// every row, SI.
+pub type Beside<'b> = dyn Fn(usize, &Derivatives) -> Vec<Vector3<f64>> + Sync + 'b;
+
+/// A problem at a state.
+pub struct Linearised<'a> {
+    problem: Problem<'a>,
+    model: Model,
+    corrections: DVector<f64>,
+    units: DVector<f64>,
+}
+
+/// The targets' motion with the unknowns, in units, and with what is beside.
+struct Motion<'l> {
+    at: &'l Linearised<'l>,
+    beside: &'l Beside<'l>,
+}
+
+impl Seen for Motion<'_> {
+    fn row(&self, index: usize) -> &Row {
+        &self.at.problem.data.rows[index]
+    }
+
+    fn point(&self, index: usize) -> Vector3<f64> {
+        self.at.view().point(index)
+    }
+}
+
+impl Moving for Motion<'_> {
+    fn moved(&self, index: usize) -> (Vector3<f64>, DMatrix<f64>) {
+        let (row, problem) = (self.row(index), &self.at.problem);
+        let unknowns = &problem.unknowns;
+        let (d, terms) = self.at.model.derivatives(row, index, &problem.conditions);
+        let beside = (self.beside)(index, &d);
+        let count = unknowns.list().len();
+        let mut block = DMatrix::zeros(3, count + beside.len());
+        let mut set = |first: usize, columns: &[Vector3<f64>]| {
+            for (k, column) in columns.iter().enumerate() {
+                block.column_mut(first + k).copy_from(column);
+            }
+        };
+        set(unknowns.station(row.station), &d.base);
+        set(unknowns.marker(row.marker, problem.data.stations.len()), &d.tool);
+        if !unknowns.terms().is_empty() {
+            set(unknowns.terms().start, &terms);
+        }
+        for (i, columns) in d.links.iter().enumerate() {
+            set(unknowns.free() + 5 * i, columns);
+        }
+        set(count, &beside);
+        for (mut column, unit) in block.column_iter_mut().zip(&self.at.units) {
+            column *= *unit;
+        }
+        (d.point, block)
+    }
+}
+
+impl<'a> Linearised<'a> {
+    /// Of a problem; the state's terms are held unless the problem has as many.
+    #[must_use]
+    pub fn new(problem: &Problem<'a>, state: &State) -> Self {
+        Self {
+            model: Model::new(state),
+            corrections: problem.corrections(state),
+            units: problem.units(),
+            problem: problem.clone(),
+        }
+    }
+
+    fn view(&self) -> View<'_> {
+        let Problem { data, conditions, .. } = &self.problem;
+        View { model: &self.model, data, conditions }
+    }
+
+    /// Measured minus modelled of a row, SI.
+    #[must_use]
+    pub fn residual(&self, row: usize) -> Residual {
+        Residual::of(row, &self.view())
+    }
+
+    /// The equations of a row.
+    #[must_use]
+    pub fn equations(&self, index: usize) -> Equations {
+        self.equations_beside(index, &|_, _| Vec::new())
+    }
+
+    /// The same with columns beside those of the unknowns.
+    #[must_use]
+    pub fn equations_beside(&self, index: usize, beside: &Beside) -> Equations {
+        let row = &self.problem.data.rows[index];
+        let motion = Motion { at: self, beside };
+        let (residual, mut block) = kind(row).linearised(index, &motion);
+        let scale = self.problem.scale(index);
+        for mut column in block.column_iter_mut() {
+            column.iter_mut().zip(scale.iter()).for_each(|(value, scale)| *value /= scale);
+        }
+        let explained = block.columns(0, self.units.len()) * &self.corrections;
+        let rhs = Values::from_fn(scale.len(), |c| residual[c] / scale[c] + explained[c]);
+        Equations { block, rhs, residual: Residual::new(row, residual), scale }
+    }
+
+    /// Where the target of a row is seen, m, and how it moves with each unknown
+    /// in its unit, m: 3 x unknowns.
+    #[must_use]
+    pub fn target(&self, index: usize) -> (Vector3<f64>, DMatrix<f64>) {
+        Motion { at: self, beside: &|_, _| Vec::new() }.moved(index)
+    }
+
+    /// `[A, b]` of the given rows, each equation multiplied by the root of its
+    /// weight. For a chunk of them: [`Linearised::normal`] and
+    /// [`Linearised::triangle`] are of any number.
+    #[must_use]
+    pub fn rows(&self, rows: &[usize], weights: Option<&[Values]>) -> DMatrix<f64> {
+        let columns = self.units.len();
+        let mut matrix = DMatrix::zeros(self.problem.equations(rows), columns + 1);
+        let mut first = 0;
+        for row in rows {
+            let e = self.equations(*row);
+            let count = e.rhs.len();
+            matrix.view_mut((first, 0), (count, columns)).copy_from(&e.block);
+            for c in 0..count {
+                matrix[(first + c, columns)] = e.rhs[c];
+                if let Some(weights) = weights {
+                    matrix.row_mut(first + c).scale_mut(weights[*row][c].sqrt());
+                }
+            }
+            first += count;
+        }
+        matrix
+    }
+
+    /// Normal equations of the same, chunk by chunk.
+    #[must_use]
+    pub fn normal(&self, rows: &[usize], weights: Option<&[Values]>) -> Normal {
+        let leaf = |chunk: &[usize]| Normal::new(&self.rows(chunk, weights));
+        tree(rows, CHUNK, &leaf, &|a: Normal, b| a.plus(&b))
+    }
+
+    /// Triangle of the same, chunk by chunk.
+    #[must_use]
+    pub fn triangle(&self, rows: &[usize], weights: Option<&[Values]>) -> Triangle {
+        let leaf = |chunk: &[usize]| Triangle::new(&self.rows(chunk, weights));
+        // Large chunks for many unknowns: two triangles joined cost as much as
+        // twice as many rows as there are unknowns.
+        let size = CHUNK.max(2 * self.units.len());
+        tree(rows, size, &leaf, &|a, b| Triangle::join([&a, &b].into_iter()))
+    }
+
+    /// Corrections at this state, in units.
+    #[must_use]
+    pub fn corrections(&self) -> &DVector<f64> {
+        &self.corrections
+    }
+
+    /// From units to m and rad.
+    #[must_use]
+    pub fn to_si(&self, x: &DVector<f64>) -> DVector<f64> {
+        x.component_mul(&self.units)
+    }
+}

@@ -1,0 +1,122 @@
+//! Normal equations: what a least-squares problem needs of its rows when its
+//! condition is modest. Sums, so that parts are added and taken away.
+
+use nalgebra::{DMatrix, DMatrixView, DVector};
+
+use super::Triangle;
+
+/// A share of the whole below which what a part leaves of a diagonal is
+/// rounding: no difference is then to be trusted.
+const LEFT: f64 = 1e-8;
+/// Keeps free unknowns that no row moves where they are, as a share of the
+/// largest diagonal.
+const HELD: f64 = 1e-14;
+/// Pivots of equations scaled to ones on the diagonal that are too small to be
+/// told from rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// `H = A'A`, `g = A'b`, `s = b'b` of weighted equations `A x = b`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Normal {
+    /// `[A, b]'[A, b]`.
+    gram: DMatrix<f64>,
+    /// Equations summed.
+    equations: usize,
+}
+
+impl Normal {
+    /// Of a matrix `[A, b]`.
+    #[must_use]
+    pub fn new(rows: &DMatrix<f64>) -> Self {
+        // A product of two whole matrices is far faster than one by columns.
+        Self { gram: rows.transpose() * rows, equations: rows.nrows() }
+    }
+
+    /// The sum of two parts.
+    #[must_use]
+    pub fn plus(mut self, other: &Self) -> Self {
+        self.gram += &other.gram;
+        self.equations += other.equations;
+        self
+    }
+
+    /// The whole without a part; `None` where so little is left of an unknown
+    /// that the difference is rounding.
+    #[must_use]
+    pub fn minus(&self, part: &Self) -> Option<Self> {
+        let gram = &self.gram - &part.gram;
+        let left = |k: usize| gram[(k, k)] > LEFT * self.gram[(k, k)] || part.gram[(k, k)] == 0.0;
+        let sound = (0..self.unknowns()).all(left);
+        sound.then(|| Self { gram, equations: self.equations - part.equations })
+    }
+
+    /// Number of unknowns.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.gram.ncols() - 1
+    }
+
+    /// Equations summed.
+    #[must_use]
+    pub fn equations(&self) -> usize {
+        self.equations
+    }
+
+    /// `A'A`.
+    #[must_use]
+    pub fn h(&self) -> DMatrixView<'_, f64> {
+        self.gram.view((0, 0), (self.unknowns(), self.unknowns()))
+    }
+
+    /// `A'b`.
+    #[must_use]
+    pub fn g(&self) -> DVector<f64> {
+        let p = self.unknowns();
+        self.gram.column(p).rows(0, p).into_owned()
+    }
+
+    /// `b'b`.
+    #[must_use]
+    pub fn s(&self) -> f64 {
+        self.gram[(self.unknowns(), self.unknowns())]
+    }
+
+    /// The solution with lambda on all but the first `free` unknowns; `None`
+    /// where rounding makes the equations indefinite.
+    #[must_use]
+    pub fn solve(&self, free: usize, lambda: f64) -> Option<DVector<f64>> {
+        let mut h = self.h().into_owned();
+        let largest = h.diagonal().max();
+        for k in 0..h.nrows() {
+            h[(k, k)] += if k < free { largest * HELD } else { lambda };
+        }
+        Some(h.cholesky()?.solve(&self.g()))
+    }
+
+    /// The step of the first `free` unknowns, the others held at `x`, their own
+    /// step zero; `None` where the rows determine it too poorly for normal
+    /// equations.
+    #[must_use]
+    pub fn solve_free(&self, free: usize, x: &DVector<f64>) -> Option<DVector<f64>> {
+        let h = self.h();
+        let held = x.len() - free;
+        let coupling = h.view((0, free), (free, held));
+        let rhs = self.g().rows(0, free) - coupling * x.rows(free, held);
+        let scale = DVector::from_fn(free, |k, _| h[(k, k)].sqrt().recip());
+        let scaled = DMatrix::from_fn(free, free, |i, j| h[(i, j)] * scale[i] * scale[j]);
+        let factor = scaled.cholesky()?;
+        if factor.l_dirty().diagonal().iter().any(|pivot| pivot * pivot < ROUNDING) {
+            return None;
+        }
+        let mut step = DVector::zeros(x.len());
+        let solved = factor.solve(&rhs.component_mul(&scale)).component_mul(&scale);
+        step.rows_mut(0, free).copy_from(&solved);
+        Some(step)
+    }
+}
+
+impl From<&Triangle> for Normal {
+    fn from(triangle: &Triangle) -> Self {
+        Self { gram: triangle.r.tr_mul(&triangle.r), equations: triangle.rows }
+    }
+}
