@@ -9,6 +9,7 @@ pub mod blob;
 pub mod diagnose;
 pub mod error;
 pub mod evaluate;
+pub mod evidence;
 pub mod files;
 pub mod identify;
 pub mod methods;

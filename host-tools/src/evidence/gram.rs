@@ -1,0 +1,237 @@
+//! Products of all columns with each other, accumulated block by block and
+//! projected off geometry: all that the evidence of any subset needs of the
+//! rows, however many there are.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::noise::Noise;
+
+/// Columns a product is computed in at a time; only the lower triangle is.
+const BLOCK: usize = 96;
+/// Share of a column's square that must survive the projection; below it is
+/// the rounding of the projection and the column counts as one of geometry's.
+const SEEN: f64 = 1e-8;
+/// First addition to the diagonal of a scaled matrix that has no Cholesky
+/// factor for rounding; grows tenfold until there is one.
+const JITTER: f64 = 1e-14;
+
+/// `G'G`, `G'Z`, `Z'Z`, `G'y`, `Z'y` and `y'y` of the equations so far, G the
+/// columns of geometry, Z those of the candidates, y the residual; everything
+/// over its stated sigma.
+#[derive(Debug, Clone)]
+pub struct Gram {
+    gg: DMatrix<f64>,
+    gz: DMatrix<f64>,
+    zz: DMatrix<f64>,
+    gy: DVector<f64>,
+    zy: DVector<f64>,
+    yy: f64,
+    equations: usize,
+    repeats: (usize, f64),
+}
+
+/// Geometry at one noise scale k: the Cholesky factor of `G'G / k^2 + Lambda`.
+#[derive(Debug, Clone)]
+pub struct Geometry {
+    /// What the columns are divided by before the factorisation.
+    unit: DVector<f64>,
+    factor: Cholesky<f64, Dyn>,
+    scale: f64,
+    /// Equations that geometry uses up: `tr(G H^-1 G') / k^2`.
+    pub freedom: f64,
+}
+
+/// Candidates and residual with geometry projected out, in units of the noise
+/// scale k: `C = Z'PZ`, `b = Z'Py`, `s = y'Py`, `P = I - G H^-1 G'`.
+#[derive(Debug, Clone)]
+pub struct Projected {
+    /// `Z'PZ`.
+    pub c: DMatrix<f64>,
+    /// `Z'Py`.
+    pub b: DVector<f64>,
+    /// `y'Py`.
+    pub s: f64,
+    /// Diagonal of `Z'Z`, before the projection.
+    pub full: DVector<f64>,
+    /// Equations.
+    pub equations: usize,
+    /// Of them, those that repeat a pose, and their squares.
+    pub repeats: (usize, f64),
+    /// Equations that geometry uses up.
+    pub geometry: f64,
+    /// Noise scale k that everything is divided by.
+    pub scale: f64,
+}
+
+impl Gram {
+    /// Of no equations.
+    #[must_use]
+    pub fn new(unknowns: usize, columns: usize) -> Self {
+        Self {
+            gg: DMatrix::zeros(unknowns, unknowns),
+            gz: DMatrix::zeros(unknowns, columns),
+            zz: DMatrix::zeros(columns, columns),
+            gy: DVector::zeros(unknowns),
+            zy: DVector::zeros(columns),
+            yy: 0.0,
+            equations: 0,
+            repeats: (0, 0.0),
+        }
+    }
+
+    /// Adds equations. A few hundred at a time are fastest.
+    pub fn add(&mut self, g: &DMatrix<f64>, z: &DMatrix<f64>, y: &DVector<f64>) {
+        let (gt, zt) = (g.transpose(), z.transpose());
+        self.gg.gemm(1.0, &gt, g, 1.0);
+        self.gz.gemm(1.0, &gt, z, 1.0);
+        self.gy.gemv(1.0, &gt, y, 1.0);
+        self.zy.gemv(1.0, &zt, y, 1.0);
+        self.yy += y.norm_squared();
+        lower_product(&mut self.zz, 1.0, &zt, z);
+        self.equations += y.len();
+    }
+
+    /// Of the equations added so many repeat a pose, and `square` is what their
+    /// residuals scatter about the mean of their pose, both from
+    /// [`super::poses::within`] at the best model known: where a later one
+    /// explains part of the scatter, accumulate again with its residuals.
+    pub fn add_repeats(&mut self, equations: usize, square: f64) {
+        self.repeats.0 += equations;
+        self.repeats.1 += square;
+    }
+
+    /// Adds the equations of another part of the rows.
+    pub fn join(&mut self, other: &Self) {
+        self.gg += &other.gg;
+        self.gz += &other.gz;
+        self.zz += &other.zz;
+        self.gy += &other.gy;
+        self.zy += &other.zy;
+        self.yy += other.yy;
+        self.equations += other.equations;
+        self.add_repeats(other.repeats.0, other.repeats.1);
+    }
+
+    /// Columns of candidates.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.zy.len()
+    }
+
+    /// Geometry at noise scale k under a prior of this precision (diagonal).
+    #[must_use]
+    pub fn geometry(&self, precision: &DVector<f64>, scale: f64) -> Geometry {
+        let k2 = scale * scale;
+        let data = &self.gg / k2;
+        let mut h = data.clone();
+        for i in 0..h.nrows() {
+            h[(i, i)] += precision[i];
+        }
+        let unit = h.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
+        let scaled = DMatrix::from_fn(h.nrows(), h.ncols(), |i, j| h[(i, j)] / (unit[i] * unit[j]));
+        let factor = factor(scaled);
+        // tr(H^-1 G'G / k^2), column by column.
+        let data =
+            DMatrix::from_fn(h.nrows(), h.ncols(), |i, j| data[(i, j)] / (unit[i] * unit[j]));
+        let freedom = factor.solve(&data).trace();
+        Geometry { unit, factor, scale, freedom }
+    }
+
+    /// Everything projected off geometry.
+    #[must_use]
+    pub fn project(&self, geometry: &Geometry) -> Projected {
+        let k2 = geometry.scale * geometry.scale;
+        let v = geometry.whiten(&self.gz);
+        let vy = geometry.whiten(&DMatrix::from_column_slice(self.gy.len(), 1, self.gy.as_slice()));
+        let vy = vy.column(0);
+        let mut c = &self.zz / k2;
+        lower_product(&mut c, -1.0, &v.transpose(), &v);
+        c.fill_upper_triangle_with_lower_triangle();
+        let mut b = &self.zy / k2 - v.tr_mul(&vy);
+        let full = self.zz.diagonal() / k2;
+        for j in 0..c.ncols() {
+            if c[(j, j)] <= SEEN * full[j] {
+                c.column_mut(j).fill(0.0);
+                c.row_mut(j).fill(0.0);
+                b[j] = 0.0;
+            }
+        }
+        Projected {
+            c,
+            b,
+            s: (self.yy / k2 - vy.norm_squared()).max(0.0),
+            full,
+            equations: self.equations,
+            repeats: (self.repeats.0, self.repeats.1 / k2),
+            geometry: geometry.freedom,
+            scale: geometry.scale,
+        }
+    }
+
+    /// Noise scale that geometry alone leaves.
+    #[must_use]
+    pub fn scale_of_geometry(&self, precision: &DVector<f64>) -> f64 {
+        let mut k = (self.yy / self.equations.max(1) as f64).sqrt().max(f64::MIN_POSITIVE);
+        for _ in 0..5 {
+            let geometry = self.geometry(precision, k);
+            let vy = geometry
+                .factor
+                .l_dirty()
+                .solve_lower_triangular(&self.gy.component_div(&geometry.unit).unscale(k * k));
+            let rest = self.yy - vy.map_or(0.0, |v| v.norm_squared()) * k * k;
+            let noise = Noise::new(self.equations, self.repeats, geometry.freedom);
+            k = (noise.own(rest) / noise.freedom).sqrt().max(1e-9 * k);
+        }
+        k
+    }
+}
+
+impl Geometry {
+    /// `L^-1 G'Z / k^2` from `G'Z`: the part of columns that geometry can
+    /// imitate, in coordinates whose scalar product is the projection's.
+    #[must_use]
+    pub fn whiten(&self, products: &DMatrix<f64>) -> DMatrix<f64> {
+        let k2 = self.scale * self.scale;
+        let mut out = products.clone();
+        for mut column in out.column_iter_mut() {
+            column.component_div_assign(&self.unit);
+            column /= k2;
+        }
+        // The diagonal of a Cholesky factor is positive.
+        let _ = self.factor.l_dirty().solve_lower_triangular_mut(&mut out);
+        out
+    }
+}
+
+/// Adds `by * at * a` to the lower triangle of `to`, `at` being a's transpose:
+/// nalgebra's own product of a transpose took seven times as long.
+fn lower_product(to: &mut DMatrix<f64>, by: f64, at: &DMatrix<f64>, a: &DMatrix<f64>) {
+    let columns = a.ncols();
+    for first in (0..columns).step_by(BLOCK) {
+        let width = BLOCK.min(columns - first);
+        let below = columns - first;
+        let mut target = to.view_mut((first, first), (below, width));
+        target.gemm(by, &at.rows(first, below), &a.columns(first, width), 1.0);
+    }
+}
+
+/// Cholesky factor of a matrix with unit diagonal that is singular only by
+/// rounding.
+fn factor(matrix: DMatrix<f64>) -> Cholesky<f64, Dyn> {
+    let mut jitter = JITTER;
+    loop {
+        let mut lifted = matrix.clone();
+        for i in 0..lifted.nrows() {
+            // Not a number would never get a factor: it is left out.
+            let finite = lifted[(i, i)].is_finite();
+            lifted[(i, i)] = if finite { lifted[(i, i)] + jitter } else { 1.0 };
+        }
+        if let Some(factor) = lifted.cholesky() {
+            return factor;
+        }
+        jitter *= 10.0;
+        if jitter > 1e3 {
+            return Cholesky::pack_dirty(DMatrix::identity(matrix.nrows(), matrix.nrows()));
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Evidence: which of many candidate effects the data hold, with
+//! probabilities. Linear algebra only; it knows residuals, columns and priors,
+//! and nothing of arms. Method, thresholds and the studies that set them:
+//! `docs/evidence.md`.
+//!
+//! Rows go into a [`Gram`] once, whitened by [`poses`] and weighted by
+//! [`tails`]; [`explain`] does the rest from it.
+//!
+//! ```
+//! use nalgebra::{DMatrix, DVector};
+//! use truearm_host::evidence::{Candidate, Claim, Effort, Gram, explain, prior};
+//!
+//! // One unknown of geometry (a constant), two candidates (a slope, a square).
+//! let x = DVector::from_fn(40, |i, _| i as f64 / 20.0 - 1.0);
+//! let g = DMatrix::from_element(40, 1, 1.0);
+//! let z = DMatrix::from_fn(40, 2, |i, j| x[i].powi(j as i32 + 1));
+//! let y = x.map(|x| 3.0 + 2.0 * x + 0.2 * (90.0 * x).sin());
+//! let mut gram = Gram::new(1, 2);
+//! gram.add(&g, &z, &y);
+//! let candidate = |name| Candidate {
+//!     name,
+//!     place: 0,
+//!     part: 0,
+//!     units: vec![0],
+//!     log_odds: prior::log_odds(1, 1),
+//! };
+//! let found =
+//!     explain(&gram, &DVector::from_element(1, 1e-6), &[candidate(0), candidate(1)], Effort::default());
+//! assert!(found.posterior.probability(Claim { name: 0, place: 0 }) > 0.99);
+//! assert!(found.posterior.probability(Claim { name: 1, place: 0 }) < 0.1);
+//! assert!((found.coefficients[0][0].value - 2.0).abs() < 0.2);
+//! ```
+
+mod addition;
+mod candidate;
+mod curve;
+mod gram;
+pub mod lines;
+mod noise;
+pub mod poses;
+mod posterior;
+pub mod prior;
+mod search;
+mod subset;
+pub mod tails;
+#[cfg(test)]
+mod tests;
+
+use nalgebra::DVector;
+
+pub use candidate::Candidate;
+pub use gram::{Geometry, Gram, Projected};
+pub use noise::NU;
+pub use posterior::{Claim, Posterior};
+pub use search::{Effort, WINDOW};
+pub use subset::{Coefficient, Subset, Subsets};
+
+use search::Search;
+
+/// Rounds of search and noise scale; the scale settles in two or three.
+const ROUNDS: usize = 4;
+/// Relative change of the noise scale that no longer matters.
+const SETTLED: f64 = 0.02;
+
+/// What the data hold.
+#[derive(Debug, Clone)]
+pub struct Explanation {
+    /// Noise scale k: the noise is this many times the stated sigma.
+    pub scale: f64,
+    /// The most probable model: its candidates, ascending.
+    pub best: Subset,
+    /// Coefficients of each of its candidates' columns.
+    pub coefficients: Vec<Vec<Coefficient>>,
+    /// Size of each of its effects beyond geometry, in noise floors.
+    pub floors: Vec<f64>,
+    /// All models.
+    pub posterior: Posterior,
+}
+
+/// Searches the subsets of `candidates`, whose columns stand in `gram` in turn;
+/// `precision` is the diagonal of geometry's prior. Found again at the noise
+/// scale that the best model leaves, until it no longer changes: a missing
+/// effect counts as noise only as long as it is missing.
+#[must_use]
+pub fn explain(
+    gram: &Gram,
+    precision: &DVector<f64>,
+    candidates: &[Candidate],
+    effort: Effort,
+) -> Explanation {
+    let mut scale = gram.scale_of_geometry(precision);
+    let mut known: Vec<Vec<usize>> = Vec::new();
+    let mut round = 0;
+    loop {
+        let projected = gram.project(&gram.geometry(precision, scale));
+        let subsets = Subsets::new(projected, candidates.to_vec());
+        let mut search = Search::run(&subsets, effort, &known);
+        let posterior = Posterior::new(search.masses(), candidates);
+        let members = posterior.models.first().map_or(Vec::new(), |(m, _)| m.clone());
+        let best = search.fit(&members).clone();
+        let found = subsets.scale_of(&best).max(1e-9 * scale);
+        let change = (found / scale).ln().abs();
+        round += 1;
+        if change < SETTLED || round == ROUNDS {
+            return Explanation {
+                scale: found,
+                coefficients: subsets.coefficients(&best),
+                floors: subsets.floors(&best),
+                best,
+                posterior,
+            };
+        }
+        scale = found;
+        known = vec![members];
+    }
+}

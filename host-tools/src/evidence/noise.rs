@@ -1,0 +1,42 @@
+/// Degrees of freedom of the prior of the noise scale: it is worth two
+/// equations, and the scale itself is found again in every round.
+pub const NU: f64 = 2.0;
+
+/// Guard against a stale scatter of repeats: the scale cannot come out at less
+/// than 0.7 of what all equations together say. Without repeats it is idle.
+const LEAST: f64 = 0.5;
+
+/// How much a sum of squares left over says: the noise scale integrated out.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Noise {
+    /// Equations that do not repeat a pose.
+    pub poses: f64,
+    /// N: equations of their own pose, less those of geometry.
+    pub freedom: f64,
+    /// Share of N in all equations less those of geometry; 1 without repeats.
+    share: f64,
+    /// Squares of repeats about their pose's mean.
+    repeats: f64,
+}
+
+impl Noise {
+    pub fn new(equations: usize, repeats: (usize, f64), geometry: f64) -> Self {
+        let (equations, repeated) = (equations as f64, repeats.0 as f64);
+        let poses = equations - repeated;
+        let freedom = (poses - geometry).max(1.0);
+        Self { poses, freedom, share: freedom / (freedom + repeated), repeats: repeats.1 }
+    }
+
+    /// Squares of the poses alone: repeats about their mean tell how readings
+    /// scatter, not how poses do. A model that explains part of that scatter is
+    /// not believed to leave less than [`LEAST`] of the poses' share.
+    pub fn own(&self, rest: f64) -> f64 {
+        let rest = rest.max(0.0);
+        (rest - self.repeats).max(LEAST * rest * self.share)
+    }
+
+    /// `-1/2 (nu + N) log(1 + rest / nu)`.
+    pub fn log_evidence(&self, rest: f64) -> f64 {
+        -0.5 * (NU + self.freedom) * (self.own(rest) / NU).ln_1p()
+    }
+}

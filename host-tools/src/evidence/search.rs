@@ -1,0 +1,183 @@
+//! Which subsets of the candidates hold the probability: a deterministic
+//! search. A beam climbs from nothing (and from known models), giving every
+//! name a turn because one missing effect makes many others look significant;
+//! then the best models are looked at once more from all sides, each member
+//! taken out and everything else tried in its place. Every model one addition
+//! away from a model that was expanded is kept with its probability, so that
+//! the sum over look-alikes is complete where it matters.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::subset::{Subset, Subsets};
+
+/// How far and how long to look.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// Models followed side by side.
+    pub beam: usize,
+    /// Additions followed from each.
+    pub branches: usize,
+    /// Of them, at most so many of one name.
+    pub of_a_name: usize,
+    /// Most members of a model.
+    pub members: usize,
+    /// Models whose members are each taken out and replaced.
+    pub swaps: usize,
+}
+
+impl Default for Effort {
+    /// Doubling any of them changed no probability above 0.01 by more than
+    /// 0.02 in the study of `docs/evidence.md`.
+    fn default() -> Self {
+        Self { beam: 4, branches: 6, of_a_name: 2, members: 24, swaps: 24 }
+    }
+}
+
+/// Models less probable than the best by this factor (nats) count as
+/// impossible: a thousand of them would hold 1e-8 of the probability.
+pub const WINDOW: f64 = 25.0;
+/// The beam ends when its best model is this far behind (nats): two needless
+/// additions.
+const BEHIND: f64 = 15.0;
+/// Models within this of the best (nats) have their members replaced: the
+/// others hold less than a thousandth each.
+const FRONT: f64 = 7.0;
+
+/// Log mass of every model that was seen.
+pub type Masses = BTreeMap<Vec<usize>, f64>;
+
+/// A search under way.
+pub(super) struct Search<'a> {
+    subsets: &'a Subsets,
+    effort: Effort,
+    masses: Masses,
+    fitted: BTreeMap<Vec<usize>, Subset>,
+    expanded: BTreeSet<Vec<usize>>,
+    best: f64,
+}
+
+impl<'a> Search<'a> {
+    /// Looks from nothing and from `known`.
+    pub fn run(subsets: &'a Subsets, effort: Effort, known: &[Vec<usize>]) -> Self {
+        let mut search = Self {
+            subsets,
+            effort,
+            masses: BTreeMap::new(),
+            fitted: BTreeMap::new(),
+            expanded: BTreeSet::new(),
+            best: f64::NEG_INFINITY,
+        };
+        let mut roots = vec![Vec::new()];
+        roots.extend(known.iter().cloned());
+        for root in roots {
+            search.climb(root);
+        }
+        search.look_around();
+        search
+    }
+
+    /// Every model and its log mass.
+    pub fn masses(&self) -> &Masses {
+        &self.masses
+    }
+
+    /// The fit of a model.
+    pub fn fit(&mut self, members: &[usize]) -> &Subset {
+        self.fit_from(members, &[])
+    }
+
+    /// Prior sizes of `parent` are the first guess.
+    fn fit_from(&mut self, members: &[usize], parent: &[usize]) -> &Subset {
+        if !self.fitted.contains_key(members) {
+            let parent = self.fitted.get(parent);
+            let hint = |g: usize| {
+                let parent = parent?;
+                parent.members.iter().position(|m| *m == g).map(|i| parent.sizes[i])
+            };
+            let subset = self.subsets.fit(members, &hint);
+            self.best = self.best.max(subset.log_mass);
+            self.masses.insert(members.to_vec(), subset.log_mass);
+            self.fitted.insert(members.to_vec(), subset);
+        }
+        &self.fitted[members]
+    }
+
+    fn climb(&mut self, root: Vec<usize>) {
+        self.fit(&root);
+        let mut beam = vec![root];
+        for _ in 0..self.effort.members {
+            let mut grown: BTreeSet<Vec<usize>> = BTreeSet::new();
+            for parent in &beam {
+                for child in self.expand(parent) {
+                    self.fit_from(&child, parent);
+                    grown.insert(child);
+                }
+            }
+            let mut grown: Vec<(f64, Vec<usize>)> =
+                grown.into_iter().map(|m| (self.masses[&m], m)).collect();
+            grown.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+            grown.truncate(self.effort.beam);
+            if grown.first().is_none_or(|(mass, _)| *mass < self.best - BEHIND) {
+                break;
+            }
+            beam = grown.into_iter().map(|(_, members)| members).collect();
+        }
+    }
+
+    /// Rates every addition to a model; those worth a fit.
+    fn expand(&mut self, members: &[usize]) -> Vec<Vec<usize>> {
+        if members.len() >= self.effort.members || !self.expanded.insert(members.to_vec()) {
+            return Vec::new();
+        }
+        let additions = self.subsets.additions(&self.fit(members).clone());
+        let mut order: Vec<usize> = (0..additions.len()).collect();
+        order.sort_by(|a, b| additions[*b].total_cmp(&additions[*a]).then(a.cmp(b)));
+        let mut out = Vec::new();
+        let mut of_name: BTreeMap<usize, usize> = BTreeMap::new();
+        // The best addition may be the best model of all.
+        let best = order.first().map_or(self.best, |g| self.best.max(additions[*g]));
+        for g in order {
+            let mass = additions[g];
+            if mass < best - WINDOW || !mass.is_finite() {
+                break;
+            }
+            let at = members.partition_point(|m| *m < g);
+            let mut child = members.to_vec();
+            child.insert(at, g);
+            self.masses.entry(child.clone()).or_insert(mass);
+            let same = of_name.entry(self.subsets.candidates()[g].name).or_default();
+            *same += 1;
+            if *same <= self.effort.of_a_name && out.len() < self.effort.branches {
+                out.push(child);
+            }
+        }
+        out
+    }
+
+    /// Takes each member of the best models out and tries all others instead.
+    fn look_around(&mut self) {
+        let mut seen: BTreeSet<Vec<usize>> = BTreeSet::new();
+        for _ in 0..self.effort.swaps {
+            let front = self.masses.iter().filter(|(m, _)| !seen.contains(*m));
+            let Some((members, mass)) = front.max_by(|a, b| a.1.total_cmp(b.1)) else { break };
+            if *mass < self.best - FRONT {
+                break;
+            }
+            let members = members.clone();
+            seen.insert(members.clone());
+            self.fit(&members);
+            self.grow(&members);
+            for member in &members {
+                let less: Vec<usize> = members.iter().copied().filter(|m| m != member).collect();
+                self.fit_from(&less, &members);
+                self.grow(&less);
+            }
+        }
+    }
+
+    fn grow(&mut self, members: &[usize]) {
+        for child in self.expand(members) {
+            self.fit_from(&child, members);
+        }
+    }
+}

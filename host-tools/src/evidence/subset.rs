@@ -1,0 +1,259 @@
+//! Evidence of a subset of candidates, in closed form.
+//!
+//! With `D` the prior sizes of the columns of a model M and `B = I + D C_M D`,
+//!
+//! ```text
+//! log p(y | M) = -1/2 log |B| - 1/2 (nu + N) log(1 + (s - b' D B^-1 D b) / nu) + const
+//! ```
+//!
+//! It is the marginal likelihood of a linear model whose coefficients have a
+//! normal prior in units of the noise and whose noise variance has a scaled
+//! inverse chi-square prior with nu degrees of freedom about the present scale
+//! (O'Hagan and Forster, Kendall's Advanced Theory of Statistics 2B, 11.43;
+//! Liang et al., JASA 103 (2008) 410 on mixtures over the prior size). N counts
+//! the equations less those that geometry uses up (MacKay, Neural Computation 4
+//! (1992) 415): geometry is integrated out, not fitted.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::candidate::Candidate;
+use super::curve::{Curve, highest, mean, rotated};
+use super::gram::Projected;
+use super::noise::Noise;
+use super::prior::SIZES;
+
+/// Times that the prior sizes of a model's members are chosen again; all but a
+/// few models settle at the second.
+const SWEEPS: usize = 4;
+/// Size that a search starts a member at: 5 floors.
+const FIRST_SIZE: usize = 2;
+
+/// A problem ready for subsets: candidates scaled to one noise floor.
+#[derive(Debug, Clone)]
+pub struct Subsets {
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) columns: Vec<Range<usize>>,
+    pub(super) c: DMatrix<f64>,
+    pub(super) b: DVector<f64>,
+    pub(super) s: f64,
+    /// Caller's columns are divided by this.
+    unit: DVector<f64>,
+    pub(super) noise: Noise,
+    scale: f64,
+}
+
+/// A subset and what the data say of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Subset {
+    /// Its candidates, ascending.
+    pub members: Vec<usize>,
+    /// Prior size of each, an index into [`SIZES`].
+    pub sizes: Vec<usize>,
+    /// Log of prior times evidence, the prior sizes summed over; up to a
+    /// constant of the problem.
+    pub log_mass: f64,
+    /// What the same model's evidence is at `sizes`, without its prior.
+    pub log_evidence: f64,
+    pub(super) inverse: DMatrix<f64>,
+    pub(super) mean: DVector<f64>,
+    /// `b' D B^-1 D b`.
+    pub(super) explained: f64,
+    /// `log |B|`.
+    pub(super) log_det: f64,
+}
+
+/// A coefficient in the caller's unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coefficient {
+    /// Posterior mean.
+    pub value: f64,
+    /// Posterior standard deviation.
+    pub sigma: f64,
+}
+
+impl Subsets {
+    /// Scales the columns of `projected`, which belong to `candidates` in turn.
+    /// Effects count in noise floors: at a prior size of 1 a candidate's
+    /// expected mean square over all equations is that of the noise, however
+    /// many columns it has and whatever their units. The size is that of the
+    /// whole effect, before anything is projected out: what geometry hides is
+    /// no reason to believe that it is larger.
+    #[must_use]
+    pub fn new(projected: Projected, candidates: Vec<Candidate>) -> Self {
+        let Projected { mut c, mut b, s, full, equations, repeats, geometry, scale } = projected;
+        let noise = Noise::new(equations, repeats, geometry);
+        let mut columns = Vec::with_capacity(candidates.len());
+        let mut unit = DVector::from_element(b.len(), 0.0);
+        let mut first = 0;
+        for candidate in &candidates {
+            let k = candidate.units.len();
+            for (i, own) in candidate.units.iter().enumerate() {
+                let same = (0..k).filter(|j| candidate.units[*j] == *own);
+                let (count, square) =
+                    same.fold((0.0, 0.0), |(n, s), j| (n + 1.0, s + full[first + j]));
+                let square: f64 = square / count;
+                if square > 0.0 {
+                    unit[first + i] = (square * k as f64 / noise.poses).sqrt();
+                }
+            }
+            columns.push(first..first + k);
+            first += k;
+        }
+        let inverse = unit.map(|u| if u > 0.0 { u.recip() } else { 0.0 });
+        for (j, mut column) in c.column_iter_mut().enumerate() {
+            column.component_mul_assign(&inverse);
+            column *= inverse[j];
+        }
+        b.component_mul_assign(&inverse);
+        Self { candidates, columns, c, b, s, unit, noise, scale }
+    }
+
+    /// Fits a subset: the prior size of every member is chosen where the
+    /// evidence is highest, the others as they are, until none changes; then
+    /// each is summed over. `hints` are known sizes of candidates.
+    #[must_use]
+    pub fn fit(&self, members: &[usize], hint: &dyn Fn(usize) -> Option<usize>) -> Subset {
+        let mut members = members.to_vec();
+        members.sort_unstable();
+        members.dedup();
+        let mut sizes: Vec<usize> =
+            members.iter().map(|g| hint(*g).unwrap_or(FIRST_SIZE)).collect();
+        let mut subset = self.at_sizes(&members, &sizes);
+        let mut curves = self.curves(&subset);
+        for _ in 1..SWEEPS {
+            let best: Vec<usize> = curves.iter().map(highest).collect();
+            if best == sizes {
+                break;
+            }
+            sizes = best;
+            subset = self.at_sizes(&members, &sizes);
+            curves = self.curves(&subset);
+        }
+        let summed: f64 = curves.iter().zip(&sizes).map(|(c, size)| mean(c) - c[*size]).sum();
+        let prior: f64 = members.iter().map(|g| self.candidates[*g].log_odds).sum();
+        subset.log_mass = subset.log_evidence + summed + prior;
+        subset
+    }
+
+    /// The formula at given prior sizes.
+    #[must_use]
+    pub fn at_sizes(&self, members: &[usize], sizes: &[usize]) -> Subset {
+        let columns: Vec<usize> = members.iter().flat_map(|g| self.columns[*g].clone()).collect();
+        let size = members.iter().zip(sizes);
+        let d: Vec<f64> = size.flat_map(|(g, s)| vec![SIZES[*s]; self.columns[*g].len()]).collect();
+        let n = columns.len();
+        let mut a = DMatrix::from_fn(n, n, |i, j| self.c[(columns[i], columns[j])]);
+        for (i, d) in d.iter().enumerate() {
+            a[(i, i)] += 1.0 / (d * d);
+        }
+        let b = DVector::from_fn(n, |i, _| self.b[columns[i]]);
+        // C is a Gram matrix and 1 / d^2 at least 4e-4: there is a factor.
+        let (inverse, log_det) = match a.cholesky() {
+            Some(factor) => {
+                let diagonal = factor.l_dirty().diagonal();
+                let pairs = diagonal.iter().zip(&d);
+                (factor.inverse(), 2.0 * pairs.map(|(l, d)| (l * d).ln()).sum::<f64>())
+            }
+            None => (DMatrix::zeros(n, n), f64::INFINITY),
+        };
+        let mean = &inverse * &b;
+        let explained = b.dot(&mean);
+        let log_evidence = -0.5 * log_det + self.noise.log_evidence(self.s - explained);
+        Subset {
+            members: members.to_vec(),
+            sizes: sizes.to_vec(),
+            log_mass: log_evidence,
+            log_evidence,
+            inverse,
+            mean,
+            explained,
+            log_det,
+        }
+    }
+
+    /// Log evidence of each member at every prior size, the others as they are.
+    /// With the member taken out, `S` is what is left of its C and `t` of its b.
+    fn curves(&self, subset: &Subset) -> Vec<Curve> {
+        let mut first = 0;
+        let each = subset.members.iter().zip(&subset.sizes).map(|(g, size)| {
+            let k = self.columns[*g].len();
+            let mean = subset.mean.rows(first, k);
+            let own = subset.inverse.view((first, first), (k, k)).into_owned();
+            first += k;
+            let Some(own) = own.cholesky() else {
+                return [subset.log_evidence; SIZES.len()];
+            };
+            let own = own.inverse();
+            let t = &own * mean;
+            let explained = subset.explained - mean.dot(&t);
+            let d2 = SIZES[*size] * SIZES[*size];
+            let mut s = own;
+            for i in 0..k {
+                s[(i, i)] -= 1.0 / d2;
+            }
+            let (values, t) = rotated(s, &t);
+            let det: f64 = values.iter().map(|w| (d2 * w).ln_1p()).sum();
+            self.curve(&values, &t, explained, subset.log_det - det)
+        });
+        each.collect()
+    }
+
+    /// Coefficients of the columns of a subset, in the caller's units.
+    #[must_use]
+    pub fn coefficients(&self, subset: &Subset) -> Vec<Vec<Coefficient>> {
+        let k = self.scale_of(subset) / self.scale;
+        let mut first = 0;
+        let each = subset.members.iter().map(|g| {
+            let columns = self.columns[*g].clone();
+            let own = columns.enumerate().map(|(i, column)| {
+                let unit = self.unit[column];
+                let per = if unit > 0.0 { unit.recip() } else { 0.0 };
+                let variance = subset.inverse[(first + i, first + i)].max(0.0);
+                let value = subset.mean[first + i] * per;
+                Coefficient { value, sigma: k * variance.sqrt() * per }
+            });
+            let own: Vec<Coefficient> = own.collect();
+            first += own.len();
+            own
+        });
+        each.collect()
+    }
+
+    /// Size of each member's effect, in noise floors over all equations: its
+    /// own columns times their posterior means, geometry projected out.
+    #[must_use]
+    pub fn floors(&self, subset: &Subset) -> Vec<f64> {
+        let mut first = 0;
+        let each = subset.members.iter().map(|g| {
+            let columns = self.columns[*g].clone();
+            let mean = subset.mean.rows(first, columns.len());
+            first += columns.len();
+            let c = self.c.view((columns.start, columns.start), (columns.len(), columns.len()));
+            (mean.dot(&(c * mean)) / self.noise.poses).max(0.0).sqrt()
+        });
+        each.collect()
+    }
+
+    /// Noise scale k that a subset leaves, in stated sigmas.
+    #[must_use]
+    pub fn scale_of(&self, subset: &Subset) -> f64 {
+        let mut first = 0;
+        let mut used = 0.0;
+        for (g, size) in subset.members.iter().zip(&subset.sizes) {
+            for _ in self.columns[*g].clone() {
+                used += 1.0 - subset.inverse[(first, first)] / (SIZES[*size] * SIZES[*size]);
+                first += 1;
+            }
+        }
+        let left = (self.noise.freedom - used).max(1.0);
+        self.scale * (self.noise.own(self.s - subset.explained) / left).sqrt()
+    }
+
+    /// The candidates.
+    #[must_use]
+    pub fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+}
