@@ -13,7 +13,7 @@ use embedded_storage::{ReadStorage, Storage};
 use truearm::blob::{Acceptance, Blob};
 use truearm::store::{ByteSlots, Store};
 
-use crate::firmware::image;
+use crate::image::image;
 use crate::run::{Result, target_dir};
 
 /// Bytes of an AT24C32.

@@ -8,9 +8,10 @@ use std::{fs, iter};
 
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
-use crate::firmware::{build_for, command_of, dir_of, directory, image, image_in, read_toml};
-use crate::qemu::{self, TARGET};
+use crate::image::{build_for, command_of, dir_of, directory, image, image_in, read_toml};
+use crate::qemu;
 use crate::run::{Result, call};
+use crate::tools::TARGET;
 use crate::vectors::{shipped, shipped_terms};
 
 /// What is budgeted, and its unit.

@@ -9,9 +9,10 @@ use std::process::{Command, Output};
 use cbindgen::{Builder, Config};
 
 use crate::budgets;
-use crate::firmware::{PANIC_SYMBOL, directory as firmware, qemu_command};
-use crate::qemu::{self, TARGET};
+use crate::image::{PANIC_SYMBOL, directory as firmware, qemu_command};
+use crate::qemu;
 use crate::run::{Result, call, cargo, root, step, target_dir};
+use crate::tools::{self, TARGET};
 use crate::vectors::{Files, shipped, shipped_terms};
 
 /// Of every compiler.
@@ -53,7 +54,7 @@ pub fn directory() -> PathBuf {
 }
 
 pub fn run() -> Result {
-    qemu::ensure_tools()?;
+    tools::ensure()?;
     ensure_compilers()?;
     step("C header in step with the crate", || check_header(false))?;
     step("C library from Rust", || call(cargo_in("test --locked").arg("--quiet")))?;
@@ -84,14 +85,14 @@ pub fn miri() -> Result {
 }
 
 fn ensure_compilers() -> Result {
-    qemu::ensure(
+    tools::ensure_program(
         HOST.gcc,
         "gcc libc6-dev",
         "  Debian, Ubuntu  sudo apt-get install gcc libc6-dev\n  \
            Fedora          sudo dnf install gcc libasan libubsan\n  \
            macOS           xcode-select --install",
     )?;
-    qemu::ensure(
+    tools::ensure_program(
         BOARD.gcc,
         "gcc-arm-none-eabi",
         "  Debian, Ubuntu  sudo apt-get install gcc-arm-none-eabi\n  \

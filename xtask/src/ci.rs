@@ -1,12 +1,12 @@
 //! `cargo xtask ci`: what a change must pass.
 
-use crate::firmware::directory;
+use crate::image::directory;
 use crate::run::{Result, call, cargo, root, step};
 use crate::study::fuzz;
-use crate::{c, package, proof, qemu, test};
+use crate::{c, package, proof, test, tools};
 
 pub fn run() -> Result {
-    qemu::ensure_tools()?;
+    tools::ensure()?;
     let places = [
         ("the workspace", root()),
         ("the firmware", directory()),

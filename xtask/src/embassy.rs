@@ -1,6 +1,6 @@
 //! The control loop as an async task, under QEMU: the image judges itself.
 
-use crate::firmware::{build_dir, build_of, directory, image, qemu_command};
+use crate::image::{build_dir, build_of, directory, image, qemu_command};
 use crate::qemu;
 use crate::run::{Result, call};
 use crate::vectors::shipped;

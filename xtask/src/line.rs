@@ -2,7 +2,7 @@
 //! user has, and the controller image computes the same poses from that blob,
 //! bit for bit.
 
-use crate::firmware;
+use crate::image;
 use crate::run::{Result, call, cargo, root, step, target_dir};
 
 pub fn run() -> Result {
@@ -16,7 +16,5 @@ pub fn run() -> Result {
         let mut pack = cargo(&root(), "run --quiet -p truearm-host -- pack");
         call(pack.arg(out.join("model.toml")).arg("--out").arg(&blob))
     })?;
-    step("its blob on the controller", || {
-        firmware::run_image(&firmware::files_for(&blob)?).map(drop)
-    })
+    step("its blob on the controller", || image::run_image(&image::files_for(&blob)?).map(drop))
 }

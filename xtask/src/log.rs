@@ -11,7 +11,7 @@ use defmt_decoder::{DecodeError, Table};
 use truearm::blob::Blob;
 use truearm::compensate::{Refusal, Status};
 
-use crate::firmware::{self, build_dir, build_of, directory, qemu_command};
+use crate::image::{build_dir, build_of, directory, qemu_command};
 use crate::qemu;
 use crate::run::{Result, call, target_dir};
 use crate::vectors::{self, Files};
@@ -19,7 +19,7 @@ use crate::vectors::{self, Files};
 pub fn check() -> Result {
     call(&mut build_of(&build_dir(), "--bin log --features log"))?;
     let files = vectors::shipped();
-    let elf = firmware::image("log");
+    let elf = crate::image::image("log");
     let lines = decode(&fs::read(&elf)?, &frames(&qemu_command(&elf, &files)?)?)?;
     for line in &lines {
         println!("{line}");

@@ -1,6 +1,6 @@
 //! The same image in `f64` on a Cortex-M7, whose unit has double precision.
 
-use crate::firmware::{build_in, directory, image_in, qemu_command};
+use crate::image::{build_in, directory, image_in, qemu_command};
 use crate::qemu;
 use crate::run::{Result, call, target_dir};
 use crate::vectors::{shipped, shipped_terms};

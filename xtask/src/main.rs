@@ -4,11 +4,11 @@
 mod board;
 mod budgets;
 mod c;
-mod check_poses;
 mod ci;
 mod demo;
 mod embassy;
 mod firmware;
+mod image;
 mod line;
 mod log;
 mod m7;
@@ -16,12 +16,14 @@ mod package;
 mod proof;
 mod qemu;
 mod refusals;
+mod reidentification_poses;
 mod reidentify;
 mod run;
 mod sigma;
 mod store;
 mod study;
 mod test;
+mod tools;
 mod vectors;
 
 use std::path::PathBuf;
@@ -83,18 +85,16 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().verb {
         Verb::Test => test::run(),
         Verb::Firmware { blob } => firmware::run(blob.as_deref()),
-        Verb::Proof => {
-            qemu::ensure_tools().and_then(|()| proof::usual()).and_then(|()| proof::others())
-        }
+        Verb::Proof => tools::ensure().and_then(|()| proof::usual()).and_then(|()| proof::others()),
         Verb::Budgets => firmware::budgets(),
         Verb::C { header: true } => c::check_header(true),
         Verb::C { header: false } => c::run(),
-        Verb::Log => qemu::ensure_tools().and_then(|()| log::check()),
-        Verb::Store => qemu::ensure_tools().and_then(|()| store::run()),
+        Verb::Log => tools::ensure().and_then(|()| log::check()),
+        Verb::Store => tools::ensure().and_then(|()| store::run()),
         Verb::Package => package::run(),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),
-        Verb::Demo(options) => qemu::ensure_tools().and_then(|()| demo::run(&options)),
+        Verb::Demo(options) => tools::ensure().and_then(|()| demo::run(&options)),
         Verb::Ci => ci::run(),
     };
     match result {

@@ -2,17 +2,9 @@
 //! links, and with a panic built in it does not. By target and optimisation
 //! level, for what one optimiser proves another need not.
 
-use crate::firmware::{PANIC_SYMBOL, build_for};
-use crate::qemu::TARGET;
+use crate::image::{PANIC_SYMBOL, build_for};
 use crate::run::{Result, call, cargo, root, step};
-
-/// A Cortex-M0, without division, and a Cortex-M33; both without floating point.
-const OTHERS: [&str; 2] = ["thumbv6m-none-eabi", "thumbv8m.main-none-eabihf"];
-/// Where the crate has to build, without an image.
-const RISC_V: &str = "riscv32imc-unknown-none-elf";
-
-/// What has to be installed.
-pub const TARGETS: [&str; 4] = [TARGET, OTHERS[0], OTHERS[1], RISC_V];
+use crate::tools::{OTHERS, RISC_V, TARGET};
 
 /// What a test run proves.
 pub fn usual() -> Result {

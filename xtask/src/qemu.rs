@@ -1,4 +1,4 @@
-//! The tools the firmware needs, and a QEMU run that cannot hang.
+//! A QEMU run that cannot hang.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -7,60 +7,9 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::proof;
-use crate::run::{Result, call, exists, shown, step};
+use crate::run::{Result, shown};
 
-/// What rustc calls the controller.
-pub const TARGET: &str = "thumbv7em-none-eabihf";
-const QEMU: &str = "qemu-system-arm";
 const LIMIT: Duration = Duration::from_secs(60);
-
-/// Installs the targets and QEMU where that is possible without asking.
-pub fn ensure_tools() -> Result {
-    step("tools", || {
-        let installed = installed_targets()?;
-        for target in proof::TARGETS {
-            if !installed.lines().any(|line| line == target) {
-                call(Command::new("rustup").args(["target", "add", target]))?;
-            }
-        }
-        ensure(
-            QEMU,
-            "qemu-system-arm",
-            "  Debian, Ubuntu  sudo apt-get install qemu-system-arm\n  \
-               Fedora          sudo dnf install qemu-system-arm-core\n  \
-               macOS           brew install qemu",
-        )
-    })
-}
-
-fn installed_targets() -> Result<String> {
-    let output = Command::new("rustup").args(["target", "list", "--installed"]).output();
-    let output = output.map_err(|error| {
-        let targets = proof::TARGETS.join(" ");
-        format!("rustup: {error}; without rustup, install by hand the Rust targets {targets}")
-    })?;
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
-}
-
-/// Installs a program that is missing by Debian's packages, as root where there
-/// is Debian; otherwise the error says how to.
-pub fn ensure(program: &str, packages: &str, how: &str) -> Result {
-    if exists(program) {
-        return Ok(());
-    }
-    let user = Command::new("id").arg("-u").output();
-    let is_root = user.is_ok_and(|output| output.stdout.trim_ascii() == b"0");
-    if !(is_root && exists("apt-get")) {
-        return Err(format!("{program} is not installed. Install it:\n{how}").into());
-    }
-    let apt = |arguments: &[&str]| {
-        call(Command::new("apt-get").env("DEBIAN_FRONTEND", "noninteractive").args(arguments))
-    };
-    apt(&["update"])?;
-    let install = ["install", "-y", "--no-install-recommends"];
-    apt(&install.into_iter().chain(packages.split_whitespace()).collect::<Vec<_>>())
-}
 
 /// How an image ended.
 pub struct Ended {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::firmware::{directory, loading};
+use crate::image::{directory, loading};
 use crate::run::{Result, root, target_dir};
 use crate::{qemu, vectors};
 

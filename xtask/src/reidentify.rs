@@ -17,7 +17,7 @@ use truearm_host::model::Robot;
 
 use crate::run::{Result, target_dir};
 use crate::vectors::{Files, shipped};
-use crate::{check_poses, firmware, qemu};
+use crate::{image, qemu, reidentification_poses};
 use format::{HEADER, JOINTS, Known, MAGIC, Moved, POINTS, Run, Runs, SIGMA};
 use truearm_study::simulated::{Truth, UR10_LIKE, normal, parse, rms, robot, state_of};
 
@@ -51,7 +51,7 @@ struct Accident {
 
 /// Simulates, runs the image, judges the median; what the image printed.
 pub fn check() -> Result<String> {
-    let poses = check_poses(&robot(UR10_LIKE));
+    let poses = poses_after(&robot(UR10_LIKE));
     let accidents: Vec<_> =
         (SEEDS..SEEDS + RUNS).into_par_iter().map(|seed| simulate(seed, &poses)).collect();
     let accidents =
@@ -74,7 +74,7 @@ pub fn check() -> Result<String> {
     let path = target_dir().join("firmware/reidentify.vectors");
     fs::write(&path, &file)?;
     let files = Files { vectors: path, ..shipped() };
-    let ended = qemu::run(&firmware::command_of("reidentify", &files)?, &firmware::directory())?;
+    let ended = qemu::run(&image::command_of("reidentify", &files)?, &image::directory())?;
     if !ended.success || !ended.output.contains(&format!("hash: {hash:016x}")) {
         return Err("the image did not find what the host finds".into());
     }
@@ -156,8 +156,8 @@ fn simulate(
 
 /// Ten poses for every accident: for six joint offsets and the tool, of which
 /// nobody knows which will slip.
-fn check_poses(robot: &Robot) -> Vec<[f64; JOINTS]> {
-    check_poses::choose(robot, POINTS, f64::from(SIGMA), |jacobian| {
+fn poses_after(robot: &Robot) -> Vec<[f64; JOINTS]> {
+    reidentification_poses::choose(robot, POINTS, f64::from(SIGMA), |jacobian| {
         jacobian.links.iter().map(|link| link.theta).chain(jacobian.tool).collect()
     })
 }

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use truearm::blob::{Blob, encode_with, encoded_len, factor_len};
 use truearm::{Arm6, ArmParameters6};
 
-use crate::firmware::{command_of, directory};
+use crate::image::{command_of, directory};
 use crate::qemu;
 use crate::run::{Result, target_dir};
 use crate::vectors::{Files, Vectors, shipped_terms};

@@ -8,7 +8,7 @@ use truearm::blob::{Blob, robot_id};
 use truearm::{Arm6, ArmParameters, State};
 
 use crate::board::{Board, EEPROM, SLOT};
-use crate::firmware::{build, image};
+use crate::image::{build, image};
 use crate::run::{Result, call, cargo, root, step, target_dir};
 use crate::study::restarts;
 use crate::vectors;

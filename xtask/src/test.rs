@@ -1,10 +1,10 @@
 //! `cargo xtask test`: everything that is tested, on the host and under QEMU.
 
 use crate::run::{Result, call, cargo, root, step};
-use crate::{c, demo, embassy, firmware, line, log, qemu, store};
+use crate::{c, demo, embassy, firmware, line, log, store, tools};
 
 pub fn run() -> Result {
-    qemu::ensure_tools()?;
+    tools::ensure()?;
     step("host tests", || call(&mut cargo(&root(), "test --workspace")))?;
     firmware::run(None)?;
     step("defmt log", log::check)?;

@@ -10,8 +10,8 @@ mod reference;
 use clap::Args;
 use rayon::prelude::*;
 
-use crate::check_poses;
-use crate::firmware::build;
+use crate::image::build;
+use crate::reidentification_poses;
 use crate::run::{Result, call};
 use life::{CHECKS, Errors, Life, TASKS, live};
 use truearm_study::simulated::{UR10_LIKE, robot};
@@ -39,11 +39,12 @@ pub fn check() -> Result {
 
 pub fn run(options: &Options) -> Result {
     call(&mut build("demo"))?;
-    let poses = check_poses::choose(&robot(UR10_LIKE), POINTS, cell::NOISE, |jacobian| {
-        let offsets = jacobian.links.iter().map(|link| link.theta);
-        let base = jacobian.base_rotation.into_iter().chain(jacobian.base_translation);
-        offsets.chain(jacobian.tool).chain(base).collect()
-    });
+    let poses =
+        reidentification_poses::choose(&robot(UR10_LIKE), POINTS, cell::NOISE, |jacobian| {
+            let offsets = jacobian.links.iter().map(|link| link.theta);
+            let base = jacobian.base_rotation.into_iter().chain(jacobian.base_translation);
+            offsets.chain(jacobian.tool).chain(base).collect()
+        });
     let seeds: Vec<u64> = (options.seed..options.seed + options.arms).collect();
     let live = |seed: &u64| live(*seed, &poses).map_err(|error| format!("arm {seed}: {error}"));
     let lives: Vec<Life> = seeds.par_iter().map(live).collect::<std::result::Result<_, _>>()?;

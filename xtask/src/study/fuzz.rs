@@ -3,8 +3,8 @@
 
 use clap::Args;
 
-use crate::qemu;
 use crate::run::{Result, call, cargo, root, step, target_dir};
+use crate::tools;
 
 /// What cargo-fuzz would switch on, but for the tracing of compares: it costs
 /// two thirds of the speed and finds nothing more; the magic is in the corpus.
@@ -35,7 +35,7 @@ pub fn run(arguments: &[String]) -> Result {
     let built = target_dir().join("fuzz");
     step("build of the fuzz targets", || {
         // libFuzzer is C++ that its crate compiles.
-        qemu::ensure(
+        tools::ensure_program(
             "c++",
             "g++",
             "  Debian, Ubuntu  sudo apt-get install g++\n  \

@@ -12,7 +12,7 @@ use truearm::ArmParameters;
 use truearm::blob::Blob;
 
 use crate::board::Board;
-use crate::firmware::build;
+use crate::image::build;
 use crate::run::{Result, call};
 use crate::vectors;
 

@@ -1,4 +1,5 @@
-//! Ten poses to measure after an accident, chosen before any.
+//! Where to measure after an alarm of the drift watch, chosen before any: poses
+//! for a re-identification.
 
 use nalgebra::{DMatrix, Vector3};
 use rand::{RngExt, SeedableRng};
