@@ -17,6 +17,7 @@ pub mod sensor;
 pub mod solve;
 pub mod store;
 pub mod streaming;
+mod words;
 
 // The types of these two are part of the interface.
 pub use heapless;

@@ -1,9 +1,11 @@
 //! Rows that contradict the others, too many for gross errors.
 
+mod simulated;
+
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use simulated::{Truth, UR10_LIKE, parse, robot};
 use truearm_host::diagnose::{DiagnoseOptions, DiagnoseReport, Verdict, diagnose};
-use truearm_study::simulated::{Truth, UR10_LIKE, parse, robot};
 
 /// The report of 64 rows, in the last of which an encoder has slipped (degrees).
 fn slipped(last: usize, joint: usize, slip: f64, seed: u64) -> DiagnoseReport {

@@ -1,8 +1,11 @@
 //! The uncertainty that a controller states: the same as the host's, and true.
 
+mod simulated;
+
 use nalgebra::{Matrix3xX, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use simulated::{Truth, UR10_LIKE, robot};
 use truearm::blob::Blob;
 use truearm::{Arm6, Pose, RealPosition, State};
 use truearm_host::blob::{PackOptions, pack_with};
@@ -10,7 +13,6 @@ use truearm_host::identify::registration::rigid_transform;
 use truearm_host::identify::{Options, identify};
 use truearm_host::model::arm::{RowInputs, chain};
 use truearm_host::model::{Measurements, Model};
-use truearm_study::simulated::{Truth, UR10_LIKE, robot};
 
 const SIGMA: f64 = 2e-5;
 

@@ -1,14 +1,16 @@
 //! The paper's methods behind one interface.
 
+mod simulated;
+
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use simulated::{Truth, UR10_LIKE, rms, robot};
 use truearm_host::evaluate::Reregister;
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{Problem, Scaling, State, nominal_state};
 use truearm_host::methods::{Frames, Kalman, Method, Task, all, compare};
 use truearm_host::model::{Measurements, Robot};
-use truearm_study::simulated::{Truth, UR10_LIKE, rms, robot};
 
 const SIGMA: f64 = 2e-5;
 

@@ -1,44 +1,18 @@
-//! Planned poses: what they promise is what an identification from them gives.
+//! Planned poses: where they may be, when there are enough, and what is said where
+//! none can be planned. That they keep what they promise is a study.
+
+mod simulated;
 
 use std::path::Path;
 
 use nalgebra::Vector3;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use simulated::{UR10_LIKE, robot};
 use truearm::Pose;
 use truearm_host::model::Robot;
 use truearm_host::model::arm::chain;
 use truearm_host::model::{Sight, Workspace};
 use truearm_host::plan::{PlanOptions, plan};
 use truearm_simulate::robots;
-use truearm_study::planning::Trial;
-
-fn robot(text: &str) -> Robot {
-    truearm_study::simulated::robot(text)
-}
-
-/// The long form, 50 arms and 1,000 identifications: `cargo xtask study planning`.
-#[test]
-fn twenty_planned_poses_beat_thirty_random_ones() {
-    for seed in 0..6 {
-        let trial = Trial::draw(seed);
-        let mut rng = ChaCha8Rng::seed_from_u64(100 + seed);
-        let o = trial.simulate(200, &mut rng);
-        println!(
-            "{}: p {}, planned {:.1} um ({:.1} predicted), random {:.1}, bound {:.1}",
-            trial.robot.name,
-            trial.plan.parameters,
-            o.planned * 1e6,
-            trial.plan.worst * 1e6,
-            o.random * 1e6,
-            o.bound * 1e6
-        );
-        assert!(o.planned < o.random, "seed {seed}");
-        assert!(o.planned < 1.35 * o.bound, "seed {seed}");
-        // The prediction is what the simulation shows, to its own scatter.
-        assert!((0.85..1.12).contains(&(o.planned / trial.plan.worst)), "seed {seed}");
-    }
-}
 
 #[test]
 fn poses_stay_in_limits_box_and_sight() {
@@ -120,7 +94,7 @@ fn what_cannot_be_planned_is_said() {
         assert!(error.to_string().contains(says), "{error}");
         assert!(!error.help().is_empty());
     }
-    let free = Robot::parse(Path::new("r.toml"), truearm_study::simulated::UR10_LIKE).unwrap();
+    let free = Robot::parse(Path::new("r.toml"), UR10_LIKE).unwrap();
     let error = Workspace::new(&free, None).unwrap_err();
     assert!(error.to_string().contains("no limits of joints 1, 2, 3, 4, 5, 6"), "{error}");
     let error = Workspace::new(&free, Some(vec![[0.0, 1.0]])).unwrap_err();

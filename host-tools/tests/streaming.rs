@@ -2,15 +2,17 @@
 //! Tikhonov, on the linearised calibration of a simulated arm: the same
 //! solutions, the same corner of the L-curve.
 
+mod simulated;
+
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use simulated::{Truth, UR10_LIKE, robot};
 use truearm::Scalar;
 use truearm::solve::{StreamingTikhonov, Triangle};
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{Problem, Scaling};
 use truearm_host::tikhonov;
-use truearm_study::simulated::{Truth, UR10_LIKE, robot};
 
 /// 6 of the station, 3 of the marker, 30 of the links: rank 27.
 const P: usize = 39;

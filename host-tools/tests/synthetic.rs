@@ -1,13 +1,15 @@
 //! Simulated arms: how good the identification is where the truth is known.
 
+mod simulated;
+
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use simulated::{ON_RAIL, Truth, UR10_LIKE, rms, robot, state_of};
 use truearm_host::identify::registration::register;
 use truearm_host::identify::robust::median;
 use truearm_host::identify::{LambdaRule, Options, Problem, Scaling, State, identify};
 use truearm_host::model::{Measurements, Robot};
-use truearm_study::simulated::{ON_RAIL, Truth, UR10_LIKE, rms, robot, state_of};
 
 const SIGMA: f64 = 2e-5;
 

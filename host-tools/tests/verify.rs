@@ -1,10 +1,13 @@
 //! Verification after flashing, on a simulated arm whose compensation is known.
 
+mod simulated;
+
 use std::path::Path;
 
 use nalgebra::{Matrix3xX, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use simulated::{Truth, UR10_LIKE, robot};
 use truearm::Pose;
 use truearm_host::files::poses_csv;
 use truearm_host::identify::{Options, identify};
@@ -12,7 +15,6 @@ use truearm_host::model::Workspace;
 use truearm_host::model::arm::{RowInputs, chain};
 use truearm_host::model::{Commanded, Measurements, Model};
 use truearm_host::verify::{Conformity, accuracy, repeatability, test_poses, verify};
-use truearm_study::simulated::{Truth, UR10_LIKE, robot};
 
 const SIGMA: f64 = 2e-5;
 
@@ -59,9 +61,7 @@ impl Cell {
         for q in poses {
             let sent = if on { self.corrected(q) } else { q.clone() };
             for _ in 0..repeats {
-                let p = (self.truth.point(&sent, 0, 0)
-                    + truearm_study::simulated::vector(rng) * SIGMA)
-                    * 1e3;
+                let p = (self.truth.point(&sent, 0, 0) + simulated::vector(rng) * SIGMA) * 1e3;
                 let joints: Vec<String> =
                     q.iter().map(|q| format!("{:.9}", q.to_degrees())).collect();
                 text += &format!("{},{:.6},{:.6},{:.6},S0,M0\n", joints.join(","), p.x, p.y, p.z);

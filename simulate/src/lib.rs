@@ -11,7 +11,8 @@ pub mod effects;
 pub mod oracle;
 pub mod robots;
 
-use nalgebra::Vector3;
+use arm::Moment;
+use nalgebra::{Rotation3, Vector3};
 use rand::{Rng, RngExt};
 use truearm::JointKind;
 
@@ -46,4 +47,38 @@ pub fn normal(rng: &mut impl Rng) -> f64 {
 /// Three of them.
 pub fn vector(rng: &mut impl Rng) -> Vector3<f64> {
     Vector3::from_fn(|_, _| normal(rng))
+}
+
+/// A rigid motion as a matrix: a rotation vector, rad, and a translation, m.
+pub fn rigid(turn: &Vector3<f64>, shift: &Vector3<f64>) -> oracle::Matrix<f64> {
+    let rotation = Rotation3::from_scaled_axis(*turn);
+    let mut m = oracle::identity();
+    for (i, row) in m.iter_mut().enumerate().take(3) {
+        (0..3).for_each(|j| row[j] = rotation[(i, j)]);
+        row[3] = shift[i];
+    }
+    m
+}
+
+/// At rest at these joints for long, from below, without payload at 20 degrees.
+pub fn at_rest(q: &[f64]) -> Moment {
+    Moment {
+        q: q.to_vec(),
+        before: q.to_vec(),
+        directions: vec![1; q.len()],
+        time: 0.0,
+        temperature: 20.0,
+        payload: 0.0,
+        later: false,
+    }
+}
+
+/// Rows of cells, the header first, as the text of a CSV file.
+pub fn csv<C: AsRef<[u8]>>(rows: impl IntoIterator<Item = impl IntoIterator<Item = C>>) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.write_record(row).expect("rows as long as the header");
+    }
+    let bytes = writer.into_inner().expect("memory takes every byte");
+    String::from_utf8(bytes).expect("cells of text")
 }

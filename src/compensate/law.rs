@@ -3,11 +3,12 @@
 
 use nalgebra::Vector3;
 
-use super::damped::{Rule, System};
+use super::correction::Correction;
+use super::damped::Rule;
 use super::outcome::Joints;
 use super::settings::Settings;
-use crate::arm::{Arm, Bent, State};
-use crate::kinematics::{Pose, Turn, Turns, Twist, axes, dot, rotate};
+use crate::arm::{Arm, State};
+use crate::kinematics::{Pose, Turn, Twist, axes, dot, rotate};
 use crate::scalar::Scalar;
 
 /// What one arm and its settings fix of the law.
@@ -23,71 +24,6 @@ pub(super) struct Law<T, const N: usize> {
     free: [[T; 2]; N],
     /// By how much the identified joint angles are further than the nominal ones.
     beyond_nominal: [Turn<T>; N],
-}
-
-/// A correction and how it came about; and what is computed on the way, which
-/// stays in place, for a tick has no time for copies.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Correction<T, const N: usize> {
-    /// To be added to the command, rad or m.
-    pub joints: [T; N],
-    /// Where the nominal arm has its tool at the command.
-    pub target: Pose<T>,
-    /// Joints at their largest correction, to which all were scaled.
-    pub bound: Joints,
-    /// Joints so near a limit that they correct less than their share.
-    pub limited: Joints,
-    /// Weight of each joint in the solution: 1, falling to 0 at a limit.
-    share: [T; N],
-    /// Largest correction of each joint.
-    most: [T; N],
-    /// Jacobian of the nominal arm at the command, weighed.
-    columns: [Twist<T>; N],
-    system: System<T>,
-    /// The nominal arm at the command, the identified one there, and either
-    /// somewhere near.
-    nominal: Turns<T, N>,
-    identified: Turns<T, N>,
-    near: Turns<T, N>,
-    bent: Bent<T, N>,
-    /// The solution in the directions of the task.
-    along: Twist<T>,
-    /// What it makes of the angles of the rigid chain.
-    rigid: [T; N],
-}
-
-impl<T: Scalar, const N: usize> Correction<T, N> {
-    /// None yet, of joints that may be corrected by so much at most.
-    pub fn none(most: [T; N]) -> Self {
-        let none = [T::ZERO; N];
-        Self {
-            joints: none,
-            target: Pose::identity(),
-            bound: Joints::default(),
-            limited: Joints::default(),
-            share: [T::ONE; N],
-            most,
-            columns: [Twist::zero(); N],
-            system: System::none(),
-            nominal: Turns::none(),
-            identified: Turns::none(),
-            near: Turns::none(),
-            bent: Bent::none(),
-            along: Twist::zero(),
-            rigid: none,
-        }
-    }
-
-    /// mu, 0 away from singular poses, m^2.
-    pub fn damping(&self) -> T {
-        self.system.damping[0]
-    }
-
-    /// A number times zero is zero; an infinity or a NaN is NaN.
-    #[inline]
-    pub fn is_finite(&self) -> bool {
-        self.joints.iter().fold(T::ZERO, |zero, x| zero + *x * T::ZERO) == T::ZERO
-    }
 }
 
 impl<T: Scalar, const N: usize> Law<T, N> {
@@ -240,51 +176,6 @@ impl<T: Scalar, const N: usize> Law<T, N> {
                 out.limited.insert(i);
             }
         }
-    }
-}
-
-impl<T: Scalar, const N: usize> Correction<T, N> {
-    /// By how much the rigid chain stands further than at the command: as wanted,
-    /// and by that of a joint's bend which is not taken back at the joint.
-    #[cold]
-    #[inline(never)]
-    fn stands(&self) -> [T; N] {
-        let mut stands = self.rigid;
-        let bends = self.bent.deflection.joints.iter().zip(&self.share);
-        for (stands, (bend, share)) in stands.iter_mut().zip(bends) {
-            *stands += *bend * (T::ONE - *share);
-        }
-        stands
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn share_out(&mut self) {
-        for (rigid, share) in self.rigid.iter_mut().zip(&self.share) {
-            *rigid *= *share;
-        }
-    }
-
-    /// Scales all so that no joint is corrected by more than it may be.
-    #[cold]
-    #[inline(never)]
-    fn shrink(&mut self) {
-        let mut scale = T::ONE;
-        for (i, (x, most)) in self.joints.iter().zip(&self.most).enumerate() {
-            let size = x.abs();
-            if size > *most {
-                self.bound.insert(i);
-                let fits = *most / size;
-                if fits < scale {
-                    scale = fits;
-                }
-            }
-        }
-        for x in self.joints.iter_mut().chain(&mut self.rigid) {
-            *x *= scale;
-        }
-        self.along.linear *= scale;
-        self.along.angular *= scale;
     }
 }
 

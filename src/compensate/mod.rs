@@ -29,6 +29,7 @@
 //! Each is a property test of `tests/compensate`; `docs/compensation.md` says
 //! why they must hold and where they end.
 
+mod correction;
 mod damped;
 mod law;
 mod outcome;
@@ -36,7 +37,8 @@ mod settings;
 
 use crate::arm::{Arm, State};
 use crate::scalar::Scalar;
-use law::{Correction, Law};
+use correction::Correction;
+use law::Law;
 
 pub use outcome::{Clamped, Joints, Refusal, Status, TaskError, Tick};
 pub use settings::{SettingError, Settings, Task};

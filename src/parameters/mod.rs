@@ -13,52 +13,27 @@
 //! assert_eq!(Parameter::Tool(Axis::Z).to_string(), "tool point, z");
 //! ```
 
+mod apply;
+mod axis;
+mod certainty;
 mod linearised;
 
 use core::fmt;
 
 use nalgebra::Vector3;
 
+pub use apply::apply;
+pub use axis::Axis;
+pub(crate) use certainty::Certainty;
 pub use linearised::Linearised;
 
 use crate::arm::ArmParameters;
-use crate::kinematics::{JointKind, Link, LinkParameter, MdhParameters, Pose};
+use crate::kinematics::{JointKind, Link, LinkParameter};
 use crate::scalar::Scalar;
 
 /// The prior standard deviation of what an accident moves: a joint offset, the
 /// tool, the base; rad or m.
 pub(crate) const USUAL_SCALE: f64 = 0.02;
-
-/// An axis of a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Axis {
-    /// x
-    X,
-    /// y
-    Y,
-    /// z
-    Z,
-}
-
-impl Axis {
-    /// All three.
-    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
-
-    /// The element along it.
-    pub(crate) fn of<V>(self, [x, y, z]: [V; 3]) -> V {
-        match self {
-            Self::X => x,
-            Self::Y => y,
-            Self::Z => z,
-        }
-    }
-
-    pub(crate) fn unit<T: Scalar>(self) -> Vector3<T> {
-        let (o, l) = (T::ZERO, T::ONE);
-        self.of([Vector3::new(l, o, o), Vector3::new(o, l, o), Vector3::new(o, o, l)])
-    }
-}
 
 /// A parameter of an arm, or of where the tracker stands. Joints and terms are
 /// counted from 0.
@@ -211,50 +186,6 @@ impl Parameter {
     #[must_use]
     pub fn column<T: Scalar, const N: usize>(self, at: &Linearised<'_, T, N>) -> Vector3<T> {
         at.column(self)
-    }
-
-    fn apply_alone<T: Scalar, const N: usize>(self, arm: &mut ArmParameters<'_, T, N>, step: T) {
-        let along = |axis: Axis| axis.unit::<T>() * step;
-        match self.canonical(&arm.nominal) {
-            Self::BaseTranslation(axis) => arm.base_translation += along(axis),
-            Self::Tool(axis) => arm.tool += along(axis),
-            Self::Link { joint, parameter } => {
-                if let Some(link) = arm.corrections.get_mut(usize::from(joint)) {
-                    let steps =
-                        LinkParameter::ALL.map(|p| if p == parameter { step } else { T::ZERO });
-                    *link = link.plus(&MdhParameters::from_array(steps));
-                }
-            }
-            Self::Term(term) => {
-                if let Some(term) = arm.terms.get_mut(usize::from(term)) {
-                    term.coefficient += step;
-                }
-            }
-            _ => {}
-        }
-    }
-}
-
-/// Changes many parameters, each by its step in its unit. Rotations of the base are
-/// taken as one rotation vector, so that their order does not matter.
-pub fn apply<T: Scalar, const N: usize>(
-    arm: &mut ArmParameters<'_, T, N>,
-    parameters: &[Parameter],
-    steps: &[T],
-) {
-    let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
-    let mut turn = none;
-    for (parameter, step) in parameters.iter().zip(steps) {
-        if let Parameter::BaseRotation(axis) = parameter {
-            turn += axis.unit::<T>() * *step;
-        } else {
-            parameter.apply_alone(arm, *step);
-        }
-    }
-    if turn != none {
-        let before = Pose::from_rotation_vector(none, arm.base_rotation);
-        let after = Pose::from_rotation_vector(none, turn).compose(&before);
-        arm.base_rotation = after.rotation_vector();
     }
 }
 

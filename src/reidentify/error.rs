@@ -1,5 +1,6 @@
 use crate::parameters::Parameter;
 use crate::solve::SolveError;
+use crate::words::{BAD_SIGMA, LAST_SEQUENCE, TooFew, holds_solve_error};
 
 /// Why a re-identification gave no parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,9 +47,7 @@ pub enum ReidentifyError {
 impl core::fmt::Display for ReidentifyError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::TooFewPoints { points, needed } => {
-                write!(f, "{points} points where {needed} or more are needed")
-            }
+            Self::TooFewPoints { points, needed } => TooFew { points, needed }.fmt(f),
             Self::PointNotFinite { point } => write!(f, "point {} is not finite", point + 1),
             Self::BadParameter { index, parameter } => {
                 let place = index + 1;
@@ -58,30 +57,17 @@ impl core::fmt::Display for ReidentifyError {
                      the five others of the tracker"
                 )
             }
-            Self::BadSigma => f.write_str("sigma must be a positive number"),
+            Self::BadSigma => f.write_str(BAD_SIGMA),
             Self::PointsOnALine => f.write_str("the points lie on a line"),
             Self::Undetermined { index } => {
                 let place = index + 1;
                 write!(f, "the points do not determine parameter {place}, which has no prior")
             }
-            Self::LastSequence => f.write_str("no sequence number is left after the stored one"),
+            Self::LastSequence => f.write_str(LAST_SEQUENCE),
             Self::NotConverged => f.write_str("the steps do not become small"),
             Self::Solve(error) => write!(f, "{error}"),
         }
     }
 }
 
-impl core::error::Error for ReidentifyError {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        match self {
-            Self::Solve(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<SolveError> for ReidentifyError {
-    fn from(error: SolveError) -> Self {
-        Self::Solve(error)
-    }
-}
+holds_solve_error!(ReidentifyError);

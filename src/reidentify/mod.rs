@@ -23,7 +23,7 @@ use nalgebra::Vector3;
 use crate::arm::{Arm, ArmParameters};
 use crate::check_point::CheckPoint;
 use crate::kinematics::{Pose, dot};
-use crate::parameters::{Parameter, apply, first_bad};
+use crate::parameters::{Certainty, Parameter, apply, first_bad};
 use crate::scalar::Scalar;
 use crate::solve::{SolveError, Triangle};
 
@@ -140,19 +140,15 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         out.rms_before = rms(&out, points);
         let triangle = self.settle(&mut out, points, Freedom::All)?;
         out.rms_after = rms(&out, points);
-        // Columns of one size; where there is no prior, of rad and m.
-        let units = self.scale.map(|s| if s.is_finite() { s } else { T::ONE });
-        out.rank = triangle.spectrum(&units)?.rank();
-        out.sigma = triangle.variances(T::ONE, &self.scale)?.map(T::sqrt);
-        out.determined = determined(&out.sigma, &self.scale);
-        if let Some(index) = out.sigma.iter().position(|s| !s.is_finite()) {
+        let certainty = Certainty::of(&triangle, T::ONE, &self.scale)?;
+        if let Some(index) = certainty.undetermined() {
             return Err(ReidentifyError::Undetermined { index });
         }
+        Certainty { sigma: out.sigma, determined: out.determined, rank: out.rank } = certainty;
         if !(out.rms_before.is_finite() && out.rms_after.is_finite()) {
             return Err(SolveError::NotFinite.into());
         }
-        // The last number would be refused: no set could follow it.
-        let next = stored.sequence.checked_add(1).filter(|next| *next < u32::MAX);
+        let next = stored.next_sequence();
         out.parameters.sequence = next.ok_or(ReidentifyError::LastSequence)?;
         Ok(out)
     }
@@ -266,17 +262,6 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         }
         (columns, [rhs.x, rhs.y, rhs.z])
     }
-}
-
-/// Whether the points, rather than the prior, determine each parameter: its
-/// standard deviation is less than half of its scale.
-pub(crate) fn determined<T: Scalar, const P: usize>(sigma: &[T; P], scale: &[T; P]) -> [bool; P] {
-    let half = T::from_f32(0.5);
-    let mut out = [false; P];
-    for ((determined, sigma), scale) in out.iter_mut().zip(sigma).zip(scale) {
-        *determined = *sigma < half * *scale;
-    }
-    out
 }
 
 /// RMS 3-D distance of the points from the model, m.

@@ -96,16 +96,18 @@
 //! checksum aside) writes nothing.
 
 mod bytes;
+mod marks;
 mod medium;
 mod nor;
 mod open;
 mod report;
+mod slot;
 mod write;
 
 pub use bytes::ByteSlots;
 pub use medium::{Fault, FaultKind, GeometryError, MAX_WORD, Medium, Operation, Slot};
 pub use nor::NorSlots;
-pub use open::Store;
 pub use report::{
     Opened, Progress, Rejection, Settled, SlotState, Source, StoreError, Stored, WriteError,
 };
+pub use slot::Store;

@@ -1,26 +1,12 @@
+use super::marks::{Mark, Marks, last_four};
 use super::medium::{Fault, GeometryError, MAX_WORD, Medium, Slot, is_word};
 use super::report::{Opened, Progress, Rejection, Settled, SlotState, Source, WriteError};
-use super::write::{Mark, Marks, last_four};
+use super::slot::Store;
 use crate::arm::MAX_JOINTS;
 use crate::blob::{Acceptance, AcceptanceError, Blob, DecodeError, Frame, LAYOUT};
 
 /// How often a slot is read until two readings agree.
 const READINGS: usize = 8;
-
-/// Two slots, of which one may be in use.
-#[derive(Debug)]
-pub struct Store<M> {
-    pub(super) medium: M,
-    pub(super) accept: Acceptance,
-    /// Bytes of the longest blob that the slots and the buffer of `open` take.
-    pub(super) longest: usize,
-    /// The slot whose blob `open` returned or `store` wrote; its sequence.
-    pub(super) live: Option<(Slot, u32)>,
-    /// Slots that hold what is not the store's to erase.
-    pub(super) occupied: [bool; 2],
-    /// Whether what `open` returned will last.
-    pub(super) settled: bool,
-}
 
 /// What [`Store::open`] gives.
 type Open<'b, M> = (Store<M>, Opened<'b, <M as Medium>::Error>);

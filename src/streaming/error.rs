@@ -1,5 +1,6 @@
 use crate::parameters::Parameter;
 use crate::solve::SolveError;
+use crate::words::{BAD_SIGMA, LAST_SEQUENCE, TooFew, holds_solve_error};
 
 /// Why a point was not taken or no parameters were given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,34 +48,19 @@ impl core::fmt::Display for StreamingError {
                 let place = index + 1;
                 write!(f, "parameter {place}, {parameter}: not of this arm, or there twice")
             }
-            Self::BadSigma => f.write_str("sigma must be a positive number"),
+            Self::BadSigma => f.write_str(BAD_SIGMA),
             Self::PointNotFinite => f.write_str("the point is not finite"),
-            Self::TooFewPoints { points, needed } => {
-                write!(f, "{points} points where {needed} or more are needed")
-            }
+            Self::TooFewPoints { points, needed } => TooFew { points, needed }.fmt(f),
             Self::NoCorner => f.write_str("the L-curve has no corner"),
             Self::NothingHeldOut => f.write_str("no point was held out to judge lambda by"),
             Self::Undetermined { index } => {
                 let place = index + 1;
                 write!(f, "the points do not determine parameter {place}, and lambda is zero")
             }
-            Self::LastSequence => f.write_str("no sequence number is left after the stored one"),
+            Self::LastSequence => f.write_str(LAST_SEQUENCE),
             Self::Solve(error) => write!(f, "{error}"),
         }
     }
 }
 
-impl core::error::Error for StreamingError {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        match self {
-            Self::Solve(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<SolveError> for StreamingError {
-    fn from(error: SolveError) -> Self {
-        Self::Solve(error)
-    }
-}
+holds_solve_error!(StreamingError);

@@ -45,8 +45,7 @@ pub use error::StreamingError;
 
 use crate::arm::{Arm, ArmParameters};
 use crate::check_point::CheckPoint;
-use crate::parameters::{Parameter, apply, first_bad};
-use crate::reidentify::determined;
+use crate::parameters::{Certainty, Parameter, apply, first_bad};
 use crate::scalar::Scalar;
 use crate::solve::{StreamingTikhonov, Triangle};
 
@@ -226,21 +225,18 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
         let held_out = self.judge(lambda)?;
         let all = self.stream.all()?;
         let change = all.solve(lambda, &scale)?.x;
-        let sigma = all.variances(lambda, &scale)?.map(T::sqrt);
-        if let Some(index) = sigma.iter().position(|s| !s.is_finite()) {
+        let certainty = Certainty::of(&all, lambda, &scale)?;
+        if let Some(index) = certainty.undetermined() {
             return Err(StreamingError::Undetermined { index });
         }
-        let width = scale.map(|s| s / lambda.sqrt());
+        let Certainty { sigma, determined, rank } = certainty;
         let [fitted, judging] = self.weights;
         let rms = |x: &[T; P]| self.rms(&all, x, fitted + judging);
         let (rms_before, rms_after) = (rms(&[T::ZERO; P]), rms(&change));
-        // Columns of one size; where there is no prior, of rad and m.
-        let rank = all.spectrum(&scale.map(|s| if s.is_finite() { s } else { T::ONE }))?.rank();
         let mut parameters = self.stored.clone();
         apply(&mut parameters, &self.settings.parameters, &change);
-        let next = self.stored.sequence.checked_add(1).filter(|next| *next < u32::MAX);
+        let next = self.stored.next_sequence();
         parameters.sequence = next.ok_or(StreamingError::LastSequence)?;
-        let determined = determined(&sigma, &width);
         Ok(Identified {
             parameters,
             change,

@@ -8,5 +8,6 @@ pub mod coverage;
 pub mod planning;
 pub mod regret;
 pub mod reproduce;
+#[path = "../../host-tools/tests/simulated/mod.rs"]
 pub mod simulated;
 pub mod studies;

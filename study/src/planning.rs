@@ -10,7 +10,7 @@ use truearm_host::identify::{Conditions, Predictor, Problem, Scaling};
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::model::{Sight, Workspace};
 use truearm_host::plan::{PlanOptions, PosePlan, plan};
-use truearm_simulate::robots;
+use truearm_simulate::{csv, robots};
 
 use crate::simulated::{Truth, parse, robot, vector};
 
@@ -105,18 +105,15 @@ impl Trial {
     /// Rows of these poses without noise.
     fn measured(&self, poses: &[Vec<f64>]) -> Measurements {
         let lines = poses_csv(&self.robot, "q", poses, &[]);
-        let mut text = String::new();
-        for (i, line) in lines.lines().enumerate() {
-            let cells: Vec<&str> = line.split(',').take(self.robot.joints.len()).collect();
-            let point = match i {
-                0 => "x_mm,y_mm,z_mm".to_owned(),
-                _ => {
-                    let p = self.truth.point(&poses[i - 1], 0, 0) * 1e3;
-                    format!("{:.9},{:.9},{:.9}", p.x, p.y, p.z)
-                }
-            };
-            text += &format!("{},{point}\n", cells.join(","));
-        }
-        parse(&self.robot, &text)
+        let joints = lines.lines().map(|line| line.split(',').take(self.robot.joints.len()));
+        let header = ["x_mm", "y_mm", "z_mm"].map(str::to_owned);
+        let points = poses.iter().map(|q| {
+            let point = self.truth.point(q, 0, 0) * 1e3;
+            [point.x, point.y, point.z].map(|x| format!("{x:.9}"))
+        });
+        let rows = joints
+            .zip(std::iter::once(header).chain(points))
+            .map(|(joints, point)| joints.map(str::to_owned).chain(point));
+        parse(&self.robot, &csv(rows))
     }
 }

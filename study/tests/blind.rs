@@ -2,7 +2,7 @@
 //! hidden is opened only after every verdict is in.
 
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
-use truearm_study::blind::secret::{Score, score};
+use truearm_study::blind::score::{Score, score};
 use truearm_study::blind::sets::{BlindSet, LISTED, UNLISTED, Wanted};
 
 fn judged(sets: &[BlindSet]) -> Vec<Score> {

@@ -5,9 +5,9 @@ use rand::Rng;
 use truearm::{MdhParameters, Pose};
 use truearm_host::identify::State;
 use truearm_host::model::Robot;
-use truearm_simulate::arm::{Arm as Simulated, Moment};
+use truearm_simulate::arm::Arm as Simulated;
 use truearm_simulate::effects::{Defect, Kind};
-use truearm_simulate::{normal, oracle};
+use truearm_simulate::{at_rest, normal, oracle};
 
 /// What a real joint does beyond geometry.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -82,18 +82,7 @@ impl Arm {
     #[must_use]
     pub fn seen(&self, poses: &[Vec<f64>], noise: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let arm = self.simulated();
-        let point = |q: &Vec<f64>| {
-            arm.point(&Moment {
-                q: q.clone(),
-                before: q.clone(),
-                directions: vec![0; q.len()],
-                time: 0.0,
-                temperature: 20.0,
-                payload: 0.0,
-                later: false,
-            })
-        };
-        poses.iter().zip(noise).map(|(q, e)| point(q) + e).collect()
+        poses.iter().zip(noise).map(|(q, e)| arm.point(&at_rest(q)) + e).collect()
     }
 }
 

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::example::Example;
-use super::text::{contests, number, score, table};
-use super::{Study, Trial, paper, spread};
+use super::markdown::{number, table};
+use super::paper;
+use super::study::{Study, contests, score, spread};
+use super::trial::{Diagnosis, SWEEP, Sweep, Trial};
 use truearm_host::diagnose::Verdict;
 
 /// MAE on noise-free poses of a method in a contest over all seeds.
@@ -35,7 +37,7 @@ pub fn text(study: &Study, example: &Example) -> String {
 
 fn failing(study: &Study) -> String {
     let seeds = study.trials.len();
-    let broke = |of: fn(&super::Sweep) -> Option<f64>| {
+    let broke = |of: fn(&Sweep) -> Option<f64>| {
         let all = study.trials.iter().flat_map(|t| &t.sweep).filter(|s| s.method == "LSM-N");
         let values: Vec<f64> = all.map(|s| of(s).unwrap_or(f64::NAN)).collect();
         (values.iter().filter(|v| v.is_nan()).count(), spread(&values))
@@ -92,7 +94,7 @@ fn regularising(study: &Study) -> String {
             &["poses", "LSM", "GN-R", "RPIM-P", "RPIM"],
             &[0, 3].map(|c| {
                 let row = ["LSM", "GN-R", "RPIM-P", "RPIM"].map(|m| narrow(m, c));
-                std::iter::once(super::trial::SWEEP[c].to_string()).chain(row).collect()
+                std::iter::once(SWEEP[c].to_string()).chain(row).collect()
             }),
         ),
         mid(study, 1, "RPIM-P"),
@@ -227,7 +229,7 @@ fn inconsistencies() -> String {
 }
 
 fn diagnosis(study: &Study) -> String {
-    let of = |f: fn(&super::Diagnosis) -> f64| {
+    let of = |f: fn(&Diagnosis) -> f64| {
         spread(&study.trials.iter().map(|t| f(&t.diagnosis)).collect::<Vec<_>>())
     };
     let seeds = study.trials.len();

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::SHOWN;
 use super::example::Example;
+use super::markdown::{number, table};
 use super::section_v::{NinePoses, corrections};
-use super::text::{number, table};
+use super::study::SHOWN;
 
 /// Tables 2 to 5.
 pub fn section_v(nine: &NinePoses) -> String {

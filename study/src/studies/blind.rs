@@ -10,7 +10,7 @@ use truearm_host::diagnose::Verdict;
 
 use super::Result;
 use super::judged;
-use crate::blind::secret::{Places, Score};
+use crate::blind::score::{Places, Score};
 use crate::blind::sets::{LISTED, UNLISTED, Wanted};
 
 #[derive(Args)]

@@ -13,7 +13,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 
-use crate::blind::secret::{Score, score};
+use crate::blind::score::{Score, score};
 use crate::blind::sets::{BlindSet, Wanted};
 
 /// What a study ends with: a sentence if less was reached than is required.

@@ -7,7 +7,7 @@ use truearm_host::diagnose::{DiagnoseOptions, DiagnoseReport, diagnose};
 use truearm_host::model::Robot;
 
 use super::Result;
-use crate::blind::secret::{Places, places};
+use crate::blind::score::{Places, places};
 use crate::blind::sets::BlindSet;
 use crate::simulated::parse;
 

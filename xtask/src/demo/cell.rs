@@ -4,7 +4,7 @@
 
 use std::fmt::{self, Display};
 
-use nalgebra::{Matrix3x6, Rotation3, Vector3};
+use nalgebra::{Matrix3x6, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
@@ -12,9 +12,10 @@ use truearm_host::identify::{Options, identify};
 use truearm_host::model::{Model, Robot};
 
 use crate::run::Result;
-use truearm_simulate::arm::{Arm, Moment};
+use truearm_simulate::arm::Arm;
 use truearm_simulate::effects::{Defect, Kind};
 use truearm_simulate::oracle::{self, Matrix};
+use truearm_simulate::{at_rest, csv, rigid};
 use truearm_study::simulated::{UR10_LIKE, normal, parse, robot, vector};
 
 pub type Joints = [f64; 6];
@@ -137,12 +138,12 @@ impl Cell {
 
     /// Where the tool is meant to be at a command, commanded frame, m.
     pub fn target(&self, command: &[f32; 6]) -> Vector3<f64> {
-        self.nominal.point(&moment(&command.map(f64::from)))
+        self.nominal.point(&at_rest(&command.map(f64::from)))
     }
 
     /// Where it is at encoder readings.
     pub fn tool(&self, joints: &Joints) -> Vector3<f64> {
-        self.to_commanded.transform_point(&self.arm.point(&moment(joints)))
+        self.to_commanded.transform_point(&self.arm.point(&at_rest(joints)))
     }
 
     /// An arm of the same build with these links, base and tool point.
@@ -198,39 +199,16 @@ fn real(robot: &Robot, dice: &mut ChaCha8Rng) -> Arm {
 
 /// A first calibration: the tracker's file, identified.
 fn calibrate(robot: &Robot, arm: &Arm, dice: &mut ChaCha8Rng) -> Result<Model> {
-    let mut text = String::from("q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm\n");
+    let header = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm";
+    let mut rows = vec![header.split(',').map(str::to_owned).collect::<Vec<_>>()];
     for _ in 0..POSES {
         // What the file says is what the joints were: rounded first.
         let degrees = [0; 6].map(|_| (dice.random_range(-150.0..150.0_f64) * 1e5).round() / 1e5);
-        let point = arm.point(&moment(&degrees.map(f64::to_radians))) + vector(dice) * NOISE;
+        let point = arm.point(&at_rest(&degrees.map(f64::to_radians))) + vector(dice) * NOISE;
         let mut cells: Vec<String> = degrees.iter().map(|q| format!("{q:.5}")).collect();
         cells.extend(point.iter().map(|x| format!("{:.7}", x * 1e3)));
-        text += &(cells.join(",") + "\n");
+        rows.push(cells);
     }
-    let data = parse(robot, &text);
+    let data = parse(robot, &csv(&rows));
     Ok(identify(robot, &data, &Options::default(), &|_, _| ())?.model)
-}
-
-/// A rigid motion as a matrix.
-pub fn rigid(turn: &Vector3<f64>, shift: &Vector3<f64>) -> Matrix<f64> {
-    let rotation = Rotation3::from_scaled_axis(*turn);
-    let mut m = oracle::identity();
-    for (i, row) in m.iter_mut().enumerate().take(3) {
-        (0..3).for_each(|j| row[j] = rotation[(i, j)]);
-        row[3] = shift[i];
-    }
-    m
-}
-
-/// At rest at these joints; nothing else matters to this arm.
-pub fn moment(joints: &Joints) -> Moment {
-    Moment {
-        q: joints.to_vec(),
-        before: joints.to_vec(),
-        directions: vec![1; 6],
-        time: 0.0,
-        temperature: 20.0,
-        payload: 0.0,
-        later: false,
-    }
 }

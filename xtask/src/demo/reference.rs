@@ -6,9 +6,10 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use truearm::ArmParameters;
 
-use super::cell::{Cell, Event, Joints, moment, rigid};
+use super::cell::{Cell, Event, Joints};
 use truearm_simulate::arm::Arm;
 use truearm_simulate::oracle::{self, Matrix};
+use truearm_simulate::{at_rest, rigid};
 
 /// Step of the difference quotients, rad or m.
 const STEP: f64 = 1e-6;
@@ -34,7 +35,7 @@ impl Reference {
     }
 
     fn point(&self, joints: &Joints) -> Vector3<f64> {
-        self.0.point(&moment(joints))
+        self.0.point(&at_rest(joints))
     }
 
     /// The model with what an event moves changed by `x`.

@@ -1,66 +1,19 @@
 //! Where the tool really is: nominal geometry, identified corrections, the
 //! terms beyond geometry and the robot frame they refer to.
 
+mod bent;
+mod parameters;
+
 use heapless::Vec;
-use nalgebra::Vector3;
+
+pub(crate) use bent::Bent;
+pub use parameters::{ArmParameters, MAX_JOINTS};
 
 use crate::effects::{
-    Approach, FoldedTerms, GravityModel, Load, MAX_TERMS, Masses, Tables, Term, TermInputs,
+    Approach, FoldedTerms, GravityModel, Load, MAX_TERMS, Tables, Term, TermInputs,
 };
-use crate::kinematics::{Chain, Deflection, Link, MdhParameters, Pose, Turns};
+use crate::kinematics::{Chain, Deflection, Link, Pose, Turns};
 use crate::scalar::Scalar;
-
-/// Most joints of an arm: what a blob has numbers for.
-pub const MAX_JOINTS: usize = 16;
-
-/// Everything a controller has to know of an identified arm of N joints, SI
-/// units; what a parameter blob carries. Its tables stay where the blob is, for
-/// `'t`: `'static` where that is memory-mapped flash.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ArmParameters<'t, T, const N: usize> {
-    /// Hash of the robot's model name and serial, see [`crate::blob::robot_id`].
-    pub robot_id: u64,
-    /// Grows with every parameter set of a robot.
-    pub sequence: u32,
-    /// When they were identified, Unix seconds; 0 if unknown.
-    pub created: u32,
-    /// Nominal links, as the controller's own kinematics has them.
-    pub nominal: [Link<T>; N],
-    /// Identified corrections, added to the nominal parameters.
-    pub corrections: [MdhParameters<T>; N],
-    /// Small rigid transform from the identified to the commanded (nominal
-    /// base) frame: translation, m.
-    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
-    pub base_translation: Vector3<T>,
-    /// The same: rotation vector, rad.
-    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
-    pub base_rotation: Vector3<T>,
-    /// Default tool point in the identified flange frame, m.
-    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
-    pub tool: Vector3<T>,
-    /// What the arm does beyond rigid geometry.
-    pub terms: Vec<Term<T>, MAX_TERMS>,
-    /// Tables that terms refer to.
-    pub tables: Tables<'t>,
-    /// Gravity in the nominal base frame and the masses it pulls at. Without
-    /// them a term that depends on gravity does nothing.
-    pub masses: Option<Masses<T, N>>,
-    /// Temperature the geometry refers to, degrees Celsius.
-    pub reference_temperature: T,
-    /// Joint limits, rad or m.
-    pub limits: [Option<[T; 2]>; N],
-    /// Smallest and largest joint values of the identification, rad or m.
-    /// Poses outside are extrapolation.
-    pub covered: [Option<[T; 2]>; N],
-    /// RMS position error before identification, m.
-    pub rms_before: T,
-    /// Cross-validated RMS position error after identification, m.
-    pub rms_after: T,
-    /// Whether the data determined the orientation of the flange, or only
-    /// points were measured and unseen directions are nominal.
-    pub orientation_identified: bool,
-}
 
 /// What an arm's terms depend on besides the joint values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,39 +68,6 @@ pub struct Arm<'t, T, const N: usize> {
     gravity: Option<GravityModel<T, N>>,
     reference_temperature: T,
     orientation_identified: bool,
-}
-
-/// What terms do at one moment, and how it changes with the joints.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Bent<T, const N: usize> {
-    pub deflection: Deflection<T, N>,
-    /// Of each joint's periodic terms by that joint.
-    slopes: [T; N],
-}
-
-impl<T: Scalar, const N: usize> Bent<T, N> {
-    /// Nothing.
-    pub fn none() -> Self {
-        Self { deflection: Deflection::none(), slopes: [T::ZERO; N] }
-    }
-
-    /// Joints, in `offset` from the command, at which the rigid chain stands
-    /// where `rigid` wants it: from the offset at which the terms are known, one
-    /// Newton step a joint. `share` of each joint's bend is taken back.
-    #[inline]
-    pub fn take_back(&self, rigid: &[T; N], share: &[T; N], offset: &mut [T; N]) {
-        let wanted = rigid.iter().zip(share);
-        let known = self.deflection.joints.iter().zip(&self.slopes);
-        for (offset, ((rigid, share), (bend, slope))) in offset.iter_mut().zip(wanted.zip(known)) {
-            let step = *rigid - *share * *bend - *offset;
-            let mut slope = T::ONE + *share * *slope;
-            // Steeper than any gear; the step stays one.
-            if slope < T::from_f32(0.5) {
-                slope = T::from_f32(0.5);
-            }
-            *offset += step / slope;
-        }
-    }
 }
 
 impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
@@ -258,48 +178,6 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         let deflection =
             if self.terms.is_empty() { Deflection::none() } else { self.deflection(q, state) };
         self.real.forward_deflected(q, &deflection)
-    }
-
-    /// What terms do whatever the joints: links grow.
-    #[inline]
-    pub(crate) fn grow(&self, state: &State<T, N>, bent: &mut Bent<T, N>) {
-        *bent = Bent::none();
-        bent.deflection.growth = self.folded.growth(state.temperature - self.reference_temperature);
-    }
-
-    /// What all terms do near joint values whose sines are known. `offset`, of
-    /// the joints from `command`, becomes what takes back at each joint its
-    /// `share` of what bends it smoothly, so that the rigid chain stands where
-    /// `rigid` wants it; there the periodic terms are taken.
-    #[inline(never)]
-    pub(crate) fn bend(
-        &self,
-        turns: &Turns<T, N>,
-        state: &State<T, N>,
-        [command, rigid, share]: [&[T; N]; 3],
-        offset: &mut [T; N],
-        bent: &mut Bent<T, N>,
-    ) {
-        bent.deflection = self.folded.smooth(&self.inputs_at(turns, state));
-        let mut joints = *command;
-        let smooth = bent.deflection.joints.iter().zip(share);
-        let places = offset.iter_mut().zip(&mut joints);
-        for ((offset, joint), (rigid, (bend, share))) in places.zip(rigid.iter().zip(smooth)) {
-            *offset = *rigid - *share * *bend;
-            *joint += *offset;
-        }
-        bent.slopes = self.folded.add_waves(&joints, &mut bent.deflection.joints);
-    }
-
-    /// Two axes and the point of the tool of the rigid identified arm at angles
-    /// whose sines are known, with its base tilted and its links grown.
-    #[inline(never)]
-    pub(crate) fn rigid_axes(
-        &self,
-        turns: &Turns<T, N>,
-        bent: Option<&Bent<T, N>>,
-    ) -> [Vector3<T>; 3] {
-        self.real.axes_at(turns, bent.map(|bent| &bent.deflection))
     }
 
     /// How far all terms together deflect the arm. Gravity loads are those of the

@@ -1,91 +1,14 @@
-//! The report in Markdown: tables first, then what they mean.
-
-use std::fmt::Write;
+//! The report's tables over all seeds: 9 and 10, contests, the sweep.
 
 use super::example::Example;
-use super::section_v::NinePoses;
-use super::trial::{Contest, SWEEP, Score, Sweep};
-use super::{CAUTION, SHOWN, Study, Trial, discussion, paper, points, spread};
+use super::markdown::{middle, number, table};
+use super::paper;
+use super::study::{SHOWN, Study, score, spread};
+use super::trial::{Contest, SWEEP, Score, Sweep, Trial};
 use truearm_host::report::Stats;
 
-/// A Markdown table.
-pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
-    let mut out = format!("| {} |\n|{}\n", head.join(" | "), "---|".repeat(head.len()));
-    for row in rows {
-        let _ = writeln!(out, "| {} |", row.join(" | "));
-    }
-    out.push('\n');
-    out
-}
-
-/// Three decimals, powers of ten where they do not serve.
-pub fn number(x: f64) -> String {
-    match x.abs() {
-        _ if !x.is_finite() => "-".to_owned(),
-        a if a == 0.0 || (1e-3..1e4).contains(&a) => format!("{x:.3}"),
-        _ => format!("{x:.1e}"),
-    }
-}
-
-/// Median, and tenth to ninetieth percentile.
-fn middle(values: &[f64]) -> String {
-    let [median, low, high, _] = spread(values);
-    if median.is_nan() {
-        return "-".to_owned();
-    }
-    format!("{} ({} - {})", number(median), number(low), number(high))
-}
-
-/// The whole text.
-pub fn report(study: &Study, example: &Example, nine: &NinePoses) -> String {
-    let mut out = format!(
-        "{CAUTION}\n\n# The paper's experiment on simulated cells\n\n\
-         X. Li et al., IEEE Access 10 (2022), doi 10.1109/ACCESS.2022.3201818, on {} simulated cells (seeds 1 to {}): a 6R arm \
-         of reach 1,024 mm, target at the offset of Eq. 23, 0.0304 mm of noise a coordinate \
-         (repeatability 0.03 mm, tracker 5 um), 52 poses in an 800 mm cube to identify, 18 to \
-         validate, and 250 noise-free ones, which no measurement has, to judge by. Geometric errors \
-         are drawn at random and scaled so that no calibration leaves the paper's MAE of 2.533 mm. \
-         Cell (a) has nothing else. Cell (b) has springs in joints 2 and 3 and gear transmission \
-         errors in joints 1 and 2, scaled so that the best geometric fit leaves the paper's 0.472 mm.\n\n\
-         Methods: {}\n\n",
-        study.trials.len(),
-        study.trials.len(),
-        example
-            .held
-            .methods
-            .iter()
-            .map(|o| format!("**{}** {}", o.name, o.about))
-            .collect::<Vec<_>>()
-            .join("; "),
-    );
-    out += "Errors are 3-D distances: largest (Max), mean (MAE), standard deviation (SD).\n\n";
-    out += &summary(study);
-    out += &nine_and_ten(study, example);
-    for (title, of) in contests() {
-        out += &contest(title, &study.trials.iter().map(of).collect::<Vec<_>>());
-    }
-    out += &sweep(study);
-    out += &discussion::text(study, example);
-    out += &points::section_v(nine);
-    out += &points::parameters(example);
-    out += &points::validation(example);
-    out += &figures();
-    out
-}
-
-type Of = fn(&Trial) -> &Contest;
-
-/// The four contests.
-pub fn contests() -> [(&'static str, Of); 4] {
-    [
-        ("(a) geometric errors only, base and tool fitted", |t| &t.geometric[0]),
-        ("(a) geometric errors only, base and tool held", |t| &t.geometric[1]),
-        ("(b) springs and gears, base and tool fitted", |t| &t.beyond[0]),
-        ("(b) springs and gears, base and tool held", |t| &t.beyond[1]),
-    ]
-}
-
-fn summary(study: &Study) -> String {
+/// How near cell (a) comes to the bound.
+pub fn summary(study: &Study) -> String {
     let [ratio, low, high, worst] =
         spread(&study.trials.iter().map(|t| t.rms_mm / t.cramer_rao_mm).collect::<Vec<_>>());
     format!(
@@ -96,7 +19,7 @@ fn summary(study: &Study) -> String {
 }
 
 /// Tables 9 and 10 beside the printed ones: medians over seeds.
-fn nine_and_ten(study: &Study, example: &Example) -> String {
+pub fn nine_and_ten(study: &Study, example: &Example) -> String {
     let mut out = format!(
         "## Tables 9 and 10\n\nOver the 52 + 18 points, mm: what the paper prints, and the \
          median over the seeds of cell (b), base and tool held as in the paper and fitted with the rest \
@@ -151,12 +74,8 @@ fn nine_and_ten(study: &Study, example: &Example) -> String {
     out + &table(&["of", "method", "paper", "held", "fitted"], &rows)
 }
 
-/// A method's score.
-pub fn score<'a>(contest: &'a Contest, name: &str) -> Option<&'a Score> {
-    contest.scores.iter().find(|s| s.method == name)
-}
-
-fn contest(title: &str, contests: &[&Contest]) -> String {
+/// All methods of a contest.
+pub fn contest(title: &str, contests: &[&Contest]) -> String {
     let mut rows = Vec::new();
     for (k, first) in contests[0].scores.iter().enumerate() {
         let all: Vec<&Score> = contests.iter().map(|c| &c.scores[k]).collect();
@@ -204,7 +123,8 @@ fn contest(title: &str, contests: &[&Contest]) -> String {
     )
 }
 
-fn sweep(study: &Study) -> String {
+/// RMS against the number of poses.
+pub fn sweep(study: &Study) -> String {
     let part = |of: fn(&Sweep) -> &[Option<f64>]| {
         let mut rows = Vec::new();
         for (m, first) in study.trials[0].sweep.iter().enumerate() {
@@ -234,16 +154,5 @@ fn sweep(study: &Study) -> String {
         part(|s| &s.catalogue_mm),
         part(|s| &s.calibrated_before_mm),
         part(|s| &s.narrow_mm)
-    )
-}
-
-fn figures() -> String {
-    format!(
-        "## Figures and files\n\n`figure-04` to `figure-14` are the counterparts of the paper's \
-         figures of these numbers, of cell (b), seed {SHOWN}, base and tool held; `table-5.svg` is of section \
-         V; `figure-15` shows every seed, `figure-16` the number of poses, `figure-17` the Cramer-Rao \
-         ratios. `cell/` holds the robot and the measurements (Table 6 is `cell/identification.csv`): \
-         `truearm compare cell/robot.toml cell/identification.csv --validate cell/validation.csv --hold-frames` \
-         computes the comparison of that seed again. `report.json` has every seed.\n"
     )
 }

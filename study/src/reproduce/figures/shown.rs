@@ -1,40 +1,15 @@
-//! Counterparts of Figures 4 to 14, and three that the paper does not have.
+//! Figures of the one cell that is shown.
 
 use nalgebra::Vector3;
 
-use super::example::Example;
-use super::section_v::NinePoses;
-use super::trial::{SWEEP, Sweep};
-use super::{Study, spread};
+use super::super::example::Example;
+use super::super::section_v::NinePoses;
 use truearm_host::methods::{Comparison, Outcome};
 use truearm_host::observations::Miss;
 use truearm_host::plot::{Axis, Panel, Series, grid, numbered};
 
 /// Methods of the paper's figures, both forms of its own.
 const DRAWN: [&str; 6] = ["NC", "LSM", "GD", "GN", "RPIM-P", "RPIM"];
-
-/// File names and SVG texts.
-pub fn all(study: &Study, example: &Example, nine: &NinePoses) -> Vec<(String, String)> {
-    let mut out = vec![("table-5.svg".to_owned(), nine_poses(nine))];
-    let own = [
-        ("figure-04-frames", frames(example)),
-        ("figure-05-registered", registered(example)),
-        ("figure-06-error-per-pose", before(example)),
-        ("figure-07-l-curve", l_curve(example)),
-        ("figure-08-simulated-points", simulated(example)),
-        ("figure-09-error-against-lambda", against_lambda(example)),
-        ("figure-10-error-per-point-and-lambda", per_point(example)),
-        ("figure-11-methods-52-points", methods(&example.held, false)),
-        ("figure-12-validation-points", validation(example)),
-        ("figure-13-errors-per-axis", axes(example)),
-        ("figure-14-methods-18-points", methods(&example.held, true)),
-        ("figure-15-seeds", seeds(study)),
-        ("figure-16-number-of-poses", sweep(study)),
-        ("figure-17-cramer-rao", efficiency(study)),
-    ];
-    out.extend(own.into_iter().map(|(name, text)| (format!("{name}.svg"), text)));
-    out
-}
 
 /// Points seen from above and from the side, mm.
 fn projections(title: &str, sets: &[(&str, Vec<Vector3<f64>>)]) -> String {
@@ -53,7 +28,7 @@ fn projections(title: &str, sets: &[(&str, Vec<Vector3<f64>>)]) -> String {
     grid(&[panel("from above", 1), panel("from the side", 2)], 2)
 }
 
-fn frames(e: &Example) -> String {
+pub fn frames(e: &Example) -> String {
     let measured = e.cell.identification.rows.iter().map(|r| r.measured.point()).collect();
     projections("Each in its own frame", &[("reference", e.reference()), ("measured", measured)])
 }
@@ -71,7 +46,7 @@ fn larger(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     from.iter().zip(to).map(|(a, b)| a + (b - a) * DRAWN_LARGER).collect()
 }
 
-fn registered(e: &Example) -> String {
+pub fn registered(e: &Example) -> String {
     let reference = e.reference();
     let measured = in_robot_frame(e, e.cell.identification.rows.iter().map(|r| r.measured.point()));
     let measured = larger(&reference, &measured);
@@ -87,7 +62,7 @@ fn method<'a>(found: &'a Comparison, name: &str) -> Option<&'a Outcome> {
     found.methods.iter().find(|o| o.name == name && o.state.is_some())
 }
 
-fn before(e: &Example) -> String {
+pub fn before(e: &Example) -> String {
     let errors = method(&e.held, "NC").map(|o| distances(&o.residuals)).unwrap_or_default();
     Panel {
         title: "Error of each pose after registration, no calibration".to_owned(),
@@ -98,7 +73,7 @@ fn before(e: &Example) -> String {
     .svg()
 }
 
-fn l_curve(e: &Example) -> String {
+pub fn l_curve(e: &Example) -> String {
     let place = |p: &[f64; 3]| (p[1] * 1e3, p[2]);
     Panel {
         title: "L-curve, lambda I on metres and radians (Eq. 15)".to_owned(),
@@ -119,7 +94,7 @@ fn l_curve(e: &Example) -> String {
     .svg()
 }
 
-fn simulated(e: &Example) -> String {
+pub fn simulated(e: &Example) -> String {
     let plane = |points: Vec<Vector3<f64>>| points.iter().map(|p| (p.x * 1e3, p.z * 1e3)).collect();
     let mut series = vec![Series::points(
         "measured",
@@ -150,7 +125,7 @@ fn simulated(e: &Example) -> String {
     grid(&[points, moved], 2)
 }
 
-fn against_lambda(e: &Example) -> String {
+pub fn against_lambda(e: &Example) -> String {
     let wide = |k: usize| e.curve.errors.iter().map(|p| (p[0], p[k])).collect::<Vec<_>>();
     let over = Panel {
         title: "Mean error against lambda".to_owned(),
@@ -174,7 +149,7 @@ fn against_lambda(e: &Example) -> String {
     grid(&[over, second], 2)
 }
 
-fn per_point(e: &Example) -> String {
+pub fn per_point(e: &Example) -> String {
     let series = e
         .curve
         .by_point
@@ -189,7 +164,7 @@ fn per_point(e: &Example) -> String {
     .svg()
 }
 
-fn methods(found: &Comparison, validation: bool) -> String {
+pub fn methods(found: &Comparison, validation: bool) -> String {
     let line = |o: &Outcome| {
         let rows = if validation { &o.validation_residuals } else { &o.residuals };
         Series::line(o.name, numbered(&distances(rows)))
@@ -204,7 +179,7 @@ fn methods(found: &Comparison, validation: bool) -> String {
     .svg()
 }
 
-fn validation(e: &Example) -> String {
+pub fn validation(e: &Example) -> String {
     let rows = &e.cell.validation.rows;
     let measured = in_robot_frame(e, rows.iter().map(|r| r.measured.point()));
     let residuals = method(&e.held, "RPIM-P").map(|o| o.validation_residuals.clone());
@@ -215,7 +190,7 @@ fn validation(e: &Example) -> String {
     projections(&title, &[("measured", measured), ("RPIM-P", simulated)])
 }
 
-fn axes(e: &Example) -> String {
+pub fn axes(e: &Example) -> String {
     let residuals = method(&e.held, "RPIM-P").map(|o| o.validation_residuals.clone());
     let base = e.start.bases[0].rotation;
     let turned: Vec<Vector3<f64>> =
@@ -233,84 +208,7 @@ fn axes(e: &Example) -> String {
     .svg()
 }
 
-fn seeds(study: &Study) -> String {
-    let contests = [
-        ("(a) geometry, base and tool fitted", 0),
-        ("(a) geometry, base and tool held", 1),
-        ("(b) springs and gears, base and tool fitted", 2),
-        ("(b) springs and gears, base and tool held", 3),
-    ];
-    let panels: Vec<Panel> = contests
-        .iter()
-        .map(|(title, which)| {
-            let of = |t: usize| {
-                let trial = &study.trials[t];
-                match which {
-                    0 | 1 => &trial.geometric[*which],
-                    _ => &trial.beyond[which - 2],
-                }
-            };
-            let names: Vec<&str> = of(0).scores.iter().map(|s| s.method).collect();
-            let mut points = Vec::new();
-            for t in 0..study.trials.len() {
-                let aside = (t as f64 / study.trials.len() as f64 - 0.5) * 0.6;
-                for (k, score) in of(t).scores.iter().enumerate() {
-                    if let Some(stats) = score.exact {
-                        points.push((k as f64 + 1.0 + aside, stats.mean_mm));
-                    }
-                }
-            }
-            Panel {
-                title: (*title).to_owned(),
-                x: Axis::names(names.iter().map(|n| (*n).to_owned()).collect()),
-                y: Axis::log("MAE of 250 noise-free points, mm"),
-                series: vec![Series::points("", points)],
-            }
-        })
-        .collect();
-    grid(&panels, 2)
-}
-
-fn sweep(study: &Study) -> String {
-    let panel = |title: &str, of: fn(&Sweep) -> &[Option<f64>], which: usize| {
-        let series = study.trials[0].sweep.iter().enumerate().map(|(m, first)| {
-            let at = |c: usize| {
-                let all = study.trials.iter().map(|t| of(&t.sweep[m])[c].unwrap_or(f64::NAN));
-                spread(&all.collect::<Vec<_>>())[which]
-            };
-            let points = SWEEP.iter().enumerate().map(|(c, n)| (*n as f64, at(c)));
-            Series::line(first.method, points.collect())
-        });
-        Panel {
-            title: format!("(a) {title}"),
-            x: Axis::linear("poses fitted"),
-            y: Axis::log("RMS of 250 noise-free points, mm"),
-            series: series.collect(),
-        }
-    };
-    let panels = [
-        panel("from the catalogue, median", |s| &s.catalogue_mm, 0),
-        panel("from the catalogue, worst seed", |s| &s.catalogue_mm, 3),
-        panel("calibrated before, median", |s| &s.calibrated_before_mm, 0),
-        panel("calibrated before, worst seed", |s| &s.calibrated_before_mm, 3),
-        panel("poses alike, median", |s| &s.narrow_mm, 0),
-        panel("poses alike, worst seed", |s| &s.narrow_mm, 3),
-    ];
-    grid(&panels, 2)
-}
-
-fn efficiency(study: &Study) -> String {
-    let ratios = study.trials.iter().map(|t| (t.seed as f64, t.rms_mm / t.cramer_rao_mm));
-    Panel {
-        title: "(a) RMS on 250 noise-free points over the Cramer-Rao bound of each seed".to_owned(),
-        x: Axis::linear("seed"),
-        y: Axis::linear("ratio"),
-        series: vec![Series::points("", ratios.collect())],
-    }
-    .svg()
-}
-
-fn nine_poses(nine: &NinePoses) -> String {
+pub fn nine_poses(nine: &NinePoses) -> String {
     let series = nine.methods.iter().map(|(name, _, errors, _)| Series::bars(*name, errors));
     Panel {
         title: "Section V: error of the nine poses".to_owned(),

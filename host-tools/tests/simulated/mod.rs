@@ -1,9 +1,11 @@
 //! What the simulator has, as a user would bring it: measurements written as
-//! text and read as files are.
+//! text and read as files are. For the tests of the host and for the studies.
+
+#![allow(dead_code, unused_imports, reason = "each test takes what it needs")]
 
 use std::path::Path;
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use rand::{Rng, RngExt};
 use truearm::{JointKind, Link, MdhParameters, Pose};
 use truearm_host::Result;
@@ -11,6 +13,7 @@ use truearm_host::identify::{Conditions, Identification, State};
 use truearm_host::model::{Joint, Measurements, Robot};
 use truearm_simulate::oracle;
 pub use truearm_simulate::robots::{ON_RAIL, UR10_LIKE};
+use truearm_simulate::{csv, rigid};
 pub use truearm_simulate::{normal, vector};
 
 pub fn robot(text: &str) -> Robot {
@@ -61,15 +64,8 @@ impl Truth {
             *link = link.corrected(&MdhParameters::from_array(error));
         }
         let bases = (0..stations).map(|_| {
-            let rotation = Rotation3::from_scaled_axis(vector(rng));
-            let mut base = oracle::identity();
-            for i in 0..3 {
-                for j in 0..3 {
-                    base[i][j] = rotation[(i, j)];
-                }
-                base[i][3] = rng.random_range(-3.0..3.0);
-            }
-            base
+            let turn = vector(rng);
+            rigid(&turn, &Vector3::from_fn(|_, _| rng.random_range(-3.0..3.0)))
         });
         let bases = bases.collect();
         let mut tools = vec![robot.tool + vector(rng) * 1e-3];
@@ -110,7 +106,7 @@ impl Truth {
             names.push(format!("q{}_{unit}", j + 1));
         }
         names.extend(["x_mm", "y_mm", "z_mm", "station", "marker"].map(str::to_owned));
-        let mut text = names.join(",") + "\n";
+        let mut rows = vec![names];
         for _ in 0..poses {
             let mut cells = Vec::new();
             let mut q = Vec::new();
@@ -131,9 +127,9 @@ impl Truth {
             let p = self.point(&q, station, marker) + vector(rng) * sigma;
             cells.extend(p.iter().map(|x| format!("{:.7}", x * 1e3)));
             cells.extend([format!("S{station}"), format!("M{marker}")]);
-            text += &(cells.join(",") + "\n");
+            rows.push(cells);
         }
-        text
+        csv(&rows)
     }
 
     pub fn parse(&self, text: &str) -> Measurements {
@@ -171,14 +167,13 @@ pub fn csv_of(robot: &Robot, poses: &[Vec<f64>], points: &[Vector3<f64>]) -> Str
         JointKind::Prismatic => ("mm", 1e3),
     });
     let units: Vec<_> = units.collect();
-    let names = units.iter().enumerate().map(|(j, (unit, _))| format!("q{}_{unit},", j + 1));
-    let mut text: String = names.collect();
-    text += "x_mm,y_mm,z_mm\n";
-    for (q, p) in poses.iter().zip(points) {
-        q.iter().zip(&units).for_each(|(q, (_, in_si))| text += &format!("{:.4},", q * in_si));
-        text += &format!("{:.7},{:.7},{:.7}\n", p.x * 1e3, p.y * 1e3, p.z * 1e3);
-    }
-    text
+    let names = units.iter().enumerate().map(|(j, (unit, _))| format!("q{}_{unit}", j + 1));
+    let header: Vec<String> = names.chain(["x_mm", "y_mm", "z_mm"].map(str::to_owned)).collect();
+    let row = |(q, p): (&Vec<f64>, &Vector3<f64>)| {
+        let joints = q.iter().zip(&units).map(|(q, (_, in_si))| format!("{:.4}", q * in_si));
+        joints.chain(p.iter().map(|x| format!("{:.7}", x * 1e3))).collect()
+    };
+    csv(std::iter::once(header).chain(poses.iter().zip(points).map(row)))
 }
 
 /// The same, as read from a file of this name.

@@ -10,7 +10,9 @@ use truearm::{Approach, Arm6, Compensator, Pose, Settings, State, Task};
 use truearm_host::blob::{PackOptions, pack_with};
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::identify::registration::rigid_transform;
-use truearm_simulate::arm::Moment;
+use truearm_host::model::Measurements;
+use truearm_simulate::arm::Arm as Simulated;
+use truearm_simulate::at_rest;
 use truearm_study::blind::sets::BlindSet;
 
 /// RMS of the tool error, m.
@@ -23,16 +25,23 @@ struct Errors {
     targets: u32,
 }
 
-fn moment(q: &[f64; 6]) -> Moment {
-    Moment {
-        q: q.to_vec(),
-        before: q.to_vec(),
-        directions: vec![1; 6],
-        time: 0.0,
-        temperature: 20.0,
-        payload: 0.0,
-        later: false,
-    }
+/// Where the nominal arm has its tool, m.
+fn nominal(arm: &Arm6<'_, f32>, q: &[f64; 6]) -> Vector3<f64> {
+    let pose: Pose<f32> = arm.nominal().forward(&q.map(|q| q as f32));
+    pose.translation.map(f64::from)
+}
+
+/// The commanded frame of the true arm, by its definition: over the poses of the
+/// identification the points of its rigid geometry lie on the nominal ones as well
+/// as they can.
+fn commanded_frame(arm: &Arm6<'_, f32>, truth: &Simulated, data: &Measurements) -> Pose<f64> {
+    let rigid = Simulated { defects: Vec::new(), ..truth.clone() };
+    let pairs = data.rows.iter().map(|row| {
+        let q: [f64; 6] = row.q.as_slice().try_into().unwrap();
+        (rigid.point(&at_rest(&q)), nominal(arm, &q))
+    });
+    let (real, wanted): (Vec<_>, Vec<_>) = pairs.unzip();
+    rigid_transform(&real, &wanted, &vec![1.0; real.len()]).unwrap()
 }
 
 /// Two effects hidden in an arm, diagnosed, packed, compensated in `f32`.
@@ -53,23 +62,7 @@ fn closed_loop(set: &BlindSet) -> Option<Errors> {
     let covariance = blob.covariance().unwrap();
     let parameters = blob.parameters::<f32, 6>().unwrap();
     let arm = Arm6::new(&parameters);
-    // The commanded frame of the true arm, by its definition: over the poses of
-    // the identification the points of its rigid geometry lie on the nominal ones
-    // as well as they can.
-    let rigid = truearm_simulate::arm::Arm { defects: Vec::new(), ..truth.clone() };
-    let nominal = |q: &[f64; 6]| {
-        let pose: Pose<f32> = arm.nominal().forward(&q.map(|q| q as f32));
-        pose.translation.map(f64::from)
-    };
-    let (real, wanted): (Vec<_>, Vec<_>) = data
-        .rows
-        .iter()
-        .map(|row| {
-            let q: [f64; 6] = row.q.as_slice().try_into().unwrap();
-            (rigid.point(&moment(&q)), nominal(&q))
-        })
-        .unzip();
-    let frame = rigid_transform(&real, &wanted, &vec![1.0; real.len()]).unwrap();
+    let frame = commanded_frame(&arm, truth, &data);
 
     let settings =
         Settings { ramp_ticks: 1, max_change: [0.1; 6], ..Settings::new(Task::Position) };
@@ -85,7 +78,7 @@ fn closed_loop(set: &BlindSet) -> Option<Errors> {
             let [low, high] = range.unwrap();
             *q = rng.random_range(f64::from(low)..f64::from(high));
         }
-        let target = nominal(&command);
+        let target = nominal(&arm, &command);
         let q = command.map(|q| q as f32);
         let tick = compensator.tick(&q, &state);
         assert_eq!(tick.status, Status::On);
@@ -95,7 +88,7 @@ fn closed_loop(set: &BlindSet) -> Option<Errors> {
         }
         targets += 1;
         let error = |q: &[f64; 6]| -> Vector3<f64> {
-            frame.transform_point(&truth.point(&moment(q))) - target
+            frame.transform_point(&truth.point(&at_rest(q))) - target
         };
         let sigma = covariance.point_sigma(&arm, &tick.joints, &state).unwrap();
         sums[0] += error(&command).norm_squared();

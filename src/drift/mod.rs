@@ -21,14 +21,21 @@
 //! joint whose axis the tool lies on, would have to be absurd to explain one, and
 //! explains nothing.
 
+mod error;
+mod group;
+
 use nalgebra::Vector3;
+
+pub use error::DriftError;
+pub use group::{Explanation, Group};
+use group::{explanation, length};
 
 use crate::arm::Arm;
 use crate::check_point::CheckPoint;
 use crate::kinematics::dot;
-use crate::parameters::{Parameter, USUAL_SCALE};
+use crate::parameters::Parameter;
 use crate::scalar::Scalar;
-use crate::solve::{SolveError, Triangle};
+use crate::solve::Triangle;
 
 /// Subtracted from each point's chi-square.
 pub const REFERENCE: f64 = 4.2;
@@ -68,45 +75,6 @@ impl FalseAlarms {
     }
 }
 
-/// Parameters that move together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Group {
-    /// The offset of a joint, counted from 0: [`Parameter::JointOffset`].
-    JointOffset(u8),
-    /// The tool point: [`Parameter::TOOL`].
-    Tool,
-    /// The base or the tracker: [`Parameter::BASE`].
-    Base,
-}
-
-impl core::fmt::Display for Group {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::JointOffset(joint) => write!(f, "{}", Parameter::JointOffset(*joint)),
-            Self::Tool => f.write_str("tool point"),
-            Self::Base => f.write_str("base"),
-        }
-    }
-}
-
-/// How well a group explains what was seen since the change.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Explanation<T> {
-    /// The group.
-    pub group: Group,
-    /// Chi-square that it explains, less what its shift costs under the prior.
-    pub explained: T,
-    /// Parameters it takes for it: 1, 3 or 6.
-    pub degrees: u8,
-    /// Chi-square of all points since the change.
-    pub total: T,
-    /// Fitted shift: of an offset, rad, or m of a prismatic joint; length of the
-    /// tool's, m; of the base's translation, m.
-    pub shift: T,
-}
-
 /// What one point says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -121,44 +89,6 @@ pub struct Verdict<T> {
     pub since: u32,
     /// Re-calibrate. Stays until [`DriftWatch::restart`].
     pub recalibrate: bool,
-}
-
-/// Why a point was not taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum DriftError {
-    /// Sigma is not a positive number.
-    BadSigma,
-    /// The point, its baseline or what the model makes of it is not finite.
-    NotFinite,
-    /// The point is too far from the model to be counted in standard deviations.
-    Solve(SolveError),
-}
-
-impl core::fmt::Display for DriftError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::BadSigma => f.write_str("sigma must be a positive number"),
-            Self::NotFinite => f.write_str("a check point is not finite"),
-            Self::Solve(error) => write!(f, "a check point cannot be taken: {error}"),
-        }
-    }
-}
-
-impl core::error::Error for DriftError {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        match self {
-            Self::Solve(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<SolveError> for DriftError {
-    fn from(error: SolveError) -> Self {
-        Self::Solve(error)
-    }
 }
 
 /// The watch over an arm of N joints; `6 N + 81` numbers of memory. A point
@@ -315,22 +245,6 @@ impl<T: Scalar, const N: usize> DriftWatch<T, N> {
         }
         best
     }
-}
-
-fn explanation<T: Scalar, const P: usize>(
-    group: Group,
-    triangle: &Triangle<T, P>,
-    size: impl Fn([T; P]) -> T,
-) -> Explanation<T> {
-    // Of a joint offset, the tool and the base alike, see `Parameter::usual_scale`.
-    let scale = [T::from_f64(USUAL_SCALE); P];
-    let shift = triangle.solve(T::ONE, &scale).map_or(T::ZERO, |s| size(s.x));
-    let explained = triangle.explained_square_with(T::ONE, &scale).unwrap_or(T::ZERO);
-    Explanation { group, explained, degrees: P as u8, total: triangle.total_square(), shift }
-}
-
-fn length<T: Scalar>(x: T, y: T, z: T) -> T {
-    (x * x + y * y + z * z).sqrt()
 }
 
 /// Natural logarithm, good to 6 %: between powers of two the chord.

@@ -1,0 +1,84 @@
+//! What terms do at one moment of a tick, where the sines are known.
+
+use nalgebra::Vector3;
+
+use super::{Arm, State};
+use crate::kinematics::{Deflection, Turns};
+use crate::scalar::Scalar;
+
+/// What terms do at one moment, and how it changes with the joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bent<T, const N: usize> {
+    pub deflection: Deflection<T, N>,
+    /// Of each joint's periodic terms by that joint.
+    slopes: [T; N],
+}
+
+impl<T: Scalar, const N: usize> Bent<T, N> {
+    /// Nothing.
+    pub fn none() -> Self {
+        Self { deflection: Deflection::none(), slopes: [T::ZERO; N] }
+    }
+
+    /// Joints, in `offset` from the command, at which the rigid chain stands
+    /// where `rigid` wants it: from the offset at which the terms are known, one
+    /// Newton step a joint. `share` of each joint's bend is taken back.
+    #[inline]
+    pub fn take_back(&self, rigid: &[T; N], share: &[T; N], offset: &mut [T; N]) {
+        let wanted = rigid.iter().zip(share);
+        let known = self.deflection.joints.iter().zip(&self.slopes);
+        for (offset, ((rigid, share), (bend, slope))) in offset.iter_mut().zip(wanted.zip(known)) {
+            let step = *rigid - *share * *bend - *offset;
+            let mut slope = T::ONE + *share * *slope;
+            // Steeper than any gear; the step stays one.
+            if slope < T::from_f32(0.5) {
+                slope = T::from_f32(0.5);
+            }
+            *offset += step / slope;
+        }
+    }
+}
+
+impl<T: Scalar, const N: usize> Arm<'_, T, N> {
+    /// What terms do whatever the joints: links grow.
+    #[inline]
+    pub(crate) fn grow(&self, state: &State<T, N>, bent: &mut Bent<T, N>) {
+        *bent = Bent::none();
+        bent.deflection.growth = self.folded.growth(state.temperature - self.reference_temperature);
+    }
+
+    /// What all terms do near joint values whose sines are known. `offset`, of
+    /// the joints from `command`, becomes what takes back at each joint its
+    /// `share` of what bends it smoothly, so that the rigid chain stands where
+    /// `rigid` wants it; there the periodic terms are taken.
+    #[inline(never)]
+    pub(crate) fn bend(
+        &self,
+        turns: &Turns<T, N>,
+        state: &State<T, N>,
+        [command, rigid, share]: [&[T; N]; 3],
+        offset: &mut [T; N],
+        bent: &mut Bent<T, N>,
+    ) {
+        bent.deflection = self.folded.smooth(&self.inputs_at(turns, state));
+        let mut joints = *command;
+        let smooth = bent.deflection.joints.iter().zip(share);
+        let places = offset.iter_mut().zip(&mut joints);
+        for ((offset, joint), (rigid, (bend, share))) in places.zip(rigid.iter().zip(smooth)) {
+            *offset = *rigid - *share * *bend;
+            *joint += *offset;
+        }
+        bent.slopes = self.folded.add_waves(&joints, &mut bent.deflection.joints);
+    }
+
+    /// Two axes and the point of the tool of the rigid identified arm at angles
+    /// whose sines are known, with its base tilted and its links grown.
+    #[inline(never)]
+    pub(crate) fn rigid_axes(
+        &self,
+        turns: &Turns<T, N>,
+        bent: Option<&Bent<T, N>>,
+    ) -> [Vector3<T>; 3] {
+        self.real.axes_at(turns, bent.map(|bent| &bent.deflection))
+    }
+}

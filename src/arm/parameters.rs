@@ -1,0 +1,67 @@
+//! Everything a controller has to know of an identified arm.
+
+use heapless::Vec;
+use nalgebra::Vector3;
+
+use crate::effects::{MAX_TERMS, Masses, Tables, Term};
+use crate::kinematics::{Link, MdhParameters};
+
+/// Most joints of an arm: what a blob has numbers for.
+pub const MAX_JOINTS: usize = 16;
+
+/// Everything a controller has to know of an identified arm of N joints, SI
+/// units; what a parameter blob carries. Its tables stay where the blob is, for
+/// `'t`: `'static` where that is memory-mapped flash.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ArmParameters<'t, T, const N: usize> {
+    /// Hash of the robot's model name and serial, see [`crate::blob::robot_id`].
+    pub robot_id: u64,
+    /// Grows with every parameter set of a robot.
+    pub sequence: u32,
+    /// When they were identified, Unix seconds; 0 if unknown.
+    pub created: u32,
+    /// Nominal links, as the controller's own kinematics has them.
+    pub nominal: [Link<T>; N],
+    /// Identified corrections, added to the nominal parameters.
+    pub corrections: [MdhParameters<T>; N],
+    /// Small rigid transform from the identified to the commanded (nominal
+    /// base) frame: translation, m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub base_translation: Vector3<T>,
+    /// The same: rotation vector, rad.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub base_rotation: Vector3<T>,
+    /// Default tool point in the identified flange frame, m.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub tool: Vector3<T>,
+    /// What the arm does beyond rigid geometry.
+    pub terms: Vec<Term<T>, MAX_TERMS>,
+    /// Tables that terms refer to.
+    pub tables: Tables<'t>,
+    /// Gravity in the nominal base frame and the masses it pulls at. Without
+    /// them a term that depends on gravity does nothing.
+    pub masses: Option<Masses<T, N>>,
+    /// Temperature the geometry refers to, degrees Celsius.
+    pub reference_temperature: T,
+    /// Joint limits, rad or m.
+    pub limits: [Option<[T; 2]>; N],
+    /// Smallest and largest joint values of the identification, rad or m.
+    /// Poses outside are extrapolation.
+    pub covered: [Option<[T; 2]>; N],
+    /// RMS position error before identification, m.
+    pub rms_before: T,
+    /// Cross-validated RMS position error after identification, m.
+    pub rms_after: T,
+    /// Whether the data determined the orientation of the flange, or only
+    /// points were measured and unseen directions are nominal.
+    pub orientation_identified: bool,
+}
+
+impl<T, const N: usize> ArmParameters<'_, T, N> {
+    /// The sequence number of the set after this one; none after the last that can
+    /// be followed.
+    pub(crate) fn next_sequence(&self) -> Option<u32> {
+        self.sequence.checked_add(1).filter(|next| *next < u32::MAX)
+    }
+}
