@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::files::poses_csv;
 use truearm_host::model::Workspace;
-use truearm_host::plan::discriminate;
+use truearm_host::plan::{Explained, discriminate};
 use truearm_study::blind::sets::BlindSet;
 use truearm_study::planning::Trial;
 use truearm_study::simulated::parse;
@@ -45,7 +45,15 @@ fn planned_poses_tell_explanations_apart() {
     assert!(!alternatives.is_empty());
     assert!(alternatives.iter().all(|a| a.worse_by < 9.3));
     let workspace = Workspace::new(&robot, None).unwrap();
-    let planned = discriminate(&data, &found, &workspace, (6, 3000, 1)).unwrap();
+    let flagged = &found.report.base.outlier_rows;
+    let kept: Vec<usize> = (0..data.rows.len()).filter(|r| !flagged.contains(&(r + 1))).collect();
+    let explained = Explained {
+        named: &found.state,
+        alternatives: &found.alternatives,
+        kept: &kept,
+        lambda: found.report.base.lambda,
+    };
+    let planned = discriminate(&robot, &data, &explained, &workspace, (6, 3000, 1)).unwrap();
     assert!(planned.separation.iter().all(|added| *added > 20.0), "{:?}", planned.separation);
     // As a user measures them: from the file.
     let text = poses_csv(&robot, "q", &planned.poses, &[]);
