@@ -8,8 +8,8 @@ use std::sync::OnceLock;
 use std::vec;
 use std::vec::Vec;
 
-use truearm::ArmParameters6;
 use truearm::blob::{Blob, encode_with, encoded_len, factor_len};
+use truearm::{ArmParameters6, State};
 
 use super::*;
 
