@@ -46,12 +46,12 @@ pub fn blocked(data: &Measurements, rows: &[usize]) -> Option<Vec<Fold>> {
     let mut at: Vec<(f64, usize)> =
         key.into_iter().zip(rows).map(|(k, r)| (k, data.rows[*r].pose)).collect();
     at.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut poses: Vec<usize> = Vec::new();
-    for (_, pose) in at {
-        if !poses.contains(&pose) {
-            poses.push(pose);
-        }
-    }
+    let mut seen = vec![false; data.poses];
+    let poses: Vec<usize> = at
+        .into_iter()
+        .map(|(_, pose)| pose)
+        .filter(|pose| !std::mem::replace(&mut seen[*pose], true))
+        .collect();
     let count = FOLDS.min(poses.len());
     Some(split(data, rows, &poses, count, |place, total| place * count / total))
 }

@@ -29,7 +29,13 @@ impl Equations {
     /// The residual in units of the equations.
     #[must_use]
     pub fn scaled_residual(&self) -> Values {
-        self.residual.values().zip_map(&self.scale, |r, scale| r / scale)
+        self.scaled(&self.residual)
+    }
+
+    /// A residual of the row in units of its equations.
+    #[must_use]
+    pub fn scaled(&self, residual: &Residual) -> Values {
+        residual.values().zip_map(&self.scale, |r, scale| r / scale)
     }
 }
 
@@ -111,6 +117,12 @@ impl<'a> Linearised<'a> {
     #[must_use]
     pub fn residual(&self, row: usize) -> Residual {
         Residual::of(row, &self.view())
+    }
+
+    /// The same in units of the row's equations.
+    #[must_use]
+    pub fn scaled_residual(&self, row: usize) -> Values {
+        self.residual(row).values().zip_map(&self.problem.scale(row), |r, scale| r / scale)
     }
 
     /// The equations of a row.

@@ -7,8 +7,8 @@ use truearm::Pose;
 use super::robust::{mad_scale, median};
 use super::unknowns::State;
 use crate::error::{Error, Kind, Result};
-use crate::model::Measurements;
 use crate::model::arm::chain;
+use crate::model::{Measurements, Row};
 use crate::observations::kind;
 
 /// Rigid transform that carries `from` onto `to`: minimises
@@ -105,7 +105,8 @@ fn tool_by_distances(
 }
 
 /// First state: nominal links; each marker from the robot file or from
-/// distance differences, whichever fits better; each base by SVD.
+/// distance differences, whichever fits better; each base by SVD. Rows that
+/// measured no point say nothing here.
 ///
 /// # Errors
 /// Stations or markers with too few rows, or points on a line.
@@ -115,64 +116,76 @@ pub fn register(
     tool: Vector3<f64>,
 ) -> Result<State> {
     let flange = chain(links, Pose::identity(), Vector3::zeros());
-    let flanges: Vec<_> = data.rows.iter().map(|r| flange.pose(&r.q)).collect();
-    let mut bases = vec![Pose::identity(); data.stations.len()];
-    let mut candidates: Vec<Vec<Vector3<f64>>> = vec![vec![tool; data.markers.len()]];
+    let sight = |row: &Row| {
+        let point = kind(row).point(row)?;
+        let flange = flange.pose(&row.q);
+        Some(Sight { station: row.station, marker: row.marker, flange, point })
+    };
+    let sights: Vec<Sight> = data.rows.iter().filter_map(sight).collect();
     // Distances within the station that saw the marker most.
-    let by_distance = (0..data.markers.len()).map(|m| {
-        let rows_of = |s: usize| {
-            let of = |(_, r): &(usize, &crate::model::Row)| {
-                r.marker == m && r.station == s && kind(r).point(r).is_some()
-            };
-            data.rows.iter().enumerate().filter(of).map(|(i, _)| i).collect::<Vec<_>>()
-        };
-        let rows = (0..data.stations.len()).map(rows_of).max_by_key(Vec::len).unwrap_or_default();
-        let frames: Vec<_> = rows.iter().map(|i| flanges[*i]).collect();
-        let points: Vec<_> = rows.iter().map(|i| data.rows[*i].measured.point()).collect();
-        if rows.len() < 4 { tool } else { tool_by_distances(&frames, &points, tool) }
-    });
-    candidates.push(by_distance.collect());
+    let by_distance = |marker: usize| {
+        let of = |s: usize| sights.iter().filter(move |v| v.marker == marker && v.station == s);
+        let most = (0..data.stations.len()).max_by_key(|s| of(*s).count()).unwrap_or_default();
+        let (frames, points): (Vec<_>, Vec<_>) = of(most).map(|v| (v.flange, v.point)).unzip();
+        if points.len() < 4 { tool } else { tool_by_distances(&frames, &points, tool) }
+    };
+    let stated = vec![tool; data.markers.len()];
+    let found = (0..data.markers.len()).map(by_distance).collect();
     let mut best: Option<(f64, State)> = None;
-    for markers in candidates {
-        let mut worst = 0.0_f64;
-        for (s, base) in bases.iter_mut().enumerate() {
-            let points =
-                data.rows.iter().zip(&flanges).filter_map(|(r, f)| Some((r, f, kind(r).point(r)?)));
-            let rows = || points.clone().filter(|(r, ..)| r.station == s);
-            let from: Vec<_> =
-                rows().map(|(r, f, _)| f.transform_point(&markers[r.marker])).collect();
-            let to: Vec<_> = rows().map(|(.., point)| point).collect();
-            let label = if data.stations.len() > 1 {
-                format!("station \"{}\"", data.stations[s])
-            } else {
-                "the measurements".to_owned()
-            };
-            if from.len() < 3 {
-                return Err(Error::data(
-                    Kind::FrameUndetermined,
-                    format!("{label}: {} rows cannot fix a tracker frame", from.len()),
-                    "measure at least three points that are not on a line, better ten",
-                ));
-            }
-            let Some((pose, scale)) = robust_transform(&from, &to) else {
-                return Err(Error::data(
-                    Kind::FrameUndetermined,
-                    format!(
-                        "{label}: the points lie on a line or in one place, so that the tracker frame is undetermined"
-                    ),
-                    "measure poses spread over the workspace",
-                ));
-            };
-            *base = pose;
+    for markers in [stated, found] {
+        let (mut worst, mut bases) = (0.0_f64, Vec::new());
+        for station in 0..data.stations.len() {
+            let (base, scale) = base_of(data, station, &sights, &markers)?;
+            bases.push(base);
             worst = worst.max(scale);
         }
         if best.as_ref().is_none_or(|(scale, _)| worst < *scale) {
-            best = Some((
-                worst,
-                State { bases: bases.clone(), markers, links: links.to_vec(), terms: Vec::new() },
-            ));
+            let state = State { bases, markers, links: links.to_vec(), terms: Vec::new() };
+            best = Some((worst, state));
         }
     }
     best.map(|(_, state)| state)
         .ok_or_else(|| Error::data(Kind::NoRows, "no measurements", "add rows"))
+}
+
+/// A measured point and the flange there, in the robot's frame.
+struct Sight {
+    station: usize,
+    marker: usize,
+    flange: Pose<f64>,
+    point: Vector3<f64>,
+}
+
+/// The base that a station sees, and the scale of what is left.
+fn base_of(
+    data: &Measurements,
+    station: usize,
+    sights: &[Sight],
+    markers: &[Vector3<f64>],
+) -> Result<(Pose<f64>, f64)> {
+    let here = sights.iter().filter(|v| v.station == station);
+    let (from, to): (Vec<_>, Vec<_>) =
+        here.map(|v| (v.flange.transform_point(&markers[v.marker]), v.point)).unzip();
+    let label = if data.stations.len() > 1 {
+        format!("station \"{}\"", data.stations[station])
+    } else {
+        "the measurements".to_owned()
+    };
+    if from.len() < 3 {
+        return Err(Error::data(
+            Kind::FrameUndetermined,
+            format!("{label}: {} rows cannot fix a tracker frame", from.len()),
+            "measure at least three points that are not on a line, better ten",
+        ));
+    }
+    robust_transform(&from, &to).ok_or_else(|| {
+        Error::data(
+            Kind::FrameUndetermined,
+            format!(
+                "{label}: the points lie on a line or in one place, so that the tracker frame is \
+                 undetermined"
+            ),
+            "measure poses spread over the workspace",
+        )
+    })
 }

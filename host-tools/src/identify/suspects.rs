@@ -18,8 +18,7 @@ const SUSPECT: f64 = 6.0;
 /// Residuals of rows in sigmas, and their scale, never below 1.
 fn scaled(problem: &Problem, rows: &[usize], state: &State) -> (Vec<Values>, f64) {
     let at = problem.linearise(state);
-    let of = |row: &usize| at.residual(*row).values().zip_map(&problem.scale(*row), |r, s| r / s);
-    let residuals: Vec<Values> = rows.par_iter().map(of).collect();
+    let residuals: Vec<Values> = rows.par_iter().map(|row| at.scaled_residual(*row)).collect();
     let flat: Vec<f64> = residuals.iter().flat_map(|r| r.to_vec()).collect();
     let (count, unknowns) = (flat.len() as f64, problem.unknowns.list().len() as f64);
     let freedom = (count / (count - unknowns).max(0.25 * count)).sqrt();

@@ -140,7 +140,7 @@ fn rival(
         let e = at.equations(k);
         // The named explanation's residual less this one's: how far its
         // prediction is off theirs.
-        let apart = (e.residual - named[k]).values().zip_map(&e.scale, |d, scale| d / scale);
+        let apart = e.scaled(&(e.residual - named[k]));
         (e.block, apart.column().into_owned())
     });
     let (blocks, apart) = equations.unzip();

@@ -85,8 +85,7 @@ impl Search<'_> {
             }
         };
         let at = problem.linearise(&fit.fit.state);
-        let scaled = |r: &usize| at.residual(*r).values().zip_map(&problem.scale(*r), |e, s| e / s);
-        let square: f64 = fit.kept.iter().map(|r| scaled(r).norm_squared()).sum();
+        let square: f64 = fit.kept.iter().map(|r| at.scaled_residual(*r).norm_squared()).sum();
         let (rows, equations) = (self.rows.len() as f64, self.problem.equations(self.rows));
         let flags: f64 =
             fit.outliers.iter().map(|o| price(o.residual.len(), rows, equations)).sum();

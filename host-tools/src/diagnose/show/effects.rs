@@ -93,7 +93,7 @@ fn other_side(findings: &Findings, best: &Node, outlier: &Outlier) -> bool {
     let problem = findings.problem;
     let state = &best.fit.fit.state;
     let equations = problem.linearise(state).equations(outlier.row);
-    let residual = outlier.residual.values().zip_map(&equations.scale, |r, scale| r / scale);
+    let residual = equations.scaled(&outlier.residual);
     state.terms.iter().zip(problem.unknowns.terms()).any(|(term, k)| {
         let ModelTerm::Arm(t) = term else { return false };
         let turn = -2.0 * t.coefficient / problem.unit(problem.unknowns.list()[k]);

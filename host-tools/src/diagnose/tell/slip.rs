@@ -102,7 +102,7 @@ pub fn contradiction(problem: &Problem, root: &Node) -> Vec<String> {
         for outlier in outliers {
             let e = at.equations_beside(outlier.row, &moved);
             let column = e.block.column(e.block.ncols() - 1);
-            let residual = outlier.residual.values().zip_map(&e.scale, |r, scale| r / scale);
+            let residual = e.scaled(&outlier.residual);
             cc += column.norm_squared();
             cr += column.dot(&residual.column());
             rr += residual.norm_squared();

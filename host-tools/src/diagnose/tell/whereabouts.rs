@@ -18,10 +18,7 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     // Where many rows are flagged, the flags are what is to be placed.
     let all: Vec<usize> = (0..problem.data.rows.len()).collect();
     let rows = if crowded(root) { &all } else { &root.fit.kept };
-    let scaled = |r: &usize| {
-        let values = at.residual(*r).values().zip_map(&problem.scale(*r), |e, s| e / s);
-        (problem.data.rows[*r].kind, values)
-    };
+    let scaled = |r: &usize| (problem.data.rows[*r].kind, at.scaled_residual(*r));
     let residuals: Vec<(KindId, Values)> = rows.iter().map(scaled).collect();
     let row = |i: usize| &problem.data.rows[rows[i]];
     let inputs = |i: usize| &problem.conditions.rows[rows[i]];
