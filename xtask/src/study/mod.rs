@@ -10,6 +10,7 @@ mod ticks;
 #[path = "../../../tests/store/bench/mod.rs"]
 mod bench;
 
+use std::env;
 use std::ffi::OsString;
 
 use clap::Subcommand;
@@ -39,13 +40,15 @@ pub enum Study {
 
 pub fn run(study: &Study) -> Result {
     if let Study::Arms(words) = study {
-        let mut command = cargo(&root(), "run --quiet --release --package truearm-study --");
-        return call(command.args(words));
+        // Where the user is: an `--out` may be relative.
+        let mut command = cargo(&env::current_dir()?, "run --quiet --release --manifest-path");
+        command.arg(root().join("study/Cargo.toml")).arg("--").args(words);
+        return call(&mut command);
     }
     if cfg!(debug_assertions) {
         // Hours instead of minutes: the same again, optimised.
         let mut again = cargo(&root(), "run --quiet --release --package xtask --");
-        return call(again.args(std::env::args_os().skip(1)));
+        return call(again.args(env::args_os().skip(1)));
     }
     match study {
         Study::Flips => flips::run(),
