@@ -14,6 +14,7 @@
 //! the equations less those that geometry uses up (MacKay, Neural Computation 4
 //! (1992) 415): geometry is integrated out, not fitted.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
@@ -24,9 +25,9 @@ use super::gram::Projected;
 use super::noise::Noise;
 use super::prior::SIZES;
 
-/// Times that the prior sizes of a model's members are chosen again; all but a
-/// few models settle at the second.
-const SWEEPS: usize = 4;
+/// Most times that the prior sizes of a model's members are chosen again; the
+/// evidence rises every time, and all but a few models settle at the second.
+const SWEEPS: usize = 20;
 /// Size that a search starts a member at: 5 floors.
 const FIRST_SIZE: usize = 2;
 
@@ -122,16 +123,29 @@ impl Subsets {
             members.iter().map(|g| hint(*g).unwrap_or(FIRST_SIZE)).collect();
         let mut subset = self.at_sizes(&members, &sizes);
         let mut curves = self.curves(&subset);
-        for _ in 1..SWEEPS {
-            let best: Vec<usize> = curves.iter().map(highest).collect();
-            if best == sizes {
+        for _ in 0..SWEEPS {
+            let wanted: Vec<usize> = curves.iter().map(highest).collect();
+            if wanted == sizes {
                 break;
             }
-            sizes = best;
-            subset = self.at_sizes(&members, &sizes);
+            let mut next = self.at_sizes(&members, &wanted);
+            if next.log_evidence <= subset.log_evidence {
+                // Members that do the same work must not shrink or grow
+                // together: only the one that gains most changes.
+                let gain = |i: &usize| curves[*i][wanted[*i]] - curves[*i][sizes[*i]];
+                let one = (0..members.len()).max_by(|a, b| gain(a).total_cmp(&gain(b)));
+                let mut single = sizes.clone();
+                if let Some(i) = one {
+                    single[i] = wanted[i];
+                }
+                next = self.at_sizes(&members, &single);
+            }
+            sizes.clone_from(&next.sizes);
+            subset = next;
             curves = self.curves(&subset);
         }
-        let summed: f64 = curves.iter().zip(&sizes).map(|(c, size)| mean(c) - c[*size]).sum();
+        // At the highest evidence each term is negative.
+        let summed: f64 = curves.iter().map(|c| mean(c) - c[highest(c)]).sum();
         let prior: f64 = members.iter().map(|g| self.candidates[*g].log_odds).sum();
         subset.log_mass = subset.log_evidence + summed + prior;
         subset
@@ -198,6 +212,27 @@ impl Subsets {
             self.curve(&values, &t, explained, subset.log_det - det)
         });
         each.collect()
+    }
+
+    /// Pairs of members whose coefficients are correlated most, at most so many.
+    #[must_use]
+    pub fn coupled(&self, subset: &Subset, most: usize) -> Vec<[usize; 2]> {
+        let mut owner = Vec::new();
+        for g in &subset.members {
+            owner.extend(vec![*g; self.columns[*g].len()]);
+        }
+        let mut strongest: BTreeMap<[usize; 2], f64> = BTreeMap::new();
+        for j in 0..owner.len() {
+            for i in (0..j).filter(|i| owner[*i] != owner[j]) {
+                let inverse = &subset.inverse;
+                let share = inverse[(i, j)].powi(2) / (inverse[(i, i)] * inverse[(j, j)]);
+                let known = strongest.entry([owner[i], owner[j]]).or_default();
+                *known = known.max(share);
+            }
+        }
+        let mut pairs: Vec<([usize; 2], f64)> = strongest.into_iter().collect();
+        pairs.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        pairs.into_iter().take(most).map(|(pair, _)| pair).collect()
     }
 
     /// Coefficients of the columns of a subset, in the caller's units.

@@ -193,6 +193,25 @@ proptest! {
         }
     }
 
+    /// Members that do nearly the same work do not swing their sizes together:
+    /// a model never has more mass than its sizes' highest evidence allows.
+    #[test]
+    fn sizes_settle_where_the_evidence_is_highest(
+        seed in 0_u64..1000, apart in 0.001..0.3_f64, size in 0.3..20.0_f64,
+    ) {
+        let mut rows = Rows::new(seed, 40, 3, &[1, 1, 1], &[(0, size), (2, 1.0)]);
+        let near = rows.z.column(0) + rows.z.column(1) * apart;
+        rows.z.set_column(1, &near);
+        let subsets = rows.subsets(1e-6);
+        let all = enumerated(&subsets);
+        for members in [vec![0, 1], vec![0, 1, 2]] {
+            let fit = subsets.fit(&members, &|_| None);
+            prop_assert!((fit.log_mass - all[&members]).abs() < 2.0);
+            let prior: f64 = members.iter().map(|g| rows.candidates[*g].log_odds).sum();
+            prop_assert!(fit.log_mass <= fit.log_evidence + prior);
+        }
+    }
+
     /// Units of columns, stated sigmas and the order of rows do not matter.
     #[test]
     fn nothing_hangs_on_units_or_order(seed in 0_u64..1000, power in -6_i32..6) {
