@@ -14,8 +14,8 @@ fn main() -> truearm_host::Result<()> {
     let measurements = Measurements::read(&data.join("measurements.csv"), &robot)?;
     let found = identify(&robot, &measurements, &Options::default(), &|_done, _total| ())?;
 
-    println!("wrong rows: {:?}", found.report.outlier_rows);
-    if let Some(held_out) = found.report.cross_validated {
+    println!("wrong rows: {:?}", found.figures.outlier_rows);
+    if let Some(held_out) = found.figures.cross_validated {
         println!("held-out error: {:.3} mm mean, {:.3} mm max", held_out.mean_mm, held_out.max_mm);
     }
     let blob = pack(&found.model, None)?;

@@ -2,6 +2,8 @@
 //! for, in frames fitted to that data.
 
 use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::Serialize;
 use truearm::{Link, Pose};
 
 use crate::error::{Error, Kind, Label, Result};
@@ -11,7 +13,33 @@ use crate::identify::{Conditions, Predictor, Problem, Scaling, State, View};
 use crate::model::ModelTerm;
 use crate::model::{Measurements, Model};
 use crate::observations::{Residual, kind};
-use crate::report::{Stats, Validation, own_evidence};
+use crate::statistics::{Stats, own_evidence};
+
+/// A file of poses that were not fitted, scored.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Validation {
+    /// The file.
+    pub file: String,
+    /// Rows scored.
+    pub rows: usize,
+    /// `none`, `base` or `base+tool`: what was fitted on this file.
+    pub reregistered: &'static str,
+    /// Rows left out on their own evidence (beyond 10 robust standard
+    /// deviations, at most 1 % of the rows), counted from 1.
+    pub left_out: Vec<usize>,
+    /// Errors of the rows.
+    #[serde(flatten)]
+    pub stats: Stats,
+    /// The same with the rows left out.
+    pub all_rows: Stats,
+    /// RMS with the nominal geometry in the same frames (its own registration
+    /// where the file was registered anew), mm.
+    pub nominal_rms_mm: f64,
+    /// RMS if a base were fitted on this file; `null` where it was.
+    pub base_refitted_rms_mm: Option<f64>,
+    /// Joints with values outside the identified range, counted from 1.
+    pub joints_not_covered: Vec<usize>,
+}
 
 /// What may be fitted on the scored file itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

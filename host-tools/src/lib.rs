@@ -18,6 +18,7 @@ pub mod observations;
 pub mod plan;
 pub mod plot;
 pub mod report;
+pub mod statistics;
 pub mod tikhonov;
 pub mod units;
 pub mod verify;

@@ -87,7 +87,7 @@ fn a_few_poses_may_be_asked_for() {
     let data = Measurements::parse(Path::new("m.csv"), &first_rows(12), &robot()).unwrap();
     let options = Options { allow_few_poses: true, ..Options::default() };
     let found = identify(&robot(), &data, &options, &|_, _| ()).unwrap();
-    assert!(found.report.correction_norm < 100.0);
+    assert!(found.figures.correction_norm < 100.0);
 }
 
 #[test]
@@ -104,7 +104,7 @@ fn a_wrong_joint_sense_does_not_pass_as_outliers() {
     match identify(&robot(), &data, &Options::default(), &|_, _| ()) {
         Err(error) => assert!(error.help().contains("joint senses"), "{error}"),
         // A fit is possible, but nobody can take it for a good one.
-        Ok(found) => assert!(found.report.cross_validated.unwrap().rms_mm > 10.0),
+        Ok(found) => assert!(found.figures.cross_validated.unwrap().rms_mm > 10.0),
     }
 }
 

@@ -5,10 +5,10 @@ mod simulated;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use simulated::{Truth, UR10_LIKE, parse, robot};
-use truearm_host::diagnose::{DiagnoseOptions, DiagnoseReport, Verdict, diagnose};
+use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
 
 /// The report of 64 rows, in the last of which an encoder has slipped (degrees).
-fn slipped(last: usize, joint: usize, slip: f64, seed: u64) -> DiagnoseReport {
+fn slipped(last: usize, joint: usize, slip: f64, seed: u64) -> Outcome {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let truth = Truth::draw(&robot(UR10_LIKE), 1, 1, &mut rng);
     let text = truth.measure(64, 2e-5, &mut ChaCha8Rng::seed_from_u64(seed));
@@ -21,7 +21,7 @@ fn slipped(last: usize, joint: usize, slip: f64, seed: u64) -> DiagnoseReport {
     };
     let data = parse(&truth.robot, &text.lines().enumerate().map(line).collect::<String>());
     let options = DiagnoseOptions::default();
-    diagnose(&truth.robot, &data, None, &options, &|_| ()).unwrap().report
+    diagnose(&truth.robot, &data, None, &options, &|_| ()).unwrap().outcome
 }
 
 /// 17 of 64 rows: more than can be gross errors, and no reason to refuse.
@@ -30,7 +30,7 @@ fn contradicting_rows_are_shown_and_not_refused() {
     let report = slipped(17, 3, 0.5, 4);
     assert_eq!(report.verdict, Verdict::Unexplained);
     assert!(report.effects.is_empty(), "{:?}", report.effects);
-    assert_eq!(report.base.outlier_rows, (48..=64).collect::<Vec<_>>());
+    assert_eq!(report.figures.outlier_rows, (48..=64).collect::<Vec<_>>());
     assert_eq!(report.whereabouts[0], "17 of 64 rows contradict the others: 48 to 64");
     let says = &report.whereabouts[1];
     assert!(says.starts_with("there joint 4 is as if shifted by -0.49"), "{says}");

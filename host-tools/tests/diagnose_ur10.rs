@@ -20,7 +20,7 @@ fn limited(name: &str, options: &DiagnoseOptions) -> Diagnosis {
 }
 
 fn check(found: &Diagnosis, limit: f64) {
-    let report = &found.report;
+    let report = &found.outcome;
     assert_eq!(report.verdict, Verdict::Unexplained, "0.05 mm of noise is not reached");
     let figure = |model: &str| {
         let row = report.gap.iter().find(|g| g.model == model).unwrap();
@@ -35,8 +35,8 @@ fn check(found: &Diagnosis, limit: f64) {
         let lines = report.effects.iter().filter(|e| e.joints.contains(&joint)).count();
         assert!(lines >= 3, "joint {joint}");
     }
-    let flagged = report.base.outlier_rows.len() as f64;
-    assert!(flagged <= 0.01 * report.base.rows as f64);
+    let flagged = report.figures.outlier_rows.len() as f64;
+    assert!(flagged <= 0.01 * report.figures.rows as f64);
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn series_b() {
     let found = series("series-b");
     check(&found, 0.20);
     for row in [533, 855, 856] {
-        assert!(found.report.base.outlier_rows.contains(&row), "row {row} is a gross error");
+        assert!(found.outcome.figures.outlier_rows.contains(&row), "row {row} is a gross error");
     }
 }
 
@@ -58,18 +58,18 @@ fn series_c() {
 #[test]
 fn a_model_for_a_controller() {
     let full = series("series-b");
-    let warned = full.report.base.warnings.iter().any(|w| w.contains("--most-terms 24"));
+    let warned = full.outcome.figures.warnings.iter().any(|w| w.contains("--most-terms 24"));
     let terms = |found: &Diagnosis| found.model.terms.len();
     assert!(terms(&full) > MAX_TERMS && warned);
     let options = DiagnoseOptions { most_terms: MAX_TERMS, ..DiagnoseOptions::default() };
     let found = limited("series-b", &options);
     assert!((MAX_TERMS - 1..=MAX_TERMS).contains(&terms(&found)), "{}", terms(&found));
-    assert_eq!(found.report.effects[0].name, "joint-periodic-error");
-    let rms = |found: &Diagnosis| found.report.gap.last().unwrap().cross_validated_rms_mm.unwrap();
+    assert_eq!(found.outcome.effects[0].name, "joint-periodic-error");
+    let rms = |found: &Diagnosis| found.outcome.gap.last().unwrap().cross_validated_rms_mm.unwrap();
     println!("cross-validated: {:.4} mm, with 24 terms {:.4} mm", rms(&full), rms(&found));
     assert!(rms(&found) < 0.25, "{}", rms(&found));
     let bytes = pack(&found.model, None).unwrap();
     let blob = Blob::check(&bytes).unwrap().parameters::<f64, 6>().unwrap();
-    let stated = found.report.base.cross_validated.unwrap().rms_mm;
+    let stated = found.outcome.figures.cross_validated.unwrap().rms_mm;
     assert!((blob.rms_after * 1e3 - stated).abs() < 1e-6);
 }

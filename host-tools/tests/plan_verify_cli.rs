@@ -39,7 +39,7 @@ fn a_plan_is_a_list_of_joints() {
     let ran = plan(&["--poses", "16", "--json"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     let report: Value = serde_json::from_str(&ran.out).unwrap();
-    assert_eq!(report["schema"], "truearm-report-1");
+    assert_eq!(report["schema"], "truearm-plan-1");
     assert_eq!(report["command"], "plan");
     assert_eq!(report["parameters"], 27);
     let number = |key: &str| report[key].as_f64().unwrap();
@@ -129,7 +129,7 @@ fn verification_passes_fails_or_proves_nothing() {
     let report: Value = serde_json::from_str(&ran.out).unwrap();
     assert_eq!(
         (&report["schema"], &report["command"]),
-        (&"truearm-report-1".into(), &"verify".into())
+        (&"truearm-verify-1".into(), &"verify".into())
     );
     let largest = report["after"]["max_mm"].as_f64().unwrap();
     assert_eq!(report["after"]["accuracy"]["max_mm"].as_f64().unwrap(), largest);

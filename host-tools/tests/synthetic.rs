@@ -7,9 +7,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use simulated::{ON_RAIL, Truth, UR10_LIKE, rms, robot, state_of};
 use truearm_host::identify::registration::register;
-use truearm_host::identify::robust::median;
 use truearm_host::identify::{LambdaRule, Options, Problem, Scaling, State, identify};
 use truearm_host::model::{Measurements, Robot};
+use truearm_host::statistics::median;
 
 const SIGMA: f64 = 2e-5;
 
@@ -85,11 +85,11 @@ fn identification_reaches_the_cramer_rao_bound() {
         for (rule, ratios) in rules.iter().zip(&mut ratios) {
             let options = Options { rule: *rule, ..Options::default() };
             let found = identify(&robot, &data, &options, &|_, _| ()).unwrap();
-            assert_eq!(found.report.rank, 27);
-            assert!(found.report.outlier_rows.is_empty(), "seed {seed}");
+            assert_eq!(found.figures.rank, 27);
+            assert!(found.figures.outlier_rows.is_empty(), "seed {seed}");
             ratios.push(rms(&robot, &state_of(&found, &check), &check) / bound);
             if *rule == LambdaRule::default() {
-                norm.push(found.report.correction_norm);
+                norm.push(found.figures.correction_norm);
             }
         }
         let (state, corrections) = plain_least_squares(&robot, &data);
@@ -122,11 +122,11 @@ fn stations_and_markers_have_their_own_frames() {
         let data = truth.parse(&truth.measure(90, SIGMA, &mut rng));
         let check = truth.parse(&truth.measure(250, 0.0, &mut rng));
         let found = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap();
-        assert_eq!(found.report.parameters, 30 + 3 * 6 + 2 * 3);
-        assert_eq!(found.report.rows_not_cross_validated, 0);
-        let bound = cramer_rao(found.report.rank, &robot, &data, &check, &truth);
+        assert_eq!(found.figures.parameters, 30 + 3 * 6 + 2 * 3);
+        assert_eq!(found.figures.rows_not_cross_validated, 0);
+        let bound = cramer_rao(found.figures.rank, &robot, &data, &check, &truth);
         let ratio = rms(&robot, &state_of(&found, &check), &check) / bound;
-        println!("seed {seed}: rank {}, ratio {ratio:.3}", found.report.rank);
+        println!("seed {seed}: rank {}, ratio {ratio:.3}", found.figures.rank);
         assert!(ratio < 1.6, "{ratio}");
     }
 }
@@ -140,9 +140,9 @@ fn a_prismatic_joint_is_identified() {
         let data = truth.parse(&truth.measure(80, SIGMA, &mut rng));
         let check = truth.parse(&truth.measure(250, 0.0, &mut rng));
         let found = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap();
-        let bound = cramer_rao(found.report.rank, &robot, &data, &check, &truth);
+        let bound = cramer_rao(found.figures.rank, &robot, &data, &check, &truth);
         let ratio = rms(&robot, &state_of(&found, &check), &check) / bound;
-        println!("seed {seed}: rank {}, ratio {ratio:.3}", found.report.rank);
+        println!("seed {seed}: rank {}, ratio {ratio:.3}", found.figures.rank);
         assert!(ratio < 1.6, "{ratio}");
     }
 }
@@ -161,9 +161,9 @@ fn gross_errors_are_flagged_and_no_other_row() {
             data.rows[*row].measured[k % 3] += [0.4e-3, -1e-3, 10e-3, -0.1, 3.0, 0.5e-3][k];
         }
         let found = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap();
-        let flagged: Vec<usize> = found.report.outliers.iter().map(|o| o.row - 1).collect();
+        let flagged: Vec<usize> = found.figures.outliers.iter().map(|o| o.row - 1).collect();
         assert_eq!(flagged, wrong, "seed {seed}");
-        for (k, o) in found.report.outliers.iter().enumerate() {
+        for (k, o) in found.figures.outliers.iter().enumerate() {
             assert_eq!(o.coordinates, [["x", "y", "z"][k % 3]]);
         }
     }

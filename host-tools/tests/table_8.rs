@@ -98,11 +98,11 @@ fn two_cells_are_flagged_and_no_other() {
 fn leave_one_out_by_leaving_one_out() {
     let (robot, data) = read();
     let whole = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap();
-    let stats = whole.report.cross_validated.unwrap();
+    let stats = whole.figures.cross_validated.unwrap();
     println!("Table 8, leave-one-out: mean {:.4} mm, max {:.4} mm", stats.mean_mm, stats.max_mm);
     assert!(stats.mean_mm <= 0.075 && stats.max_mm <= 0.25);
-    assert!(whole.report.all_rows.cross_validated.unwrap().max_mm > 30.0);
-    assert_eq!(whole.report.cross_validation, "leave-one-out over 18 poses");
+    assert!(whole.figures.all_rows.cross_validated.unwrap().max_mm > 30.0);
+    assert_eq!(whole.figures.cross_validation, "leave-one-out over 18 poses");
     let mut kept = Vec::new();
     for left_out in 0..data.rows.len() {
         let mut others = data.clone();

@@ -9,7 +9,7 @@ fn judged(sets: &[BlindSet]) -> Vec<Score> {
     let answer = |set: &BlindSet| {
         let (robot, data, holdout) = set.read();
         let options = DiagnoseOptions::default();
-        diagnose(&robot, &data, Some(&holdout), &options, &|_| ()).unwrap().report
+        diagnose(&robot, &data, Some(&holdout), &options, &|_| ()).unwrap().outcome
     };
     let answers: Vec<_> = sets.iter().map(answer).collect();
     let scores: Vec<Score> = sets.iter().zip(&answers).map(|(s, a)| score(s, a)).collect();
@@ -84,7 +84,7 @@ fn ties_are_told_and_separated() {
         let set = BlindSet::tie(seed);
         let (robot, data, _) = set.read();
         let answer = |data: &_| {
-            diagnose(&robot, data, None, &DiagnoseOptions::default(), &|_| ()).unwrap().report
+            diagnose(&robot, data, None, &DiagnoseOptions::default(), &|_| ()).unwrap().outcome
         };
         let report = answer(&data);
         let proposed = report.alternatives.iter().flat_map(|a| &a.separating_poses);

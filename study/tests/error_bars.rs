@@ -29,7 +29,7 @@ fn the_report_says_what_is_told_together_only() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     let truth = Truth::draw(&robot, 1, 1, &mut rng);
     let data = truth.parse(&truth.measure(52, 2e-5, &mut rng));
-    let report = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap().report;
+    let report = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap().figures;
     let u = &report.uncertainty;
     assert_eq!(u.parameters.len(), 30);
     // Parallel axes: what their offsets are each, only the tolerance says.
@@ -52,7 +52,7 @@ fn the_report_says_what_is_told_together_only() {
         narrow.rows.push(row);
     }
     narrow.poses = narrow.rows.len();
-    let report = identify(&robot, &narrow, &Options::default(), &|_, _| ()).unwrap().report;
+    let report = identify(&robot, &narrow, &Options::default(), &|_, _| ()).unwrap().figures;
     println!("{:#?}", report.uncertainty.correlations);
     assert!(
         report.uncertainty.correlations.iter().any(|c| c.contains("joint 3")),

@@ -41,17 +41,17 @@ fn planned_poses_tell_explanations_apart() {
     let (robot, data, _) = set.read();
     let options = DiagnoseOptions::default();
     let found = diagnose(&robot, &data, None, &options, &|_| ()).unwrap();
-    let alternatives = &found.report.alternatives;
+    let alternatives = &found.outcome.alternatives;
     assert!(!alternatives.is_empty());
     assert!(alternatives.iter().all(|a| a.worse_by < 9.3));
     let workspace = Workspace::new(&robot, None).unwrap();
-    let flagged = &found.report.base.outlier_rows;
+    let flagged = &found.outcome.figures.outlier_rows;
     let kept: Vec<usize> = (0..data.rows.len()).filter(|r| !flagged.contains(&(r + 1))).collect();
     let explained = Explained {
         named: &found.state,
         alternatives: &found.alternatives,
         kept: &kept,
-        lambda: found.report.base.lambda,
+        lambda: found.outcome.figures.lambda,
     };
     let planned = discriminate(&robot, &data, &explained, &workspace, (6, 3000, 1)).unwrap();
     assert!(planned.separation.iter().all(|added| *added > 20.0), "{:?}", planned.separation);
@@ -65,5 +65,5 @@ fn planned_poses_tell_explanations_apart() {
     assert_eq!(poses.len(), 6);
     let more = set.measured_further(&poses);
     let after = diagnose(&robot, &parse(&robot, &more), None, &options, &|_| ()).unwrap();
-    assert!(after.report.alternatives.is_empty(), "{:?}", after.report.effects);
+    assert!(after.outcome.alternatives.is_empty(), "{:?}", after.outcome.effects);
 }

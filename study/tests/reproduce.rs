@@ -7,7 +7,7 @@ use truearm_host::evaluate::{Reregister, residuals};
 use truearm_host::identify::Conditions;
 use truearm_host::methods::{Frames, Method, NoCalibration, Rpim, all, compare};
 use truearm_host::model::{Measurements, Robot};
-use truearm_host::report::Stats;
+use truearm_host::statistics::Stats;
 use truearm_study::reproduce::cell::{Cell, Kind};
 use truearm_study::reproduce::{CAUTION, cramer_rao, reproduce};
 

@@ -6,10 +6,11 @@ use truearm_host::files::write;
 use truearm_host::methods::{self, Comparison, Frames, Outcome};
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::plot::{Axis, Panel, Series, grid};
-use truearm_host::report::Stats;
+use truearm_host::report::{CompareReport, to_json};
+use truearm_host::statistics::Stats;
 
 use super::evaluate::Frames as Anew;
-use super::{Said, table, to_json, warn};
+use super::{Said, table, warn};
 
 /// The paper's methods side by side: errors, reduction, time, size of the corrections.
 #[derive(Args)]
@@ -45,7 +46,7 @@ impl Compare {
         let judge = other.as_ref().map(|o| (o, anew));
         let found = methods::compare(&robot, &data, judge, frames, &methods::all())?;
         warn(&found.warnings);
-        let json = to_json(&found);
+        let json = to_json(&CompareReport::new(&found));
         let mut wrote = String::new();
         if let Some(folder) = &self.out {
             write(&folder.join("compare.json"), json.as_bytes())?;

@@ -4,6 +4,7 @@ use clap::Args;
 use truearm_host::Result;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::model::{Measurements, Robot};
+use truearm_host::report::DiagnoseReport;
 
 use super::identify::residuals;
 use super::progress::Bar;
@@ -51,10 +52,11 @@ impl Diagnose {
         let found = diagnose(&robot, &data, holdout.as_ref(), &options, &|stage| bar.stage(stage));
         bar.finish();
         let found = found?;
-        warn(&found.report.base.warnings);
+        let report = DiagnoseReport::new(found.outcome);
+        warn(&report.outcome.figures.warnings);
         deliver(
-            &found.report,
-            || table::diagnosis(&found.report),
+            &report,
+            || table::diagnosis(&report.outcome),
             self.json,
             self.out.as_deref(),
             &found.model,

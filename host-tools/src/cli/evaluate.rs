@@ -4,8 +4,9 @@ use clap::{Args, ValueEnum};
 use truearm_host::Result;
 use truearm_host::evaluate::{Reregister, evaluate, not_covered};
 use truearm_host::model::{Measurements, Model};
+use truearm_host::report::{EvaluateReport, to_json};
 
-use super::{Said, table, to_json, warn};
+use super::{Said, table, warn};
 
 /// Score a model on measurements it was not identified from.
 #[derive(Args)]
@@ -41,15 +42,6 @@ impl From<Frames> for Reregister {
     }
 }
 
-#[derive(serde::Serialize)]
-struct Report<'a> {
-    schema: &'static str,
-    command: &'static str,
-    model: String,
-    validation: &'a truearm_host::report::Validation,
-    warnings: &'a [String],
-}
-
 impl Evaluate {
     pub fn run(self) -> Result<Said> {
         let model = Model::read(&self.model)?;
@@ -61,13 +53,8 @@ impl Evaluate {
             warn(&table::not_covered(&not_covered(&model, &data)).into_iter().collect::<Vec<_>>());
         })?;
         if self.json {
-            let report = Report {
-                schema: "truearm-report-1",
-                command: "evaluate",
-                model: self.model.display().to_string(),
-                validation: &validation,
-                warnings: &data.warnings,
-            };
+            let model = self.model.display().to_string();
+            let report = EvaluateReport::new(model, validation, data.warnings);
             return Ok(to_json(&report).into());
         }
         Ok(table::validation(&validation).into())

@@ -5,6 +5,7 @@ use truearm_host::evaluate::evaluate;
 use truearm_host::files::csv_text;
 use truearm_host::identify::{LambdaRule, Options, RowResult, Scaling, identify};
 use truearm_host::model::{Measurements, Robot, Row};
+use truearm_host::report::IdentifyReport;
 use truearm_host::{Error, Result};
 
 use super::evaluate::Frames;
@@ -59,15 +60,17 @@ impl Identify {
         let found = identify(&robot, &data, &options, &|done, total| bar.update(done, total));
         bar.finish();
         let mut found = found?;
+        let mut validation = None;
         if let Some(other) = &other {
             let frames = self.reregister.map(Into::into).unwrap_or_default();
-            found.report.warnings.extend(other.warnings.clone());
-            found.report.validation = Some(evaluate(&found.model, other, frames)?);
+            found.figures.warnings.extend(other.warnings.clone());
+            validation = Some(evaluate(&found.model, other, frames)?);
         }
-        warn(&found.report.warnings);
+        let report = IdentifyReport::new(found.figures, validation);
+        warn(&report.figures.warnings);
         deliver(
-            &found.report,
-            || table::report(&found.report),
+            &report,
+            || table::report(&report),
             self.json,
             self.out.as_deref(),
             &found.model,

@@ -23,6 +23,7 @@ use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::blob::explain;
 use truearm_host::files::write;
 use truearm_host::model::Model;
+use truearm_host::report::to_json;
 use truearm_host::{Error, Kind, Result};
 
 use console::{End, Said, warn};
@@ -85,12 +86,6 @@ fn read_blob(path: &Path) -> Result<Vec<u8>> {
 
 fn refused(path: &Path, bytes: &[u8], refusal: &AcceptanceError) -> Error {
     Error::data(Kind::Refused, format!("{}: {refusal}", path.display()), explain(bytes, refusal))
-}
-
-/// A report as JSON.
-fn to_json(report: &impl serde::Serialize) -> String {
-    serde_json::to_string_pretty(report).unwrap_or_else(|e| unreachable!("a plain struct: {e}"))
-        + "\n"
 }
 
 /// Writes the files of a folder, and says the report as JSON or in words.

@@ -4,12 +4,13 @@ use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::files::{poses_csv, write};
 use truearm_host::model::{Measurements, Robot, Workspace};
-use truearm_host::plan::{Explained, Observability, PlanOptions, PosePlan, discriminate, plan};
+use truearm_host::plan::{Explained, PlanOptions, PosePlan, discriminate, plan};
+use truearm_host::report::{PlanReport, SeparatedAlternative, SeparationReport, to_json};
 use truearm_host::{Error, Kind, Result};
 
 use super::progress::Bar;
 use super::workspace::Where;
-use super::{End, Said, to_json, warn};
+use super::{End, Said, warn};
 
 /// Choose the poses to measure before an identification, or to tell two
 /// explanations of `diagnose` apart.
@@ -44,48 +45,6 @@ pub struct Plan {
     json: bool,
 }
 
-#[derive(serde::Serialize)]
-struct Report {
-    schema: &'static str,
-    command: &'static str,
-    robot: String,
-    poses: usize,
-    candidates: usize,
-    /// Parameters that points can determine.
-    parameters: usize,
-    observability: Observability,
-    /// 3-D standard deviations (1 sigma) of the tool point over the workspace.
-    worst_um: f64,
-    rms_um: f64,
-    /// sigma sqrt(p / n)
-    bound_um: f64,
-    /// Worst of as many random poses, median of 9 draws.
-    random_worst_um: f64,
-    target_um: Option<f64>,
-    target_reached: Option<bool>,
-    warnings: Vec<String>,
-}
-
-#[derive(serde::Serialize)]
-struct Separation {
-    schema: &'static str,
-    command: &'static str,
-    robot: String,
-    data: String,
-    poses: usize,
-    candidates: usize,
-    alternatives: Vec<Separated>,
-    warnings: Vec<String>,
-}
-
-#[derive(serde::Serialize)]
-struct Separated {
-    effects: Vec<(&'static str, Vec<usize>)>,
-    worse_by_now: f64,
-    /// Expected chi-square that the planned poses add.
-    worse_by_planned: f64,
-}
-
 impl Plan {
     pub fn run(self) -> Result<Said> {
         if let Some(um) = self.target_um.filter(|um| !(*um > 0.0 && um.is_finite())) {
@@ -113,7 +72,7 @@ impl Plan {
         write(&self.out, poses_csv(&robot, "q", &found.poses, &[]).as_bytes())?;
         warn(&robot.warnings);
         let text = if self.json {
-            to_json(&self.report(&robot, &found))
+            to_json(&PlanReport::new(&robot, &found, self.candidates, self.target_um))
         } else {
             words(&found) + &format!("wrote {}\n", self.out.display())
         };
@@ -133,25 +92,6 @@ impl Plan {
         Ok(Said { text, end })
     }
 
-    fn report(&self, robot: &Robot, found: &PosePlan) -> Report {
-        Report {
-            schema: "truearm-report-1",
-            command: "plan",
-            robot: robot.name.clone(),
-            poses: found.poses.len(),
-            candidates: self.candidates,
-            parameters: found.parameters,
-            observability: found.observability,
-            worst_um: found.worst * 1e6,
-            rms_um: found.rms * 1e6,
-            bound_um: found.bound * 1e6,
-            random_worst_um: found.random_worst * 1e6,
-            target_um: self.target_um,
-            target_reached: found.reached,
-            warnings: robot.warnings.clone(),
-        }
-    }
-
     fn separate(
         &self,
         robot: &Robot,
@@ -164,33 +104,33 @@ impl Plan {
             diagnose(robot, &data, None, &DiagnoseOptions::default(), &|what| bar.stage(what));
         bar.finish();
         let found = found?;
-        let flagged = &found.report.base.outlier_rows;
+        let flagged = &found.outcome.figures.outlier_rows;
         let kept: Vec<usize> =
             (0..data.rows.len()).filter(|row| !flagged.contains(&(row + 1))).collect();
         let explained = Explained {
             named: &found.state,
             alternatives: &found.alternatives,
             kept: &kept,
-            lambda: found.report.base.lambda,
+            lambda: found.outcome.figures.lambda,
         };
         let draw = (self.poses, self.candidates, self.seed);
         let planned = discriminate(&found.model.robot, &data, &explained, workspace, draw)?;
         let told = data.rows[0].directions.iter().any(|d| *d != 0);
         let directions = if told { planned.directions.as_slice() } else { &[] };
         write(&self.out, poses_csv(robot, "q", &planned.poses, directions).as_bytes())?;
-        let warnings = found.report.base.warnings.clone();
+        let warnings = found.outcome.figures.warnings.clone();
         warn(&warnings);
-        let pairs = found.report.alternatives.iter().zip(&planned.separation);
-        let alternatives: Vec<Separated> = pairs
-            .map(|(a, added)| Separated {
+        let pairs = found.outcome.alternatives.iter().zip(&planned.separation);
+        let alternatives: Vec<SeparatedAlternative> = pairs
+            .map(|(a, added)| SeparatedAlternative {
                 effects: a.effects.clone(),
                 worse_by_now: a.worse_by,
                 worse_by_planned: *added,
             })
             .collect();
         if self.json {
-            let report = Separation {
-                schema: "truearm-report-1",
+            let report = SeparationReport {
+                schema: SeparationReport::SCHEMA,
                 command: "plan",
                 robot: robot.name.clone(),
                 data: path.display().to_string(),

@@ -1,8 +1,11 @@
 //! The short tables on the terminal.
 
-use truearm_host::diagnose::{DiagnoseReport, Effect, Verdict};
+use truearm_host::diagnose::{Effect, Outcome, Verdict};
+use truearm_host::evaluate::Validation;
+use truearm_host::identify::Condition;
 use truearm_host::identify::error_bars::Uncertainty;
-use truearm_host::report::{Condition, Report, Stats, Validation};
+use truearm_host::report::IdentifyReport;
+use truearm_host::statistics::Stats;
 
 pub fn row(out: &mut String, name: &str, stats: &Option<Stats>) {
     if let Some(s) = stats {
@@ -29,7 +32,8 @@ pub fn condition(condition: &Condition) -> String {
 }
 
 /// A report of `identify`.
-pub fn report(r: &Report) -> String {
+pub fn report(report: &IdentifyReport) -> String {
+    let r = &report.figures;
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let mut out = format!(
         "{}\n{}: {} of {}, {}, {}\n",
@@ -70,7 +74,7 @@ pub fn report(r: &Report) -> String {
     if !r.outliers.is_empty() {
         row(&mut out, "cross-validated, all rows", &r.all_rows.cross_validated);
     }
-    if let Some(v) = &r.validation {
+    if let Some(v) = &report.validation {
         row(&mut out, "validation", &Some(v.stats));
     }
     out += &format!("cross-validation: {}\n", r.cross_validation);
@@ -114,7 +118,7 @@ pub fn report(r: &Report) -> String {
     if r.residual_over_sigma > 3.0 {
         out += "the residuals are well above the stated noise: this model lacks something\n";
     }
-    if let Some(v) = &r.validation {
+    if let Some(v) = &report.validation {
         out += &format!("\n{}", validation(v));
     }
     out
@@ -190,8 +194,8 @@ pub fn not_covered(joints: &[usize]) -> Option<String> {
 }
 
 /// The summary of `diagnose`.
-pub fn diagnosis(r: &DiagnoseReport) -> String {
-    let b = &r.base;
+pub fn diagnosis(r: &Outcome) -> String {
+    let b = &r.figures;
     let mut out = format!("{}\n{}: {} rows of {} poses\n", b.robot, b.data, b.rows, b.poses);
     out += match r.verdict {
         Verdict::Clean => "verdict: clean, geometry alone reaches the noise floor\n",

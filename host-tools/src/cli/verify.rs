@@ -4,12 +4,13 @@ use clap::Args;
 use nalgebra::Vector3;
 use truearm_host::files::{csv_text, poses_csv, write};
 use truearm_host::model::{Commanded, Measurements, Model, Row};
-use truearm_host::verify::{COVERAGE_FACTOR, Conformity, STANDARD_REPEATS};
+use truearm_host::report::{VerifyReport, to_json};
+use truearm_host::verify::{Conformity, STANDARD_REPEATS};
 use truearm_host::verify::{Verification, test_poses, verify};
 use truearm_host::{Error, Result};
 
 use super::workspace::Where;
-use super::{End, Said, table, to_json, warn};
+use super::{End, Said, table, warn};
 
 /// Verify the compensated arm on measured points: ISO 9283 accuracy and
 /// repeatability, pass or fail. Exit status 3: fail, 4: neither is proven.
@@ -59,20 +60,6 @@ enum Refit {
     Base,
 }
 
-#[derive(serde::Serialize)]
-struct Report {
-    schema: &'static str,
-    command: &'static str,
-    model: String,
-    before: Option<Verification>,
-    after: Verification,
-    coverage_factor: f64,
-    tolerance_mm: Option<f64>,
-    decision_rule: &'static str,
-    conformity: Option<Conformity>,
-    warnings: Vec<String>,
-}
-
 impl Verify {
     pub fn run(self) -> Result<Said> {
         if let Some(mm) = self.tolerance_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
@@ -102,19 +89,8 @@ impl Verify {
                 after.file, after.repeats[0], after.repeats[1]
             ));
         }
-        let conformity = self.tolerance_mm.map(|mm| after.conformity(mm));
-        let report = Report {
-            schema: "truearm-report-1",
-            command: "verify",
-            model: self.model.display().to_string(),
-            before,
-            after,
-            coverage_factor: COVERAGE_FACTOR,
-            tolerance_mm: self.tolerance_mm,
-            decision_rule: "ISO 14253-1, conformity to be proven, guard band U (k = 2)",
-            conformity,
-            warnings,
-        };
+        let model = self.model.display().to_string();
+        let report = VerifyReport::new(model, before, after, self.tolerance_mm, warnings);
         warn(&report.warnings);
         let json = to_json(&report);
         text += &if self.json { json.clone() } else { words(&report) };
@@ -122,7 +98,7 @@ impl Verify {
             write(&folder.join("report.json"), json.as_bytes())?;
             write(&folder.join("errors.csv"), errors(&data.data, &report.after).as_bytes())?;
         }
-        let end = match conformity {
+        let end = match report.conformity {
             None | Some(Conformity::Pass) => End::Good,
             Some(Conformity::Fail) => End::Wrong,
             Some(Conformity::NotProven) => End::Undecided,
@@ -145,7 +121,7 @@ impl Verify {
     }
 }
 
-fn words(report: &Report) -> String {
+fn words(report: &VerifyReport) -> String {
     let after = &report.after;
     let mut out = format!("{}: {} rows of {} poses\n", after.file, after.rows, after.poses);
     table::head(&mut out);

@@ -12,7 +12,7 @@ mod show;
 mod tell;
 mod verdict;
 
-pub use outcome::{Alternative, Coefficient, DiagnoseReport, Effect, GapRow, Verdict};
+pub use outcome::{Alternative, Coefficient, Effect, GapRow, Outcome, Verdict};
 
 use truearm::effects::MAX_TERMS;
 
@@ -36,7 +36,7 @@ pub struct Diagnosis {
     /// With all terms, for evaluation and packing.
     pub model: Model,
     /// Figures and names.
-    pub report: DiagnoseReport,
+    pub outcome: Outcome,
     /// Per row.
     pub rows: Vec<RowResult>,
     /// What was named, with base, marker and terms.
@@ -150,11 +150,11 @@ fn shown(show: &show::Show, found: Found) -> Result<Diagnosis> {
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
     let findings = findings(show, &terms, &best, nominal)?;
     let mut identified = findings.summarise();
-    identified.report.warnings.extend(too_many(&best));
+    identified.figures.warnings.extend(too_many(&best));
     let rows = &problem.data.rows;
     let variance: f64 = rows.iter().map(|r| kind(r).noise(r).powi(2)).sum();
-    let report = DiagnoseReport {
-        base: identified.report,
+    let outcome = Outcome {
+        figures: identified.figures,
         verdict,
         effects: show::effects(&findings, &stages, &gap, &best),
         noise_floor_mm: (variance / rows.len() as f64).sqrt() * 1e3,
@@ -167,7 +167,7 @@ fn shown(show: &show::Show, found: Found) -> Result<Diagnosis> {
     };
     Ok(Diagnosis {
         model: identified.model,
-        report,
+        outcome,
         rows: identified.rows,
         state: best.fit.fit.state,
         alternatives: rivals,
@@ -186,7 +186,6 @@ fn findings<'a>(
         None => None,
     };
     Ok(Findings {
-        command: "diagnose",
         rule: "marginal-likelihood",
         robot: show.robot,
         problem,

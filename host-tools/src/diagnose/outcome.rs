@@ -1,11 +1,12 @@
-//! What `diagnose` has to say: a superset of the report of `identify`.
+//! What a diagnosis found: the figures of the final model, and what it names.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::report::Report;
+use crate::identify::Figures;
 
 /// The verdict.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Geometry alone reaches the noise floor.
@@ -17,7 +18,7 @@ pub enum Verdict {
 }
 
 /// A named effect.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Effect {
     /// Name.
     pub name: &'static str,
@@ -35,7 +36,7 @@ pub struct Effect {
 }
 
 /// One coefficient.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Coefficient {
     /// Joint, counted from 1.
     pub joint: Option<usize>,
@@ -56,7 +57,7 @@ pub struct Coefficient {
 }
 
 /// A line of the gap table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct GapRow {
     /// `nominal`, `geometry`, `+ joint-compliance`...
     pub model: String,
@@ -69,7 +70,7 @@ pub struct GapRow {
 }
 
 /// Another explanation that the data cannot rule out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Alternative {
     /// Its effects: name and joints.
     pub effects: Vec<(&'static str, Vec<usize>)>,
@@ -81,7 +82,7 @@ pub struct Alternative {
 }
 
 /// A pose to measure next.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SeparatingPose {
     /// Joint values, degrees or mm.
     pub joints: Vec<f64>,
@@ -89,12 +90,12 @@ pub struct SeparatingPose {
     pub difference_mm: f64,
 }
 
-/// `report.json` of `diagnose`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DiagnoseReport {
-    /// The report of `identify`, of the final model.
+/// What a diagnosis found.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Outcome {
+    /// Figures of the final model.
     #[serde(flatten)]
-    pub base: Report,
+    pub figures: Figures,
     /// The verdict.
     pub verdict: Verdict,
     /// What was found, most important first.

@@ -12,14 +12,16 @@
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::State;
 use super::estimate::Estimate;
 use super::problem::{Problem, Scaling};
 use super::redundancy::correlated;
 use super::unknowns::Unknown;
-use super::{State, robust};
 use crate::model::Values;
+use crate::statistics::median;
 use crate::tikhonov;
 
 /// Half width of a 95 % interval, in standard deviations.
@@ -46,7 +48,7 @@ impl Covariances {
             Scaling::Prior => scale(problem, found),
             Scaling::Printed => {
                 let sigmas: Vec<f64> = problem.data.rows.iter().map(|r| r.sigma).collect();
-                scale(problem, found) * robust::median(&sigmas)
+                scale(problem, found) * median(&sigmas)
             }
         };
         let scatter = &inverse * found.fit.normal.h() * &inverse * (sigma * sigma);
@@ -92,7 +94,7 @@ fn scale(problem: &Problem, found: &Estimate) -> f64 {
 
 /// Half widths of 95 % intervals of the predicted tool point at the fitted
 /// poses, a coordinate at a time, mm.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PointBars {
     /// Root mean square over poses and coordinates.
     pub rms_mm: f64,
@@ -105,7 +107,7 @@ pub struct PointBars {
 }
 
 /// A parameter with its 95 % interval.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ParameterBar {
     /// Such as `joint 2 theta`.
     pub name: String,
@@ -121,7 +123,7 @@ pub struct ParameterBar {
 }
 
 /// Block `uncertainty` of a report.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Uncertainty {
     /// Share of intervals that hold the truth.
     pub confidence: f64,

@@ -4,6 +4,7 @@
 //! on the training residual, whose minimum is always lambda = 0.
 
 use nalgebra::{DMatrix, DVector};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::accumulate::{CHUNK, tree};
@@ -66,7 +67,7 @@ impl LambdaRule {
 }
 
 /// What every rule says of one linearised problem.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LambdaChoice {
     /// Corner of the L-curve; none if it has none.
     pub l_curve: Option<f64>,

@@ -7,6 +7,7 @@ pub mod accumulate;
 mod conditions;
 pub mod error_bars;
 pub mod estimate;
+mod figures;
 pub mod fit;
 pub mod folds;
 mod lambda;
@@ -22,6 +23,7 @@ pub mod uncertainty;
 mod unknowns;
 
 pub use conditions::Conditions;
+pub use figures::{AllRows, Condition, Figures, FlaggedRow};
 pub use lambda::{LambdaChoice, LambdaRule, choose, lambda_by};
 pub use linearised::{Beside, Equations, Linearised};
 pub use predictor::{Model as Predictor, View, measurement_column};
@@ -32,7 +34,6 @@ pub use unknowns::{State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unknown, Unknowns};
 use crate::error::{Error, Kind, Result};
 use crate::model::{Measurements, Model, Robot};
 use crate::observations::Residual;
-use crate::report::Report;
 use estimate::{cross_validate, estimate};
 use fit::{Freedom, fit};
 
@@ -53,7 +54,7 @@ pub struct Identification {
     /// For evaluation and packing.
     pub model: Model,
     /// Figures.
-    pub report: Report,
+    pub figures: Figures,
     /// Per row: residual of the fit, held-out residual, flagged; m.
     pub rows: Vec<RowResult>,
 }
@@ -112,7 +113,6 @@ pub fn identify(
     };
     let nominal = nominal_state(&problem, &found.robust.kept, &start)?;
     Ok(Findings {
-        command: "identify",
         rule: options.rule.name(),
         robot,
         problem: &problem,

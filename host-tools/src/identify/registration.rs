@@ -4,12 +4,13 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truearm::Pose;
 
-use super::robust::{mad_scale, median};
+use super::robust::mad_scale;
 use super::unknowns::State;
 use crate::error::{Error, Kind, Result};
 use crate::model::arm::chain;
 use crate::model::{Measurements, Row};
 use crate::observations::kind;
+use crate::statistics::median;
 
 /// Rigid transform that carries `from` onto `to`: minimises
 /// `sum w |R from + t - to|^2` (paper Eq. 17). `None` when the points lie on a

@@ -16,6 +16,7 @@ use super::unknowns::State;
 use crate::error::{Error, Result};
 use crate::model::Values;
 use crate::observations::{Residual, kind};
+use crate::statistics::median;
 use crate::tikhonov::covariance;
 
 /// How flags are raised.
@@ -76,18 +77,6 @@ pub struct RobustFit {
     /// Standard deviation of a normalised residual: 1 when the model is good to
     /// the noise, more when structure is left. Never below 1.
     pub scale: f64,
-}
-
-/// Middle value; 0 of nothing.
-#[must_use]
-pub fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    match sorted.len() {
-        0 => 0.0,
-        n if n % 2 == 1 => sorted[n / 2],
-        n => (sorted[n / 2 - 1] + sorted[n / 2]) / 2.0,
-    }
 }
 
 /// Robust standard deviation of values about zero.

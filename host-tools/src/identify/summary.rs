@@ -1,22 +1,22 @@
-//! From findings to model and report.
+//! From findings to model and figures.
 
 use nalgebra::{Rotation3, Vector3};
 use truearm::{MdhParameters, Pose};
 
 use super::error_bars::{Covariances, uncertainty};
 use super::estimate::Estimate;
+use super::figures::{AllRows, Figures, FlaggedRow};
 use super::problem::link_corrections;
 use super::uncertainty::{factor, of_arm};
 use super::{Identification, Problem, RowResult, Scaling, State, redundancy, registration, robust};
 use crate::model::arm::chain;
 use crate::model::{Model, Provenance, Robot};
 use crate::observations::Residual;
-use crate::report::{AllRows, FlaggedRow, Report, Stats, robust_distance_scale};
+use crate::statistics::{Stats, robust_distance_scale};
+use crate::units::to_mm;
 
 /// All that was found out about a data set.
 pub struct Findings<'a> {
-    /// The verb.
-    pub command: &'static str,
     /// How lambda was chosen.
     pub rule: &'static str,
     /// The nominal arm.
@@ -36,33 +36,23 @@ pub struct Findings<'a> {
 }
 
 impl Findings<'_> {
-    /// Model, report and what became of each row.
+    /// Model, figures and what became of each row.
     #[must_use]
     pub fn summarise(&self) -> Identification {
+        let results = self.row_results();
+        let figures = self.figures(&results);
+        Identification { model: self.model(&figures), figures, rows: results }
+    }
+
+    fn figures(&self, results: &[RowResult]) -> Figures {
         let Self { robot, problem, found, held_out, .. } = self;
         let data = problem.data;
         let prior = Problem { scaling: Scaling::Prior, ..(*problem).clone() };
         let geometry = problem.with_terms(0);
         let redundancy = redundancy::analyse(&geometry, &self.nominal, &found.robust.kept);
-        let results = self.row_results();
-        let own = |cv: &[Option<Residual>]| Stats::of(&judged(&results, cv));
+        let own = |cv: &[Option<Residual>]| Stats::of(&judged(results, cv));
         let flags: Vec<FlaggedRow> = found.robust.outliers.iter().map(flagged_row).collect();
-        let stats = |all: bool, f: fn(&RowResult) -> Residual| {
-            let used = results.iter().filter(|r| all || !r.flagged);
-            Stats::of(&used.map(f).collect::<Vec<_>>())
-        };
-        let mut warnings = [robot.warnings.clone(), data.warnings.clone()].concat();
-        if 2 * data.poses < data.rows.len() && data.markers.len() * data.stations.len() == 1 {
-            warnings.push(format!(
-                "{}: {} rows but only {} distinct poses; repeats average noise, they do not identify",
-                data.path.display(),
-                data.rows.len(),
-                data.poses
-            ));
-        }
-        let report = Report {
-            schema: "truearm-report-1",
-            command: self.command,
+        Figures {
             robot: robot.name.clone(),
             data: data.path.display().to_string(),
             rows: data.rows.len(),
@@ -82,16 +72,15 @@ impl Findings<'_> {
             lambda_choice: found.choice.clone(),
             correction_norm: prior.corrections(&found.fit.state).norm(),
             residual_over_sigma: found.robust.scale,
-            nominal: stats(false, |r| r.nominal),
-            identified: stats(false, |r| r.identified),
+            nominal: stats(results, false, |r| r.nominal),
+            identified: stats(results, false, |r| r.identified),
             cross_validated: own(held_out),
             cross_validation: self.cross_validation.clone(),
             cross_validated_blocked: self.blocked.as_ref().and_then(|b| own(b)),
             rows_not_cross_validated: held_out.iter().filter(|r| r.is_none()).count(),
-            validation: None,
             all_rows: AllRows {
-                nominal: stats(true, |r| r.nominal),
-                identified: stats(true, |r| r.identified),
+                nominal: stats(results, true, |r| r.nominal),
+                identified: stats(results, true, |r| r.identified),
                 cross_validated: Stats::of(&held_out.iter().flatten().copied().collect::<Vec<_>>()),
             },
             outlier_rows: flags.iter().map(|f| f.row).collect(),
@@ -99,9 +88,22 @@ impl Findings<'_> {
             unidentifiable: redundancy.redundant,
             weakly_determined: redundancy.weak,
             uncertainty: uncertainty(problem, found, &self.covariances()),
-            warnings,
-        };
-        Identification { model: self.model(&report), report, rows: results }
+            warnings: self.warnings(),
+        }
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let data = self.problem.data;
+        let mut warnings = [self.robot.warnings.clone(), data.warnings.clone()].concat();
+        if 2 * data.poses < data.rows.len() && data.markers.len() * data.stations.len() == 1 {
+            warnings.push(format!(
+                "{}: {} rows but only {} distinct poses; repeats average noise, they do not identify",
+                data.path.display(),
+                data.rows.len(),
+                data.poses
+            ));
+        }
+        warnings
     }
 
     fn row_results(&self) -> Vec<RowResult> {
@@ -118,7 +120,7 @@ impl Findings<'_> {
             .collect()
     }
 
-    fn model(&self, report: &Report) -> Model {
+    fn model(&self, figures: &Figures) -> Model {
         let Self { robot, problem, found, .. } = self;
         let data = problem.data;
         let state = &found.fit.state;
@@ -147,21 +149,8 @@ impl Findings<'_> {
             robot_id: None,
             covariance: Some(factor(&covariance)),
             changed: false,
-            provenance: Provenance {
-                version: env!("CARGO_PKG_VERSION").to_owned(),
-                created: humantime::format_rfc3339_seconds(std::time::SystemTime::now())
-                    .to_string(),
-                sequence: None,
-                data: report.data.clone(),
-                rows: report.rows,
-                poses: report.poses,
-                outlier_rows: report.outlier_rows.clone(),
-                lambda: report.lambda,
-                lambda_rule: report.lambda_rule.to_owned(),
-                nominal_rms_mm: report.nominal.map_or(0.0, |s| s.rms_mm),
-                cross_validated_rms_mm: report.cross_validated.map_or(0.0, |s| s.rms_mm),
-            },
-            unidentifiable: [report.unidentifiable.clone(), report.weakly_determined.clone()]
+            provenance: provenance(figures),
+            unidentifiable: [figures.unidentifiable.clone(), figures.weakly_determined.clone()]
                 .concat(),
         }
     }
@@ -183,6 +172,27 @@ impl Findings<'_> {
     }
 }
 
+fn stats(results: &[RowResult], all: bool, of: fn(&RowResult) -> Residual) -> Option<Stats> {
+    let used = results.iter().filter(|r| all || !r.flagged);
+    Stats::of(&used.map(of).collect::<Vec<_>>())
+}
+
+fn provenance(figures: &Figures) -> Provenance {
+    Provenance {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        created: humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string(),
+        sequence: None,
+        data: figures.data.clone(),
+        rows: figures.rows,
+        poses: figures.poses,
+        outlier_rows: figures.outlier_rows.clone(),
+        lambda: figures.lambda,
+        lambda_rule: figures.lambda_rule.to_owned(),
+        nominal_rms_mm: figures.nominal.map_or(0.0, |s| s.rms_mm),
+        cross_validated_rms_mm: figures.cross_validated.map_or(0.0, |s| s.rms_mm),
+    }
+}
+
 /// Held-out residuals that count: a row is left out only if it is flagged and
 /// its own held-out residual is beyond 10 robust standard deviations.
 fn judged(results: &[RowResult], held_out: &[Option<Residual>]) -> Vec<Residual> {
@@ -197,7 +207,7 @@ fn flagged_row(outlier: &robust::Outlier) -> FlaggedRow {
     FlaggedRow {
         row: outlier.row + 1,
         coordinates: outlier.components.clone(),
-        residual_mm: outlier.residual.iter().map(|r| r * 1e3).collect(),
+        residual_mm: outlier.residual.iter().map(|r| to_mm(*r)).collect(),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use nalgebra::Vector3;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Frames, Method, Task};
@@ -11,20 +12,16 @@ use crate::evaluate::{Reregister, residuals, state_on};
 use crate::identify::registration::register;
 use crate::identify::robust::{Flags, robust_fit};
 use crate::identify::{
-    Conditions, Options, Problem, Scaling, State, enough, link_corrections, nominal_state,
-    redundancy,
+    Condition, Conditions, Options, Problem, Scaling, State, enough, link_corrections,
+    nominal_state, redundancy,
 };
 use crate::model::{Measurements, Model, Provenance, Robot};
 use crate::observations::Residual;
-use crate::report::{Condition, Stats};
+use crate::statistics::Stats;
 
 /// Methods on one data set.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Comparison {
-    /// `truearm-report-1`
-    pub schema: &'static str,
-    /// The verb.
-    pub command: &'static str,
     /// The robot.
     pub robot: String,
     /// The fitted file.
@@ -52,7 +49,7 @@ pub struct Comparison {
 }
 
 /// A method's result.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Outcome {
     /// Short name.
     pub name: &'static str,
@@ -133,8 +130,6 @@ pub fn compare(
     let mut warnings = [robot.warnings.clone(), data.warnings.clone()].concat();
     warnings.extend(judge.iter().flat_map(|(other, _)| other.warnings.clone()));
     Ok(Comparison {
-        schema: "truearm-report-1",
-        command: "compare",
         robot: robot.name.clone(),
         data: data.path.display().to_string(),
         validation: judge.map(|(other, _)| other.path.display().to_string()),

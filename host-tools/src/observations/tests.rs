@@ -97,9 +97,9 @@ fn distances_are_fitted_by_the_code_that_fits_points() {
     let mut data = parse(&robot, &file(&truth, 20, 240, &mut rng));
     data.rows[100].measured[0] += 5e-3;
     let found = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap();
-    assert_eq!(found.report.outlier_rows, [101]);
-    assert_eq!(found.report.outliers[0].coordinates, ["distance"]);
-    assert!((found.report.outliers[0].residual_mm[0] - 5.0).abs() < 0.3);
+    assert_eq!(found.figures.outlier_rows, [101]);
+    assert_eq!(found.figures.outliers[0].coordinates, ["distance"]);
+    assert!((found.figures.outliers[0].residual_mm[0] - 5.0).abs() < 0.3);
     assert_eq!(found.rows[100].held_out.unwrap().len(), 1);
     assert_eq!(found.rows[0].held_out.unwrap().len(), 3);
     let state = |found: &crate::identify::Identification| State {

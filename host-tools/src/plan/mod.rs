@@ -154,5 +154,5 @@ fn random_worst(design: &Design, judged: &nalgebra::DMatrix<f64>, count: usize, 
         let sigmas = design.sigmas(&some(design.candidates(), count, &mut rng), judged);
         sigmas.into_iter().fold(0.0, f64::max)
     });
-    crate::identify::robust::median(&draws.collect::<Vec<_>>())
+    crate::statistics::median(&draws.collect::<Vec<_>>())
 }

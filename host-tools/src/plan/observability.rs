@@ -1,4 +1,5 @@
 use nalgebra::DMatrix;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How well a set of poses determines the parameters: five indices of the
@@ -7,7 +8,7 @@ use serde::Serialize;
 /// rows in measurement sigmas, columns in manufacturing tolerances; another
 /// scaling gives other figures (Hollerbach, Khalil and Gautier, Springer
 /// Handbook of Robotics, ch. 14). Larger is better for all of them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Observability {
     /// `(s_1 s_2 ... s_p)^(1/p) / sqrt(m)`: Borm and Menq, Int. J. Robotics
     /// Research 10 (1991). What the exchange maximises for a given m.

@@ -10,6 +10,7 @@ mod test_poses;
 pub use test_poses::test_poses;
 
 use nalgebra::Vector3;
+use schemars::JsonSchema;
 use serde::Serialize;
 use truearm::Pose;
 
@@ -19,7 +20,7 @@ use crate::identify::{Conditions, Predictor, State};
 use crate::model::ModelTerm;
 use crate::model::arm::chain;
 use crate::model::{Commanded, Measurements, Model};
-use crate::report::Stats;
+use crate::statistics::Stats;
 
 /// Coverage factor of the expanded uncertainty: about 95 %.
 pub const COVERAGE_FACTOR: f64 = 2.0;
@@ -27,7 +28,7 @@ pub const COVERAGE_FACTOR: f64 = 2.0;
 pub const STANDARD_REPEATS: usize = 30;
 
 /// Mean and largest over poses, mm.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct OverPoses {
     /// Poses it was computed of.
     pub poses: usize,
@@ -38,7 +39,7 @@ pub struct OverPoses {
 }
 
 /// What a tolerance says of the errors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Conformity {
     /// The largest error and its uncertainty are within the tolerance.
@@ -50,7 +51,7 @@ pub enum Conformity {
 }
 
 /// A verified file.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Verification {
     /// The file.
     pub file: String,

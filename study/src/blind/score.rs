@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use truearm_host::diagnose::{DiagnoseReport, Verdict};
+use truearm_host::diagnose::{Outcome, Verdict};
 
 use super::sets::{BlindSet, LISTED};
 
@@ -72,7 +72,7 @@ impl Score {
 }
 
 /// Names and places of a report.
-pub fn places(report: &DiagnoseReport) -> Places {
+pub fn places(report: &Outcome) -> Places {
     let mut out = Places::new();
     for effect in &report.effects {
         let name = effect.name.to_owned();
@@ -86,7 +86,7 @@ pub fn places(report: &DiagnoseReport) -> Places {
 }
 
 /// Opens a set and compares.
-pub fn score(set: &BlindSet, report: &DiagnoseReport) -> Score {
+pub fn score(set: &BlindSet, report: &Outcome) -> Score {
     let secret = set.open();
     let truth: Places =
         secret.arm.defects.iter().map(|d| (d.kind.name().to_owned(), d.kind.joints())).collect();
@@ -98,7 +98,7 @@ pub fn score(set: &BlindSet, report: &DiagnoseReport) -> Score {
         answer: places(report),
         verdict: report.verdict,
         rows: [
-            report.base.outlier_rows.clone(),
+            report.figures.outlier_rows.clone(),
             secret.outliers.clone(),
             secret.turned(&robot, &data),
         ],

@@ -9,7 +9,7 @@ use truearm_host::identify::registration::register;
 use truearm_host::identify::{Conditions, Problem, Scaling, State, nominal_state};
 use truearm_host::methods::{Frames, Method, NoCalibration, PrintedRpim, Rpim, Task};
 use truearm_host::model::Measurements;
-use truearm_host::report::Stats;
+use truearm_host::statistics::Stats;
 
 /// Tables 2 to 5.
 pub struct NinePoses {

@@ -1,7 +1,7 @@
 //! All seeds together, and how their figures are looked up and summed up.
 
 use serde::Serialize;
-use truearm_host::identify::robust::median;
+use truearm_host::statistics::median;
 
 use super::trial::{Contest, Score, Trial};
 

@@ -5,7 +5,7 @@ use super::markdown::{middle, number, table};
 use super::paper;
 use super::study::{SHOWN, Study, score, spread};
 use super::trial::{Contest, SWEEP, Score, Sweep, Trial};
-use truearm_host::report::Stats;
+use truearm_host::statistics::Stats;
 
 /// How near cell (a) comes to the bound.
 pub fn summary(study: &Study) -> String {

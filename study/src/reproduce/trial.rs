@@ -16,7 +16,7 @@ use truearm_host::methods::{
     Outcome, PrintedRpim, PseudoInverse, ReducedGaussNewton, Rpim, all, compare,
 };
 use truearm_host::model::{Measurements, Robot};
-use truearm_host::report::Stats;
+use truearm_host::statistics::Stats;
 use truearm_simulate::normal;
 
 /// Poses of the sweep: how few are too few?
@@ -219,14 +219,14 @@ fn diagnosed(cell: &Cell, geometry: &Contest) -> Result<Diagnosis> {
         terms: model.terms.clone(),
     };
     let mut effects: Vec<String> =
-        found.report.effects.iter().map(|e| format!("{} {:?}", e.name, e.joints)).collect();
+        found.outcome.effects.iter().map(|e| format!("{} {:?}", e.name, e.joints)).collect();
     effects.sort();
     effects.dedup();
     let hidden =
         ["gear-transmission-error [1]", "gear-transmission-error [2]", "joint-compliance [2, 3]"];
     let ours = geometry.scores.iter().find(|s| s.method == "RPIM").and_then(|s| s.exact);
     Ok(Diagnosis {
-        verdict: found.report.verdict,
+        verdict: found.outcome.verdict,
         right: effects == hidden,
         effects,
         geometry_rms_mm: ours.map_or(f64::NAN, |s| s.rms_mm),

@@ -61,7 +61,7 @@ fn judged(plans: &[(u64, Vec<Wanted>)]) -> Result<Vec<Score>> {
         let found = diagnose(&robot, &data, Some(&holdout), &options, &|_| ());
         bar.inc(1);
         match found {
-            Ok(found) => Ok((set, found.report)),
+            Ok(found) => Ok((set, found.outcome)),
             Err(error) => Err(format!("seed {seed}: {error}")),
         }
     };

@@ -3,7 +3,7 @@
 
 use clap::Args;
 use rayon::prelude::*;
-use truearm_host::diagnose::{DiagnoseOptions, DiagnoseReport, diagnose};
+use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::model::Robot;
 
 use super::Result;
@@ -66,10 +66,11 @@ pub fn run(options: &Options) -> Result {
 fn judged(seed: u64) -> std::result::Result<Outcome, String> {
     let set = BlindSet::tie(seed);
     let (robot, data, _) = set.read();
-    let answer = |robot: &Robot, data: &_| -> std::result::Result<DiagnoseReport, String> {
-        let found = diagnose(robot, data, None, &DiagnoseOptions::default(), &|_| ());
-        found.map(|f| f.report).map_err(|e| format!("seed {seed}: {e}"))
-    };
+    let answer =
+        |robot: &Robot, data: &_| -> std::result::Result<truearm_host::diagnose::Outcome, String> {
+            let found = diagnose(robot, data, None, &DiagnoseOptions::default(), &|_| ());
+            found.map(|f| f.outcome).map_err(|e| format!("seed {seed}: {e}"))
+        };
     let report = answer(&robot, &data)?;
     let named = |list: &[(&str, Vec<usize>)]| {
         list.iter().map(|(name, joints)| ((*name).to_owned(), joints.clone())).collect::<Places>()

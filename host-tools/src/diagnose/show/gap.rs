@@ -12,7 +12,7 @@ use crate::identify::robust::robust_fit_near;
 use crate::identify::{Conditions, State};
 use crate::model::{Measurements, Robot};
 use crate::observations::Residual;
-use crate::report::{Stats, own_evidence};
+use crate::statistics::{Stats, own_evidence};
 
 /// Held-out judgement of models.
 #[derive(Clone, Copy)]

@@ -1,0 +1,107 @@
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::model::Robot;
+use crate::plan::{Observability, PosePlan};
+use crate::units::MICRO;
+
+/// What `plan --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct PlanReport {
+    /// The schema.
+    #[schemars(extend("const" = PlanReport::SCHEMA))]
+    pub schema: &'static str,
+    /// The verb.
+    #[schemars(extend("const" = "plan"))]
+    pub command: &'static str,
+    /// The robot.
+    pub robot: String,
+    /// Poses to measure.
+    pub poses: usize,
+    /// Candidates they were chosen from.
+    pub candidates: usize,
+    /// Parameters that points can determine.
+    pub parameters: usize,
+    /// Of the scaled Jacobian of the poses.
+    pub observability: Observability,
+    /// Largest 3-D standard deviation (1 sigma) of the tool point over the
+    /// region.
+    pub worst_um: f64,
+    /// Its root mean square over the region.
+    pub rms_um: f64,
+    /// No set of as many poses has a smaller worst: sigma sqrt(p / n).
+    pub bound_um: f64,
+    /// Worst of as many random poses, median of 9 draws.
+    pub random_worst_um: f64,
+    /// The worst that was asked for.
+    pub target_um: Option<f64>,
+    /// Whether it was reached.
+    pub target_reached: Option<bool>,
+    /// Remarks.
+    pub warnings: Vec<String>,
+}
+
+impl PlanReport {
+    /// Name of the schema.
+    pub const SCHEMA: &'static str = "truearm-plan-1";
+
+    /// Of planned poses.
+    #[must_use]
+    pub fn new(robot: &Robot, found: &PosePlan, candidates: usize, target_um: Option<f64>) -> Self {
+        Self {
+            schema: Self::SCHEMA,
+            command: "plan",
+            robot: robot.name.clone(),
+            poses: found.poses.len(),
+            candidates,
+            parameters: found.parameters,
+            observability: found.observability,
+            worst_um: found.worst * MICRO,
+            rms_um: found.rms * MICRO,
+            bound_um: found.bound * MICRO,
+            random_worst_um: found.random_worst * MICRO,
+            target_um,
+            target_reached: found.reached,
+            warnings: robot.warnings.clone(),
+        }
+    }
+}
+
+/// What `plan --discriminate --json` prints.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct SeparationReport {
+    /// The schema.
+    #[schemars(extend("const" = SeparationReport::SCHEMA))]
+    pub schema: &'static str,
+    /// The verb.
+    #[schemars(extend("const" = "plan"))]
+    pub command: &'static str,
+    /// The robot.
+    pub robot: String,
+    /// The diagnosed measurements.
+    pub data: String,
+    /// Poses to measure.
+    pub poses: usize,
+    /// Candidates they were chosen from.
+    pub candidates: usize,
+    /// What the poses are to tell from the best explanation.
+    pub alternatives: Vec<SeparatedAlternative>,
+    /// Remarks.
+    pub warnings: Vec<String>,
+}
+
+impl SeparationReport {
+    /// Name of the schema.
+    pub const SCHEMA: &'static str = "truearm-plan-discriminate-1";
+}
+
+/// An alternative of a diagnosis, and what the planned poses will say of it.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct SeparatedAlternative {
+    /// Its effects: name and joints.
+    pub effects: Vec<(&'static str, Vec<usize>)>,
+    /// How much worse it is, in units of chi-square.
+    pub worse_by_now: f64,
+    /// Expected chi-square that the planned poses add.
+    pub worse_by_planned: f64,
+}

@@ -1,0 +1,28 @@
+//! The JSON schemas of all reports.
+
+use schemars::JsonSchema;
+
+use super::{
+    CompareReport, DiagnoseReport, EvaluateReport, IdentifyReport, PlanReport, SeparationReport,
+    VerifyReport,
+};
+
+/// Name and text of every schema, as they stand in `docs/schemas`.
+#[must_use]
+pub fn all() -> Vec<(&'static str, String)> {
+    vec![
+        (IdentifyReport::SCHEMA, of::<IdentifyReport>()),
+        (DiagnoseReport::SCHEMA, of::<DiagnoseReport>()),
+        (EvaluateReport::SCHEMA, of::<EvaluateReport>()),
+        (CompareReport::SCHEMA, of::<CompareReport>()),
+        (PlanReport::SCHEMA, of::<PlanReport>()),
+        (SeparationReport::SCHEMA, of::<SeparationReport>()),
+        (VerifyReport::SCHEMA, of::<VerifyReport>()),
+    ]
+}
+
+/// As the report is written, so that what is always there is required.
+fn of<R: JsonSchema>() -> String {
+    let settings = schemars::generate::SchemaSettings::draft2020_12().for_serialize();
+    super::to_json(&settings.into_generator().into_root_schema_for::<R>())
+}

@@ -1,0 +1,72 @@
+//! Statistics of residuals, said alike wherever errors of points are reported.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::observations::Miss;
+use crate::units::to_mm;
+
+/// Distances between measured and predicted points, mm.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct Stats {
+    /// Mean.
+    pub mean_mm: f64,
+    /// Root mean square.
+    pub rms_mm: f64,
+    /// Largest.
+    pub max_mm: f64,
+    /// Sample standard deviation.
+    pub sd_mm: f64,
+}
+
+impl Stats {
+    /// Of how far off things are; `None` of none.
+    #[must_use]
+    pub fn of(residuals: &[impl Miss]) -> Option<Self> {
+        let d: Vec<f64> = residuals.iter().map(|r| to_mm(r.miss())).collect();
+        let n = d.len() as f64;
+        if d.is_empty() {
+            return None;
+        }
+        let mean = d.iter().sum::<f64>() / n;
+        let square = |about: f64| d.iter().map(|x| (x - about).powi(2)).sum::<f64>();
+        Some(Self {
+            mean_mm: mean,
+            rms_mm: (square(0.0) / n).sqrt(),
+            max_mm: d.iter().copied().fold(0.0, f64::max),
+            sd_mm: (square(mean) / (n - 1.0).max(1.0)).sqrt(),
+        })
+    }
+}
+
+/// Rows to leave out of a held-out file on their own evidence: beyond 10 robust
+/// standard deviations, the worst first, at most 1 % of the rows.
+#[must_use]
+pub fn own_evidence(residuals: &[impl Miss]) -> Vec<usize> {
+    let d: Vec<f64> = residuals.iter().map(Miss::miss).collect();
+    let scale = robust_distance_scale(&d);
+    let mut rows: Vec<usize> = (0..d.len()).filter(|i| d[*i] > 10.0 * scale).collect();
+    rows.sort_by(|a, b| d[*b].total_cmp(&d[*a]));
+    rows.truncate(d.len() / 100);
+    rows.sort_unstable();
+    rows
+}
+
+/// Standard deviation of one coordinate from the median of 3-D distances.
+#[must_use]
+pub fn robust_distance_scale(distances: &[f64]) -> f64 {
+    // Median of the chi distribution with three degrees of freedom.
+    median(distances) / 1.538_172
+}
+
+/// Middle value; 0 of nothing.
+#[must_use]
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => sorted[n / 2],
+        n => (sorted[n / 2 - 1] + sorted[n / 2]) / 2.0,
+    }
+}

@@ -1,0 +1,99 @@
+//! The schemas of the reports stand in docs/schemas, and what every verb writes
+//! is valid under its own.
+//!
+//! To write them anew: `UPDATE_SCHEMAS=1 cargo test -p truearm-host --test schemas`
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+use truearm_host::report::{SeparatedAlternative, SeparationReport, schema, to_json};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+#[test]
+fn they_are_committed() {
+    let folder = root().join("docs/schemas");
+    let schemas = schema::all();
+    for (name, text) in &schemas {
+        let path = folder.join(format!("{name}.json"));
+        if std::env::var_os("UPDATE_SCHEMAS").is_some() {
+            fs::write(&path, text).unwrap();
+        }
+        let committed = fs::read_to_string(&path).unwrap_or_default();
+        assert!(
+            committed.replace("\r\n", "\n") == *text,
+            "{name}: run UPDATE_SCHEMAS=1 cargo test -p truearm-host --test schemas"
+        );
+    }
+    assert_eq!(fs::read_dir(folder).unwrap().count(), schemas.len(), "a schema too many");
+}
+
+/// Whether a report is valid under the schema that it names; the name.
+fn valid(report: &str) -> String {
+    let report: Value = serde_json::from_str(report).unwrap();
+    let name = report["schema"].as_str().unwrap().to_owned();
+    let schemas = schema::all();
+    let (_, text) = schemas.iter().find(|(known, _)| *known == name).unwrap();
+    let validator = jsonschema::validator_for(&serde_json::from_str(text).unwrap()).unwrap();
+    let errors: Vec<String> = validator.iter_errors(&report).map(|e| e.to_string()).collect();
+    assert!(errors.is_empty(), "{name}: {errors:?}");
+    let mut broken = report;
+    broken.as_object_mut().unwrap().remove("command");
+    assert!(!validator.is_valid(&broken), "{name} requires no keys");
+    name
+}
+
+#[test]
+fn reports_are_valid() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = root().join("tests/data/seed-table-8");
+    for name in ["robot.toml", "measurements.csv"] {
+        fs::copy(data.join(name), folder.path().join(name)).unwrap();
+    }
+    let rows = fs::read_to_string(folder.path().join("measurements.csv")).unwrap();
+    let commanded = (1..=6).fold(rows, |t, j| t.replace(&format!("q{j}_"), &format!("cmd{j}_")));
+    fs::write(folder.path().join("commanded.csv"), commanded).unwrap();
+    let limits = ["-120:120"; 6].join(",");
+    let plan = format!("plan robot.toml --poses 14 --candidates 100 --out p.csv --limits {limits}");
+    let mut names: Vec<String> = [
+        "identify robot.toml measurements.csv --validate measurements.csv --out .",
+        "diagnose robot.toml measurements.csv",
+        "evaluate model.toml measurements.csv",
+        "compare robot.toml measurements.csv",
+        &plan,
+        "verify model.toml commanded.csv --before commanded.csv --tolerance-mm 100",
+    ]
+    .map(|line| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
+        command.current_dir(&folder).args(line.split(' ')).arg("--json");
+        let ran = command.output().unwrap();
+        assert!(ran.status.success(), "{line}: {}", String::from_utf8_lossy(&ran.stderr));
+        let name = valid(&String::from_utf8(ran.stdout).unwrap());
+        assert!(name.contains(line.split(' ').next().unwrap()), "{line}: {name}");
+        name
+    })
+    .to_vec();
+    // No shipped data has alternatives.
+    names.push(valid(&to_json(&SeparationReport {
+        schema: SeparationReport::SCHEMA,
+        command: "plan",
+        robot: "arm".to_owned(),
+        data: "measurements.csv".to_owned(),
+        poses: 6,
+        candidates: 3000,
+        alternatives: vec![SeparatedAlternative {
+            effects: vec![("joint-gain", vec![2])],
+            worse_by_now: 3.5,
+            worse_by_planned: 40.0,
+        }],
+        warnings: Vec::new(),
+    })));
+    names.sort();
+    let mut known: Vec<_> = schema::all().iter().map(|(name, _)| (*name).to_owned()).collect();
+    known.sort();
+    assert_eq!(names, known);
+}
