@@ -8,7 +8,7 @@ use truearm::{ArmParameters, Tables};
 use crate::error::{Error, Kind, Result};
 use crate::model::ModelTerm;
 use crate::model::arm::{fixed, with_joints};
-use crate::model::{Model, Robot};
+use crate::model::{Model, Placement, Robot};
 
 /// What the user may choose.
 #[derive(Debug, Clone, Copy, Default)]
@@ -140,6 +140,18 @@ pub fn notes(model: &Model) -> Vec<String> {
     }
     if !names.is_empty() {
         out.push(format!("left out, of the measurement and not of the arm: {}", names.join(", ")));
+    }
+    if model.robot.base != Placement::default() {
+        out.push(
+            "[base] stays on the host: the controller's commanded frame is the one before joint 1"
+                .to_owned(),
+        );
+    }
+    if model.robot.tool_rpy != Vector3::zeros() {
+        out.push(
+            "[tool] rpy_deg stays on the host: the controller is given its tool `with_tool`"
+                .to_owned(),
+        );
     }
     if model.changed {
         out.push(

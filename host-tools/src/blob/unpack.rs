@@ -9,7 +9,7 @@ use truearm::blob::{Blob, robot_id};
 use crate::error::{Error, Kind, Result};
 use crate::model::ModelTerm;
 use crate::model::arm::with_joints;
-use crate::model::{Joint, LinkMass, Model, Provenance, Robot};
+use crate::model::{Joint, LinkMass, Model, Placement, Provenance, Robot};
 
 /// Sigma of a measurement when nothing is known, m, as for a robot.toml that
 /// does not give it.
@@ -76,7 +76,9 @@ fn model<const N: usize>(p: &ArmParameters<f64, N>, path: &Path, name: Option<Na
             joints: joints
                 .map(|(link, limits)| Joint { link: *link, limits: *limits, gear_ratio: None })
                 .collect(),
+            base: Placement::default(),
             tool: p.tool,
+            tool_rpy: Vector3::zeros(),
             links: links.map(|(mass, com)| LinkMass { mass: *mass, com: *com }).collect(),
             payload: p.masses.map_or_else(Vector3::zeros, |m| m.payload_com),
             warnings: Vec::new(),

@@ -7,8 +7,8 @@ use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use miette::miette;
-use truearm_host::{Error, Result};
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use truearm_host::{Error, Kind, Result};
 
 /// The table of exit statuses, the same for all verbs.
 pub const TABLE: &str = "\
@@ -64,7 +64,7 @@ pub fn finish(done: Result<Said>) -> ExitCode {
         Ok(End::Good) => ExitCode::SUCCESS,
         Ok(End::Wrong) => ExitCode::from(3),
         Ok(End::Undecided) => ExitCode::from(4),
-        Ok(End::Failed(error)) | Err(error) => failed(&error),
+        Ok(End::Failed(error)) | Err(error) => failed(error),
     }
 }
 
@@ -72,18 +72,60 @@ pub fn finish(done: Result<Said>) -> ExitCode {
 pub fn usage(error: &clap::Error) -> ExitCode {
     let print = error.print().and_then(|()| io::stdout().flush());
     match printed(print) {
-        Err(error) => failed(&error),
+        Err(error) => failed(error),
         Ok(()) => ExitCode::from(error.exit_code() as u8),
     }
 }
 
-fn failed(error: &Error) -> ExitCode {
-    let report = match error.help() {
-        "" => miette!("{error}"),
-        help => miette!(help = help, "{error}"),
-    };
+fn failed(error: Error) -> ExitCode {
+    let status = if error.kind() == Kind::Usage { 2 } else { 1 };
+    let report = miette::Report::new(Shown::new(error));
     let _ = writeln!(io::stderr(), "Error: {report:?}");
-    ExitCode::from(if matches!(error, Error::Usage { .. }) { 2 } else { 1 })
+    ExitCode::from(status)
+}
+
+/// An error with what to do and, where it is in a file, the place in its text.
+#[derive(Debug)]
+struct Shown {
+    error: Error,
+    source: Option<NamedSource<String>>,
+}
+
+impl Shown {
+    fn new(error: Error) -> Self {
+        let source = match &error {
+            Error::File { path, excerpt: Some(excerpt), .. } => {
+                Some(NamedSource::new(path.display().to_string(), excerpt.text.clone()))
+            }
+            _ => None,
+        };
+        Self { error, source }
+    }
+}
+
+impl std::fmt::Display for Shown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.error.fmt(f)
+    }
+}
+
+impl std::error::Error for Shown {}
+
+impl Diagnostic for Shown {
+    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        let help = self.error.help();
+        (!help.is_empty()).then(|| Box::new(help) as _)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_ref().map(|source| source as _)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let Error::File { excerpt: Some(excerpt), .. } = &self.error else { return None };
+        let span = excerpt.span.clone();
+        Some(Box::new(std::iter::once(LabeledSpan::new(None, span.start, span.len()))))
+    }
 }
 
 fn printed(result: io::Result<()>) -> Result<()> {

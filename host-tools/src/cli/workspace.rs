@@ -18,7 +18,8 @@ pub struct Where {
     /// Keep the target in sight of a tracker that stands here
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     tracker: Option<String>,
-    /// Direction the target faces, in the last frame
+    /// Direction the target faces, in the frame of `[tool]`; without its
+    /// rpy_deg the last frame
     #[arg(
         long,
         value_name = "X,Y,Z",

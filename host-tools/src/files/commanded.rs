@@ -2,9 +2,11 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
-use crate::error::{Error, Place, Result};
+use super::source::Source;
+use crate::error::Result;
 use crate::model::near::Reach;
 use crate::model::{Commanded, Measurements, Robot, Row};
+use crate::units::from_mm;
 
 const POINT: [&str; 3] = ["cmd_x_mm", "cmd_y_mm", "cmd_z_mm"];
 /// Commanded points whose coordinates agree within this are one pose, m.
@@ -24,6 +26,7 @@ impl Commanded {
     /// # Errors
     /// As for [`Commanded::read`].
     pub fn parse(path: &Path, text: &str, robot: &Robot) -> Result<Self> {
+        let source = Source { path, text };
         let header: Vec<&str> =
             text.lines().next().unwrap_or("").split(',').map(str::trim).collect();
         let points = POINT.iter().any(|name| header.contains(name));
@@ -32,15 +35,15 @@ impl Commanded {
                 .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
         });
         match (joints, points) {
-            (true, true) => Err(Error::file(
-                path,
-                Place::line(1),
+            (true, true) => Err(source.in_line(
+                1,
+                0,
                 "both commanded joints and commanded points",
                 "keep what the controller was told and delete the other columns",
             )),
-            (false, false) if !text.trim().is_empty() => Err(Error::file(
-                path,
-                Place::line(1),
+            (false, false) if !text.trim().is_empty() => Err(source.in_line(
+                1,
+                0,
                 "no commanded joints and no commanded points",
                 "add the columns cmd1_deg.. (cmdN_mm for prismatic joints), or cmd_x_mm, cmd_y_mm, \
                  cmd_z_mm in the robot's frame",
@@ -51,7 +54,9 @@ impl Commanded {
             }
             (false, true) => {
                 let mut data = Measurements::table(path, text, robot, None)?;
-                let points = points_of(&data)?;
+                let to_arm = robot.base.pose().inverse();
+                let points = points_of(&source, &header, &data)?;
+                let points: Vec<_> = points.iter().map(|p| to_arm.transform_point(p)).collect();
                 number(&mut data, &points);
                 Ok(Self { data, points })
             }
@@ -59,26 +64,24 @@ impl Commanded {
     }
 }
 
-fn points_of(data: &Measurements) -> Result<Vec<Vector3<f64>>> {
+/// In the coordinates of the file, m.
+fn points_of(source: &Source, header: &[&str], data: &Measurements) -> Result<Vec<Vector3<f64>>> {
     let mut at = [0; 3];
     for (slot, name) in at.iter_mut().zip(POINT) {
         *slot = data.extra_columns.iter().position(|c| c == name).ok_or_else(|| {
-            Error::file(
-                &data.path,
-                Place::line(1),
-                format!("missing column {name}"),
-                "a commanded point needs cmd_x_mm, cmd_y_mm, cmd_z_mm",
-            )
+            let help = "a commanded point needs cmd_x_mm, cmd_y_mm, cmd_z_mm";
+            source.in_line(1, 0, format!("missing column {name}"), help)
         })?;
     }
     let cell = |row: &Row, axis: usize| match row.extra[at[axis]].parse::<f64>() {
-        Ok(mm) if mm.is_finite() && mm.abs() <= 1e6 => Ok(mm * 1e-3),
-        _ => Err(Error::file(
-            &data.path,
-            Place::field(row.line, POINT[axis]),
-            format!("\"{}\" is not a coordinate", row.extra[at[axis]]),
-            "give the commanded point in mm, in the robot's frame",
-        )),
+        Ok(mm) if mm.is_finite() && mm.abs() <= 1e6 => Ok(from_mm(mm)),
+        _ => {
+            let column = header.iter().position(|name| *name == POINT[axis]).unwrap_or(0);
+            let span = source.cell(source.start_of(row.line), column);
+            let message = format!("\"{}\" is not a coordinate", row.extra[at[axis]]);
+            let help = "give the commanded point in mm, in the robot's frame";
+            Err(source.in_cell(row.line, (POINT[axis], span), message, help))
+        }
     };
     data.rows
         .iter()

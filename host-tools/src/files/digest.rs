@@ -4,7 +4,7 @@
 use toml::{Table, Value};
 
 /// What the digest covers.
-const COVERED: [&str; 5] = ["joints", "corrections", "terms", "measurement_terms", "frame"];
+const COVERED: [&str; 6] = ["joints", "corrections", "terms", "measurement_terms", "frame", "base"];
 /// What may be edited in it: where the arm may go, and how well it is known.
 const FREE: [&str; 6] =
     ["limits_deg", "limits_mm", "gear_ratio", "sigma", "covered_deg", "covered_mm"];

@@ -1,7 +1,7 @@
 //! The columns that say what a row measured: `kind` and those of each kind.
 
-use super::columns::Cells;
-use crate::error::{Error, Place, Result};
+use super::columns::{Cells, Header};
+use crate::error::Result;
 use crate::model::{KindId, Values};
 use crate::observations::{KINDS, by_name};
 
@@ -14,19 +14,17 @@ pub(super) struct MeasuredColumns {
 }
 
 impl MeasuredColumns {
-    /// Finds them by name; `header` makes an error of the header line.
-    pub fn find(
-        take: &mut impl FnMut(&str) -> Option<usize>,
-        header: impl Fn(String, &str) -> Error,
-    ) -> Result<Self> {
-        let kind = take("kind");
+    /// Finds them by name.
+    pub fn find(header: &mut Header) -> Result<Self> {
+        let kind = header.take("kind");
         let mut of = Vec::new();
         for (place, known) in KINDS.iter().enumerate() {
-            let found: Vec<_> = known.columns().iter().map(|c| (c, take(c.name))).collect();
+            let found: Vec<_> = known.columns().iter().map(|c| (c, header.take(c.name))).collect();
             let missing = found.iter().find(|(_, at)| at.is_none());
             // Without a column `kind` every row is of the first.
             if let (0, None, Some((column, _))) = (place, kind, missing) {
-                return Err(header(format!("missing column {}", column.name), column.missing));
+                let message = format!("missing column {}", column.name);
+                return Err(header.fail(message, column.missing));
             }
             of.push(found.into_iter().map(|(_, at)| at).collect());
         }
@@ -46,7 +44,7 @@ impl MeasuredColumns {
         let found = self.of[usize::from(id.0)].as_ref().ok_or_else(|| {
             let names: Vec<_> = columns.iter().map(|c| c.name).collect();
             let message = format!("a row of kind \"{name}\" needs {}", names.join(", "));
-            Error::file(cells.path, Place::line(cells.line), message, columns[0].missing)
+            cells.source.in_line(cells.line, cells.start, message, columns[0].missing)
         })?;
         let mut values = Values::default();
         for (column, at) in columns.iter().zip(found) {

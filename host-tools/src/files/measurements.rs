@@ -2,8 +2,9 @@ use std::path::Path;
 
 use truearm::JointKind;
 
-use super::columns::{Cells, Columns};
-use crate::error::{Error, Place, Result};
+use super::columns::{Cells, Columns, Labels};
+use super::source::Source;
+use crate::error::{Error, Result};
 use crate::model::near::Reach;
 use crate::model::{Measurements, Robot};
 
@@ -38,52 +39,54 @@ impl Measurements {
         robot: &Robot,
         joints: Option<&str>,
     ) -> Result<Self> {
+        let source = Source { path, text };
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .flexible(true)
             .from_reader(text.as_bytes());
-        let fail = |e: csv::Error| {
-            let place =
-                e.position().map_or_else(Place::default, |p| Place::line(p.line() as usize));
-            Error::file(path, place, e.to_string(), "write one comma-separated row a measurement")
-        };
-        let names: Vec<String> =
-            reader.headers().map_err(fail)?.iter().map(str::to_owned).collect();
-        let columns = Columns::find(path, &names, robot, joints)?;
-        let mut data = Self {
-            path: path.to_owned(),
-            rows: Vec::new(),
-            stations: Vec::new(),
-            markers: Vec::new(),
-            poses: 0,
-            extra_columns: columns.extra.iter().map(|c| names[*c].clone()).collect(),
-            warnings: Vec::new(),
-        };
+        let headers = reader.headers().map_err(|e| unreadable(&source, &e))?;
+        let names: Vec<String> = headers.iter().map(str::to_owned).collect();
+        let columns = Columns::find(source, &names, robot, joints)?;
+        let (mut rows, mut labels) = (Vec::new(), Labels::default());
         for record in reader.records() {
-            let record = record.map_err(fail)?;
-            let line = record.position().map_or(0, |p| p.line() as usize);
+            let record = record.map_err(|e| unreadable(&source, &e))?;
+            let (line, start) =
+                record.position().map_or((0, 0), |p| (p.line() as usize, p.byte() as usize));
             if record.len() != names.len() {
-                return Err(Error::file(
-                    path,
-                    Place::line(line),
+                return Err(source.in_line(
+                    line,
+                    start,
                     format!("{} cells where the header has {}", record.len(), names.len()),
                     "give every row a cell for every column; leave unknown ones empty",
                 ));
             }
-            let cells = Cells { path, line, names: &names, record: &record };
-            let row = columns.row(&cells, robot, &mut data.stations, &mut data.markers)?;
-            data.rows.push(row);
+            let cells = Cells { source, line, start, names: &names, record: &record };
+            rows.push(columns.row(&cells, robot, &mut labels)?);
         }
-        if data.rows.is_empty() {
-            return Err(Error::file(path, Place::default(), "no data rows", "add measurements"));
+        if rows.is_empty() {
+            return Err(source.whole("no data rows", "add measurements"));
         }
+        let mut data = Self {
+            path: path.to_owned(),
+            rows,
+            stations: labels.stations,
+            markers: labels.markers,
+            poses: 0,
+            extra_columns: columns.extra.iter().map(|c| names[*c].clone()).collect(),
+            warnings: Vec::new(),
+        };
         if joints.is_some() {
-            let reach = Reach::of_joints(robot, SAME_ANGLE, SAME_LENGTH);
-            let numbers;
-            (numbers, data.poses) = reach.number(data.rows.iter().map(|row| row.q.as_slice()));
-            data.rows.iter_mut().zip(numbers).for_each(|(row, number)| row.pose = number);
+            data.number(robot);
         }
         Ok(data)
+    }
+
+    /// Numbers the poses by their joint values.
+    fn number(&mut self, robot: &Robot) {
+        let reach = Reach::of_joints(robot, SAME_ANGLE, SAME_LENGTH);
+        let numbers;
+        (numbers, self.poses) = reach.number(self.rows.iter().map(|row| row.q.as_slice()));
+        self.rows.iter_mut().zip(numbers).for_each(|(row, number)| row.pose = number);
     }
 
     /// Things that look wrong but may be meant.
@@ -116,5 +119,13 @@ impl Measurements {
                 ));
             }
         }
+    }
+}
+
+fn unreadable(source: &Source, error: &csv::Error) -> Error {
+    let help = "write one comma-separated row a measurement";
+    match error.position() {
+        Some(at) => source.in_line(at.line() as usize, at.byte() as usize, error.to_string(), help),
+        None => source.whole(error.to_string(), help),
     }
 }

@@ -9,10 +9,10 @@ mod key;
 mod measured;
 mod measurements;
 mod model;
-mod model_file;
 mod model_terms;
 mod poses;
 mod robot;
+mod source;
 
 pub use key::read_key;
 pub use poses::poses_csv;

@@ -1,9 +1,6 @@
-use truearm::Pose;
-
 use super::csv_text;
 use crate::model::Robot;
-use crate::model::arm::chain;
-use crate::units::{joint_column, joint_to_file};
+use crate::units::{joint_column, joint_to_file, point_to_mm};
 
 /// Poses as lines of a CSV file: a column a joint, named after `prefix`, where
 /// the nominal target then is in the robot's frame, and the side that each joint
@@ -15,7 +12,7 @@ pub fn poses_csv(
     poses: &[Vec<f64>],
     directions: &[Vec<i8>],
 ) -> String {
-    let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
+    let target = robot.nominal_target();
     let kind = |j: usize| robot.joints[j].link.kind;
     let joints = 0..robot.joints.len();
     let mut names: Vec<String> = joints.map(|j| joint_column(prefix, j, kind(j))).collect();
@@ -26,7 +23,7 @@ pub fn poses_csv(
         let joints = q.iter().enumerate();
         let mut cells: Vec<String> =
             joints.map(|(j, q)| format!("{:.3}", joint_to_file(kind(j), *q))).collect();
-        cells.extend(arm.pose(q).translation.iter().map(|x| format!("{:.3}", x * 1e3)));
+        cells.extend(point_to_mm(&target(q).translation).map(|x| format!("{x:.3}")));
         let sides = directions.get(i).into_iter().flatten();
         cells.extend(sides.map(|side| side.to_string()));
         cells

@@ -12,7 +12,7 @@ mod workspace;
 
 pub use identified::{Model, Provenance};
 pub use measurements::{Commanded, KindId, Measurements, Row};
-pub use robot::{Joint, LinkMass, Robot};
+pub use robot::{Joint, LinkMass, Placement, Robot};
 pub(crate) use term::{DRIFT, XYZ};
 pub use term::{ModelTerm, friction, friction_unit, part};
 pub use values::Values;

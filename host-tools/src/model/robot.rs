@@ -1,7 +1,9 @@
 use std::path::PathBuf;
 
-use nalgebra::Vector3;
-use truearm::Link;
+use nalgebra::{Rotation3, Vector3};
+use truearm::{Link, Pose};
+
+use super::arm::chain;
 
 /// The nominal arm, as `robot.toml` describes it, in SI units.
 #[derive(Debug, Clone)]
@@ -14,20 +16,50 @@ pub struct Robot {
     pub serial: String,
     /// Standard deviation of a measured coordinate, repeatability included, m.
     pub sigma: f64,
-    /// Gravity in the robot's base frame, m/s^2.
+    /// Gravity in the frame before joint 1, m/s^2.
     pub gravity: Option<Vector3<f64>>,
     /// Temperature the nominal geometry refers to, degrees Celsius.
     pub reference_temperature: f64,
     /// The joints from base to flange.
     pub joints: Vec<Joint>,
+    /// The frame before joint 1 in the frame of the files' coordinates: of
+    /// gravity, commanded points, boxes and trackers. Joint 1 has no parameter
+    /// for what it holds. Everything but the files is in the frame before joint 1.
+    pub base: Placement,
     /// Target in the last frame, m.
     pub tool: Vector3<f64>,
+    /// How the target's frame is turned in the last frame, as in [`Placement`].
+    pub tool_rpy: Vector3<f64>,
     /// Masses of the links; empty if not given.
     pub links: Vec<LinkMass>,
     /// Centre of mass of the payload in the last frame; the tool point if not given, m.
     pub payload: Vector3<f64>,
     /// Remarks for the user.
     pub warnings: Vec<String>,
+}
+
+/// A frame as a user states it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// Its origin, m.
+    pub xyz: Vector3<f64>,
+    /// Turns about the fixed axes x, then y, then z, rad: `R = Rz Ry Rx`.
+    pub rpy: Vector3<f64>,
+}
+
+impl Default for Placement {
+    fn default() -> Self {
+        Self { xyz: Vector3::zeros(), rpy: Vector3::zeros() }
+    }
+}
+
+impl Placement {
+    /// As a transform from the frame to the one it is stated in.
+    #[must_use]
+    pub fn pose(&self) -> Pose<f64> {
+        let turn = Rotation3::from_euler_angles(self.rpy.x, self.rpy.y, self.rpy.z);
+        Pose { rotation: turn.into_inner(), translation: self.xyz }
+    }
 }
 
 /// A joint and the link before it.
@@ -78,6 +110,14 @@ impl Robot {
             self.path.display()
         ));
         Some(robot)
+    }
+
+    /// Where the nominal target is at joint values, in the coordinates of the
+    /// files.
+    pub fn nominal_target(&self) -> impl Fn(&[f64]) -> Pose<f64> + use<> {
+        let arm = chain(&self.nominal(), self.base.pose(), self.tool);
+        let turn = Placement { xyz: Vector3::zeros(), rpy: self.tool_rpy }.pose();
+        move |q| arm.pose(q).compose(&turn)
     }
 
     /// The nominal links.

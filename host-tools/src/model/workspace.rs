@@ -3,7 +3,6 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
 
-use super::arm::chain;
 use super::robot::Robot;
 use crate::error::{Error, Kind, Result};
 use crate::units::{joint_from_file, joint_to_file};
@@ -11,7 +10,7 @@ use crate::units::{joint_from_file, joint_to_file};
 /// A pose is given up for when so many draws gave none.
 const MOST_TRIES: usize = 20_000;
 
-/// Where the arm may go in a measurement, SI, in the nominal robot's frame.
+/// Where the arm may go in a measurement, SI, in the coordinates of the files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Workspace {
     /// Of each joint, rad or m.
@@ -28,9 +27,9 @@ pub struct Workspace {
 /// modelled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight {
-    /// The tracker in the robot's frame, m.
+    /// The tracker in the coordinates of the files, m.
     pub tracker: Vector3<f64>,
-    /// Axis of the target in the last frame.
+    /// Axis of the target in its own frame.
     pub axis: Vector3<f64>,
     /// Half angle of the cone, rad.
     pub cone: f64,
@@ -102,7 +101,7 @@ impl Workspace {
         count: usize,
         rng: &mut ChaCha8Rng,
     ) -> Result<Vec<Vec<f64>>> {
-        let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
+        let target = robot.nominal_target();
         let mut out = Vec::with_capacity(count);
         let mut tries = 0;
         while out.len() < count {
@@ -115,7 +114,7 @@ impl Workspace {
                 })
                 .collect();
             tries += 1;
-            if self.admits(&arm.pose(&q)) {
+            if self.admits(&target(&q)) {
                 out.push(q);
                 tries = 0;
             } else if tries > MOST_TRIES {

@@ -77,7 +77,7 @@ pub struct Verification {
     pub expanded_uncertainty_mm: f64,
     /// Joints commanded outside the range of the identification, from 1.
     pub joints_not_covered: Vec<usize>,
-    /// Error of every row, mm.
+    /// Error of every row in the coordinates of the files, m.
     #[serde(skip)]
     pub row_errors: Vec<Vector3<f64>>,
     /// Errors that the model predicts without compensation; `None` where points
@@ -115,6 +115,7 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     let repeatability: Vec<f64> =
         poses.iter().filter_map(|(_, rows)| repeatability(&of(rows))).collect();
     let repeats = poses.iter().map(|(_, rows)| rows.len());
+    let to_file = model.robot.base.pose().rotation;
     let no_rows = || Error::data(Kind::NoRows, "no rows to verify", "give a file with rows");
     Ok(Verification {
         file: data.path.display().to_string(),
@@ -136,7 +137,7 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
             .is_empty()
             .then(|| predicted(model, data, &markers, &frames, &targets))
             .flatten(),
-        row_errors: errors,
+        row_errors: errors.iter().map(|e| to_file * e).collect(),
     })
 }
 

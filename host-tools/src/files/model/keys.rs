@@ -1,9 +1,10 @@
 //! The keys of a model.toml, in file units.
 
 use serde::{Deserialize, Serialize};
+use toml::Spanned;
 
-use super::covariance::CovarianceFile;
-use super::model_terms::{MeasurementTermFile, TermFile};
+use crate::files::covariance::CovarianceFile;
+use crate::files::model_terms::{MeasurementTermFile, TermFile};
 use crate::model::Provenance;
 
 /// The file. The keys of robot.toml stand in it as they do there, so that a
@@ -23,7 +24,9 @@ pub(super) struct ModelFile {
     pub unidentifiable: Vec<String>,
     pub provenance: Provenance,
     pub frame: FrameFile,
-    pub tool: ToolFile,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base: Option<PlacementFile>,
+    pub tool: PlacementFile,
     pub payload: PayloadFile,
     pub joints: Vec<JointFile>,
     pub corrections: Vec<CorrectionFile>,
@@ -40,30 +43,33 @@ pub(super) struct ModelFile {
 /// What model.toml has beyond robot.toml.
 #[derive(Deserialize)]
 pub(super) struct ModelPart {
-    pub schema: String,
+    pub schema: Spanned<String>,
     #[serde(default)]
     pub digest: String,
-    pub robot_id: Option<String>,
+    pub robot_id: Option<Spanned<String>>,
     #[serde(default)]
     pub orientation_identified: bool,
-    pub covariance: Option<CovarianceFile>,
+    pub covariance: Option<Spanned<CovarianceFile>>,
     #[serde(default)]
     pub unidentifiable: Vec<String>,
     pub provenance: Provenance,
     pub frame: FrameFile,
-    pub corrections: Vec<CorrectionFile>,
+    pub corrections: Vec<Spanned<CorrectionFile>>,
     #[serde(default)]
-    pub terms: Vec<TermFile>,
+    pub terms: Vec<Spanned<TermFile>>,
     #[serde(default)]
-    pub measurement_terms: Vec<MeasurementTermFile>,
+    pub measurement_terms: Vec<Spanned<MeasurementTermFile>>,
     #[serde(default)]
-    pub stations: Vec<StationFile>,
+    pub stations: Vec<Spanned<StationFile>>,
     pub markers: Vec<MarkerFile>,
 }
 
+/// `[base]` or `[tool]`.
 #[derive(Serialize)]
-pub(super) struct ToolFile {
+pub(super) struct PlacementFile {
     pub xyz_mm: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rpy_deg: Option<[f64; 3]>,
 }
 
 #[derive(Serialize)]
@@ -111,6 +117,13 @@ pub(super) struct CorrectionFile {
     pub covered_deg: Option<[f64; 2]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covered_mm: Option<[f64; 2]>,
+}
+
+impl CorrectionFile {
+    /// In the order of the parameters of a link.
+    pub fn numbers(&self) -> [f64; 5] {
+        [self.alpha_deg, self.a_mm, self.theta_offset_deg, self.d_mm, self.beta_deg]
+    }
 }
 
 #[derive(Serialize, Deserialize)]

@@ -1,0 +1,90 @@
+use crate::error::{Error, Result};
+use crate::files::source::Source;
+use crate::model::Robot;
+use crate::units::joint_column;
+
+/// The names of the columns; those that were asked for are known.
+pub(in crate::files) struct Header<'a> {
+    source: Source<'a>,
+    names: &'a [String],
+    known: Vec<bool>,
+}
+
+impl<'a> Header<'a> {
+    pub fn new(source: Source<'a>, names: &'a [String]) -> Result<Self> {
+        let header = Self { source, names, known: vec![false; names.len()] };
+        if names.iter().all(|n| n.is_empty()) {
+            return Err(source.whole("the file is empty", "it needs a header line and rows"));
+        }
+        if names.len() == 1 && names[0].contains(';') {
+            let help = "separate them by commas, with decimal points";
+            return Err(header.fail("cells are separated by `;`", help));
+        }
+        match (0..names.len()).find(|i| names[..*i].contains(&names[*i])) {
+            Some(i) => {
+                let message = format!("column {} stands there twice", names[i]);
+                Err(header.fail_in(i, message, "rename or delete one"))
+            }
+            None => Ok(header),
+        }
+    }
+
+    pub fn fail(&self, message: impl Into<String>, help: impl Into<String>) -> Error {
+        self.source.in_line(1, 0, message, help)
+    }
+
+    fn fail_in(&self, column: usize, message: String, help: &str) -> Error {
+        self.fail(message, help).showing(self.source.text, self.source.cell(0, column))
+    }
+
+    /// A column by name, if it is there.
+    pub fn take(&mut self, name: &str) -> Option<usize> {
+        let found = self.names.iter().position(|n| n == name)?;
+        self.known[found] = true;
+        Some(found)
+    }
+
+    /// Those that nobody asked for.
+    pub fn unknown(&self) -> Vec<usize> {
+        (0..self.names.len()).filter(|i| !self.known[*i]).collect()
+    }
+
+    /// A column a joint.
+    pub fn joints(&mut self, robot: &Robot, prefix: Option<&str>) -> Result<Vec<usize>> {
+        let n = robot.joints.len();
+        let mut q = Vec::new();
+        for (j, joint) in robot.joints.iter().enumerate() {
+            let Some(prefix) = prefix else { break };
+            let kind = joint.link.kind;
+            let name = joint_column(prefix, j, kind);
+            let missing = |header: &Self| {
+                let (joint, file) = (j + 1, robot.path.display());
+                let help =
+                    format!("joint {joint} of {file} is {kind:?} and the robot has {n} joints");
+                header.fail(format!("missing column {name}"), help)
+            };
+            q.push(self.take(&name).ok_or_else(|| missing(self))?);
+        }
+        let prefix = prefix.unwrap_or("q");
+        let extra = [format!("{prefix}{}_deg", n + 1), format!("{prefix}{}_mm", n + 1)];
+        match self.names.iter().position(|name| extra.contains(name)) {
+            Some(i) => {
+                let (name, file) = (&self.names[i], robot.path.display());
+                let help = "use the robot file of this arm, or delete the column";
+                Err(self.fail_in(i, format!("column {name}, but {file} has {n} joints"), help))
+            }
+            None => Ok(q),
+        }
+    }
+
+    pub fn orientation(&mut self) -> Result<Option<[usize; 4]>> {
+        match ["qx", "qy", "qz", "qw"].map(|name| self.take(name)) {
+            [Some(x), Some(y), Some(z), Some(w)] => Ok(Some([x, y, z, w])),
+            [None, None, None, None] => Ok(None),
+            _ => Err(self.fail(
+                "orientation needs all of qx, qy, qz, qw",
+                "add the missing ones or delete the others",
+            )),
+        }
+    }
+}

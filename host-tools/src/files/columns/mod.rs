@@ -1,0 +1,161 @@
+//! The header of a measurements.csv and how a row is read under it.
+
+mod cells;
+mod header;
+
+use truearm::JointKind;
+
+use super::measured::MeasuredColumns;
+use super::source::Source;
+use crate::error::Result;
+use crate::model::{Robot, Row};
+use crate::units::{from_mm, joint_from_file};
+pub(super) use cells::Cells;
+pub(super) use header::Header;
+
+/// More degrees no encoder reads.
+const MOST_DEGREES: f64 = 1e5;
+
+/// Where each known column stands.
+pub(super) struct Columns {
+    q: Vec<usize>,
+    measured: MeasuredColumns,
+    optional: Optional,
+    directions: Vec<Option<usize>>,
+    orientation: Option<[usize; 4]>,
+    /// Columns without a meaning.
+    pub extra: Vec<usize>,
+}
+
+#[derive(Default)]
+struct Optional {
+    time: Option<usize>,
+    temperature: Option<usize>,
+    payload: Option<usize>,
+    order: Option<usize>,
+    sigma: Option<usize>,
+    series: Option<usize>,
+    station: Option<usize>,
+    marker: Option<usize>,
+}
+
+/// Labels in order of appearance.
+#[derive(Default)]
+pub(super) struct Labels {
+    pub stations: Vec<String>,
+    pub markers: Vec<String>,
+}
+
+/// Index of a label in a growing list.
+fn label(list: &mut Vec<String>, text: &str) -> usize {
+    list.iter().position(|l| l == text).unwrap_or_else(|| {
+        list.push(text.to_owned());
+        list.len() - 1
+    })
+}
+
+impl Columns {
+    /// Finds the columns by name. `joints` is what the columns of the joints
+    /// begin with; `None` if there are none.
+    pub fn find(
+        source: Source,
+        names: &[String],
+        robot: &Robot,
+        joints: Option<&str>,
+    ) -> Result<Self> {
+        let mut header = Header::new(source, names)?;
+        let q = header.joints(robot, joints)?;
+        let measured = MeasuredColumns::find(&mut header)?;
+        let orientation = header.orientation()?;
+        let directions =
+            (1..=robot.joints.len()).map(|j| header.take(&format!("dir{j}"))).collect();
+        let optional = Optional {
+            time: header.take("time_s"),
+            temperature: header.take("temperature_c"),
+            payload: header.take("payload_kg"),
+            order: header.take("order"),
+            sigma: header.take("sigma_mm"),
+            series: header.take("series"),
+            station: header.take("station"),
+            marker: header.take("marker"),
+        };
+        Ok(Self { q, measured, optional, directions, orientation, extra: header.unknown() })
+    }
+
+    /// Reads a row; new station and marker labels join the lists.
+    pub fn row(&self, cells: &Cells, robot: &Robot, labels: &mut Labels) -> Result<Row> {
+        let o = &self.optional;
+        let text = |column: Option<usize>| column.map_or("", |c| cells.text(c));
+        let (kind, measured) = self.measured.row(cells)?;
+        Ok(Row {
+            line: cells.line,
+            q: self.joints(cells, robot)?,
+            kind,
+            measured,
+            sigma: self.sigma(cells)?.unwrap_or(robot.sigma),
+            station: label(&mut labels.stations, text(o.station)),
+            marker: label(&mut labels.markers, text(o.marker)),
+            pose: 0,
+            series: Some(text(o.series)).filter(|s| !s.is_empty()).map(str::to_owned),
+            time: cells.optional(o.time)?,
+            temperature: cells.optional(o.temperature)?,
+            payload: cells.optional(o.payload)?,
+            order: cells.optional(o.order)?,
+            orientation: self.orientation(cells)?,
+            directions: self.directions(cells)?,
+            extra: self.extra.iter().map(|c| cells.text(*c).to_owned()).collect(),
+        })
+    }
+
+    fn joints(&self, cells: &Cells, robot: &Robot) -> Result<Vec<f64>> {
+        let value = |(column, joint): (&usize, &crate::model::Joint)| {
+            let (value, kind) = (cells.number(*column)?, joint.link.kind);
+            if kind == JointKind::Revolute && value.abs() > MOST_DEGREES {
+                let help = "give the joint angle in degrees";
+                return Err(cells.fail(*column, format!("{value} degrees"), help));
+            }
+            Ok(joint_from_file(kind, value))
+        };
+        self.q.iter().zip(&robot.joints).map(value).collect()
+    }
+
+    fn sigma(&self, cells: &Cells) -> Result<Option<f64>> {
+        let Some(column) = self.optional.sigma else { return Ok(None) };
+        match cells.optional(Some(column))? {
+            Some(mm) if mm <= 0.0 => {
+                let help = "give one positive standard deviation in mm";
+                Err(cells.fail(column, format!("sigma {mm}"), help))
+            }
+            sigma => Ok(sigma.map(from_mm)),
+        }
+    }
+
+    fn directions(&self, cells: &Cells) -> Result<Vec<i8>> {
+        let side = |column: &Option<usize>| match (cells.optional(*column)?, column) {
+            (Some(v), _) if [-1.0, 0.0, 1.0].contains(&v) => Ok(v as i8),
+            (Some(v), Some(column)) => {
+                let help = "+1 came to rest moving in +q, -1 in -q, 0 or empty unknown";
+                Err(cells.fail(*column, format!("direction {v}"), help))
+            }
+            _ => Ok(0),
+        };
+        self.directions.iter().map(side).collect()
+    }
+
+    fn orientation(&self, cells: &Cells) -> Result<Option<[f64; 4]>> {
+        let Some(columns) = self.orientation else { return Ok(None) };
+        let mut quaternion = [0.0; 4];
+        for (slot, column) in quaternion.iter_mut().zip(columns) {
+            match cells.optional(Some(column))? {
+                Some(value) => *slot = value,
+                None => return Ok(None),
+            }
+        }
+        let norm = quaternion.iter().map(|v| v * v).sum::<f64>().sqrt();
+        if (norm - 1.0).abs() > 1e-2 {
+            let help = "give a unit quaternion qx, qy, qz, qw";
+            return Err(cells.fail(columns[0], format!("quaternion of length {norm:.3}"), help));
+        }
+        Ok(Some(quaternion.map(|v| v / norm)))
+    }
+}

@@ -1,0 +1,161 @@
+use std::path::Path;
+
+use nalgebra::{Quaternion, UnitQuaternion};
+use toml::Spanned;
+use truearm::Pose;
+
+use super::keys::{CorrectionFile, ModelPart, StationFile};
+use super::{SCHEMA, frame_from_file, from_file};
+use crate::error::{Error, Result};
+use crate::files::digest::digest;
+use crate::files::model_terms;
+use crate::files::source::Source;
+use crate::model::{Model, ModelTerm, Robot};
+use crate::units::{from_mm, point_from_mm};
+
+const HELP: &str = "give a model.toml as written by `truearm identify`";
+
+impl Model {
+    /// Reads a model.toml.
+    ///
+    /// # Errors
+    /// Names file, line and remedy.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = crate::files::read(path)?;
+        let mut robot = Robot::parse(path, &text)?;
+        robot.warnings.clear();
+        let source = Source { path, text: &text };
+        let part: ModelPart = source.toml(HELP, &mut Vec::new())?;
+        Part { source, robot: &robot }.check(&part)?;
+        let base = robot.base.pose();
+        let (frame_translation, frame_rotation) = frame_from_file(&part.frame, &base);
+        let reader = Part { source, robot: &robot };
+        Ok(Self {
+            corrections: part.corrections.iter().map(|c| correction(c.get_ref())).collect(),
+            uncertainties: part.corrections.iter().filter_map(|c| sigma(c.get_ref())).collect(),
+            covered: part.corrections.iter().map(|c| covered(c.get_ref())).collect(),
+            orientation_identified: part.orientation_identified,
+            robot_id: part.robot_id.as_ref().map(|id| reader.robot_id(id)).transpose()?,
+            changed: part.digest != digest(&text),
+            covariance: match &part.covariance {
+                Some(file) => {
+                    let factor = file.get_ref().factor();
+                    Some(factor.map_err(|e| source.at(file.span(), e, HELP))?)
+                }
+                None => None,
+            },
+            terms: reader.terms(&part)?,
+            stations: part
+                .stations
+                .iter()
+                .map(|s| reader.station(s, &base))
+                .collect::<Result<_>>()?,
+            markers: part
+                .markers
+                .iter()
+                .map(|m| (m.label.clone(), point_from_mm(m.xyz_mm)))
+                .collect(),
+            frame_translation,
+            frame_rotation,
+            provenance: part.provenance,
+            unidentifiable: part.unidentifiable,
+            robot,
+        })
+    }
+}
+
+fn correction(c: &CorrectionFile) -> truearm::MdhParameters<f64> {
+    from_file(c.numbers())
+}
+
+fn sigma(c: &CorrectionFile) -> Option<truearm::MdhParameters<f64>> {
+    let s = c.sigma.as_ref()?;
+    Some(from_file([s.alpha_deg, s.a_mm, s.theta_offset_deg, s.d_mm, s.beta_deg]))
+}
+
+fn covered(c: &CorrectionFile) -> Option<[f64; 2]> {
+    let degrees = c.covered_deg.map(|range| range.map(f64::to_radians));
+    degrees.or(c.covered_mm.map(|range| range.map(from_mm)))
+}
+
+/// What is read on top of the robot.
+struct Part<'a> {
+    source: Source<'a>,
+    robot: &'a Robot,
+}
+
+impl Part<'_> {
+    fn fail(&self, message: String) -> Error {
+        self.source.whole(message, HELP)
+    }
+
+    /// Whether the parts of the file belong together.
+    fn check(&self, part: &ModelPart) -> Result<()> {
+        if part.schema.get_ref() != SCHEMA {
+            let message = format!("schema {} where {SCHEMA} is read", part.schema.get_ref());
+            return Err(self.source.at(part.schema.span(), message, HELP));
+        }
+        let n = self.robot.joints.len();
+        let numbered = part.corrections.iter().enumerate().all(|(i, c)| c.get_ref().joint == i + 1);
+        if part.corrections.len() != n || !numbered {
+            let message = format!("[[corrections]] do not match the {n} joints in order");
+            return Err(self.fail(message));
+        }
+        for c in &part.corrections {
+            if c.get_ref().numbers().iter().any(|x| !x.is_finite()) {
+                let message = format!("correction of joint {} is not finite", c.get_ref().joint);
+                return Err(self.source.at(c.span(), message, HELP));
+            }
+        }
+        let known = part.corrections.iter().filter(|c| c.get_ref().sigma.is_some()).count();
+        if ![0, n].contains(&known) {
+            return Err(self.fail("some corrections have a sigma and some have none".to_owned()));
+        }
+        if part.markers.is_empty() {
+            return Err(self.fail("a model needs a marker".to_owned()));
+        }
+        Ok(())
+    }
+
+    fn robot_id(&self, id: &Spanned<String>) -> Result<u64> {
+        let digits = id.get_ref().strip_prefix("0x");
+        digits.and_then(|digits| u64::from_str_radix(digits, 16).ok()).ok_or_else(|| {
+            let message = format!("robot_id \"{}\" is not 0x and 16 hex digits", id.get_ref());
+            self.source.at(id.span(), message, HELP)
+        })
+    }
+
+    /// The frame before joint 1 as a station sees it.
+    fn station(&self, s: &Spanned<StationFile>, base: &Pose<f64>) -> Result<(String, Pose<f64>)> {
+        let StationFile { label, xyz_mm, quaternion_xyzw: [x, y, z, w] } = s.get_ref();
+        let q = Quaternion::new(*w, *x, *y, *z);
+        if (q.norm() - 1.0).abs() > 1e-6 {
+            let message = format!("station \"{label}\": not a unit quaternion");
+            return Err(self.source.at(s.span(), message, HELP));
+        }
+        let rotation = UnitQuaternion::new_normalize(q).to_rotation_matrix().into_inner();
+        let pose = Pose { rotation, translation: point_from_mm(*xyz_mm) };
+        let pose = if *base == Pose::identity() { pose } else { pose.compose(base) };
+        Ok((label.clone(), pose))
+    }
+
+    /// Those of the arm, then those of the measurement.
+    fn terms(&self, part: &ModelPart) -> Result<Vec<ModelTerm>> {
+        let kinds: Vec<_> = self.robot.joints.iter().map(|j| j.link.kind).collect();
+        let mut terms = Vec::new();
+        for (i, term) in part.terms.iter().enumerate() {
+            let read = model_terms::arm_term(term.get_ref(), &kinds);
+            terms.push(read.map_err(|e| {
+                self.source.at(term.span(), format!("[[terms]] entry {}: {e}", i + 1), HELP)
+            })?);
+        }
+        for (i, term) in part.measurement_terms.iter().enumerate() {
+            let read = model_terms::measurement_term(term.get_ref());
+            terms.push(read.map_err(|e| {
+                let message = format!("[[measurement_terms]] entry {}: {e}", i + 1);
+                self.source.at(term.span(), message, HELP)
+            })?);
+        }
+        Ok(terms)
+    }
+}

@@ -1,0 +1,54 @@
+//! The keys of a robot.toml, in file units.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+#[derive(Deserialize)]
+pub(super) struct RobotFile {
+    pub name: Option<String>,
+    pub serial: Option<String>,
+    pub measurement_sigma_mm: Option<Spanned<f64>>,
+    #[serde(rename = "repeatability_mm")]
+    _repeatability_mm: Option<f64>,
+    pub gravity_m_s2: Option<[f64; 3]>,
+    pub reference_temperature_c: Option<f64>,
+    #[serde(default)]
+    pub joints: Vec<Spanned<JointFile>>,
+    pub base: Option<PlacementFile>,
+    pub tool: Option<PlacementFile>,
+    #[serde(default)]
+    pub links: Vec<LinkFile>,
+    pub payload: Option<PayloadFile>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct JointFile {
+    pub kind: Option<Spanned<String>>,
+    pub alpha_deg: Spanned<f64>,
+    pub a_mm: Spanned<f64>,
+    pub d_mm: Option<Spanned<f64>>,
+    pub d_offset_mm: Option<Spanned<f64>>,
+    pub theta_offset_deg: Spanned<f64>,
+    pub beta_deg: Option<Spanned<f64>>,
+    pub limits_deg: Option<Spanned<[f64; 2]>>,
+    pub limits_mm: Option<Spanned<[f64; 2]>>,
+    pub gear_ratio: Option<f64>,
+}
+
+/// `[base]` or `[tool]`.
+#[derive(Deserialize)]
+pub(super) struct PlacementFile {
+    pub xyz_mm: Option<Spanned<[f64; 3]>>,
+    pub rpy_deg: Option<Spanned<[f64; 3]>>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct LinkFile {
+    pub mass_kg: f64,
+    pub com_mm: [f64; 3],
+}
+
+#[derive(Deserialize)]
+pub(super) struct PayloadFile {
+    pub com_mm: [f64; 3],
+}

@@ -1,0 +1,177 @@
+mod check;
+mod keys;
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+use toml::Spanned;
+use truearm::JointKind;
+
+use super::source::Source;
+use crate::error::Result;
+use crate::model::{Joint, LinkMass, Placement, Robot};
+use crate::units::{from_mm, joint_from_file, point_from_mm};
+use check::Checker;
+use keys::{JointFile, PlacementFile, RobotFile};
+
+/// What to do about a file that does not have the right keys.
+pub(super) const HELP: &str = "see the README for the keys of this file";
+/// Standard deviation of a measured coordinate where none is given, mm.
+const USUAL_SIGMA: f64 = 0.03;
+/// Degrees Celsius to which nominal lengths refer where nothing is said.
+const ROOM: f64 = 20.0;
+
+impl Robot {
+    /// Reads and checks a `robot.toml`.
+    ///
+    /// # Errors
+    /// Names file, line, key and remedy.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::parse(path, &super::read(path)?)
+    }
+
+    /// Like [`Robot::read`] from a text.
+    ///
+    /// # Errors
+    /// As for [`Robot::read`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self> {
+        let source = Source { path, text };
+        let mut warnings = Vec::new();
+        let file: RobotFile = source.toml(HELP, &mut warnings)?;
+        let mut check = Checker { source, warnings };
+        check.count(file.joints.len())?;
+        let sigma = check.sigma(file.measurement_sigma_mm.as_ref())?;
+        let joints: Vec<Joint> =
+            file.joints.iter().map(|j| check.joint(j)).collect::<Result<_>>()?;
+        let base = check.placement("base", file.base.as_ref())?;
+        let tool = check.placement("tool", file.tool.as_ref())?;
+        let links = file
+            .links
+            .iter()
+            .map(|l| LinkMass { mass: l.mass_kg, com: point_from_mm(l.com_mm) })
+            .collect();
+        let stem = path.file_stem().map_or("robot".into(), |s| s.to_string_lossy().into_owned());
+        Ok(Self {
+            path: path.to_owned(),
+            name: file.name.unwrap_or(stem),
+            serial: file.serial.unwrap_or_default(),
+            sigma,
+            gravity: file.gravity_m_s2.map(|g| base.pose().rotation.tr_mul(&Vector3::from(g))),
+            reference_temperature: file.reference_temperature_c.unwrap_or(ROOM),
+            links: check.masses(links, joints.len()),
+            joints,
+            base,
+            tool: tool.xyz,
+            tool_rpy: tool.rpy,
+            payload: file.payload.map_or(tool.xyz, |p| point_from_mm(p.com_mm)),
+            warnings: check.warnings,
+        })
+    }
+}
+
+impl Checker<'_> {
+    /// Standard deviation of a coordinate, m.
+    fn sigma(&mut self, given: Option<&Spanned<f64>>) -> Result<f64> {
+        let Some(value) = given else {
+            self.warn(format!("no measurement_sigma_mm: {USUAL_SIGMA} mm is assumed"));
+            return Ok(from_mm(USUAL_SIGMA));
+        };
+        let mm = *value.get_ref();
+        if mm > 0.0 && mm <= 10.0 {
+            return Ok(from_mm(mm));
+        }
+        let help = "give one standard deviation of a coordinate in mm, such as 0.03";
+        Err(self.source.at(value.span(), format!("measurement_sigma_mm = {mm}"), help))
+    }
+
+    fn masses(&mut self, links: Vec<LinkMass>, joints: usize) -> Vec<LinkMass> {
+        if links.is_empty() || links.len() == joints {
+            return links;
+        }
+        self.warn(format!("{} [[links]] for {joints} joints: masses ignored", links.len()));
+        Vec::new()
+    }
+
+    /// `xyz_mm` and `rpy_deg` of a table; where neither is given, nothing moved.
+    fn placement(&mut self, table: &str, file: Option<&PlacementFile>) -> Result<Placement> {
+        let mut placement = Placement::default();
+        let Some(file) = file else { return Ok(placement) };
+        if let Some(xyz) = &file.xyz_mm {
+            self.finite(xyz.span(), &format!("{table}.xyz_mm"), xyz.get_ref())?;
+            placement.xyz = point_from_mm(*xyz.get_ref());
+        }
+        if let Some(rpy) = &file.rpy_deg {
+            let key = format!("{table}.rpy_deg");
+            for (turn, degrees) in placement.rpy.iter_mut().zip(rpy.get_ref()) {
+                *turn = self.angle_of(&key, rpy.span(), *degrees)?;
+            }
+        }
+        Ok(placement)
+    }
+
+    fn joint(&mut self, joint: &Spanned<JointFile>) -> Result<Joint> {
+        let j = joint.get_ref();
+        let kind = match j.kind.as_ref().map(|k| (k, k.get_ref().as_str())) {
+            None | Some((_, "revolute")) => JointKind::Revolute,
+            Some((_, "prismatic")) => JointKind::Prismatic,
+            Some((key, other)) => {
+                let help = "use \"revolute\" or \"prismatic\"";
+                return Err(self.source.at(key.span(), format!("kind = \"{other}\""), help));
+            }
+        };
+        let d = self.offset(kind, joint)?;
+        let limits = self.limits(kind, j)?;
+        let parameters = truearm::MdhParameters {
+            alpha: self.angle("alpha_deg", &j.alpha_deg)?,
+            a: self.length("a_mm", &j.a_mm)?,
+            theta: self.angle("theta_offset_deg", &j.theta_offset_deg)?,
+            d,
+            beta: j.beta_deg.as_ref().map_or(Ok(0.0), |b| self.angle("beta_deg", b))?,
+        };
+        Ok(Joint { link: truearm::Link { kind, parameters }, limits, gear_ratio: j.gear_ratio })
+    }
+
+    /// The length along the joint's axis that does not move, m.
+    fn offset(&self, kind: JointKind, joint: &Spanned<JointFile>) -> Result<f64> {
+        let j = joint.get_ref();
+        match (kind, &j.d_mm, &j.d_offset_mm) {
+            (JointKind::Revolute, Some(d), None) => self.length("d_mm", d),
+            (JointKind::Prismatic, None, Some(d)) => self.length("d_offset_mm", d),
+            (JointKind::Prismatic, None, None) => Ok(0.0),
+            (JointKind::Revolute, None, _) => {
+                Err(self.source.at(joint.span(), "joint without d_mm", "add d_mm"))
+            }
+            (JointKind::Revolute, Some(_), Some(d)) => {
+                let help = "d_offset_mm belongs to a prismatic joint; use d_mm";
+                Err(self.source.at(d.span(), "d_offset_mm on a revolute joint", help))
+            }
+            (JointKind::Prismatic, Some(d), _) => {
+                let help = "the joint value adds to d_offset_mm; use that";
+                Err(self.source.at(d.span(), "d_mm on a prismatic joint", help))
+            }
+        }
+    }
+
+    fn limits(&mut self, kind: JointKind, j: &JointFile) -> Result<Option<[f64; 2]>> {
+        let (limits, wrong) = match kind {
+            JointKind::Revolute => (&j.limits_deg, &j.limits_mm),
+            JointKind::Prismatic => (&j.limits_mm, &j.limits_deg),
+        };
+        if let Some(wrong) = wrong {
+            let help = "a revolute joint has limits_deg, a prismatic one limits_mm";
+            return Err(self.source.at(wrong.span(), "limits in the wrong unit", help));
+        }
+        let Some(value) = limits else { return Ok(None) };
+        let [low, high] = *value.get_ref();
+        self.finite(value.span(), "limits", &[low, high])?;
+        if low > high {
+            let message = format!("limits [{low}, {high}]");
+            return Err(self.source.at(value.span(), message, "give the lower limit first"));
+        }
+        if low == high {
+            let line = self.source.line(value.span().start);
+            self.warn(format!("line {line}: limits [{low}, {high}] let the joint not move"));
+        }
+        Ok(Some([low, high].map(|limit| joint_from_file(kind, limit))))
+    }
+}
