@@ -19,6 +19,7 @@ pub mod plan;
 pub mod plot;
 pub mod report;
 pub mod statistics;
+pub mod table;
 pub mod tikhonov;
 pub mod units;
 pub mod verify;

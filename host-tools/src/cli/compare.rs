@@ -8,9 +8,10 @@ use truearm_host::model::{Measurements, Robot};
 use truearm_host::plot::{Axis, Panel, Series, grid};
 use truearm_host::report::{CompareReport, to_json};
 use truearm_host::statistics::Stats;
+use truearm_host::units::to_mm;
 
 use super::evaluate::Frames as Anew;
-use super::{Said, table, warn};
+use super::{Said, warn, words};
 
 /// The paper's methods side by side: errors, reduction, time, size of the corrections.
 #[derive(Args)]
@@ -55,72 +56,15 @@ impl Compare {
             let files = folder.join("{compare.json,errors.svg,methods.svg}");
             wrote = format!("wrote {}\n", files.display());
         }
-        Ok(if self.json { json.into() } else { (words(&found) + &wrote).into() })
+        Ok(if self.json { json.into() } else { (words::compare(&found) + &wrote).into() })
     }
-}
-
-/// The methods side by side.
-fn words(c: &Comparison) -> String {
-    let raw = table::condition(&c.condition_number_raw);
-    let mut out = format!(
-        "{}\n{}: {} rows fitted; classical methods: {} parameters, base and tool {}; rank of all {}, \
-         condition number (Eq. 24) {raw}\n",
-        c.robot, c.data, c.rows, c.parameters, c.frames, c.rank,
-    );
-    if !c.outlier_rows.is_empty() {
-        let rows: Vec<String> = c.outlier_rows.iter().map(usize::to_string).collect();
-        out += &format!("left out for all as gross errors: rows {}\n", rows.join(", "));
-    }
-    match &c.validation {
-        Some(file) => out += &format!("errors on {file}, registered anew: {}\n\n", c.reregistered),
-        None => out += "errors on the fitted rows; --validate judges on others\n\n",
-    }
-    out += &format!(
-        "{:7} {:>9} {:>9} {:>9} {:>7} {:>7} {:>5} {:>9} {:>10} {:>9}\n",
-        "method",
-        "Max mm",
-        "MAE mm",
-        "SD mm",
-        "MAE -%",
-        "SD -%",
-        "iter",
-        "ms",
-        "norm, tol",
-        "lambda"
-    );
-    c.methods.iter().for_each(|o| out += &outcome(o));
-    out += "norm: corrections of all links in manufacturing tolerances (1 mm, 1 mrad)\n";
-    out
-}
-
-fn outcome(o: &Outcome) -> String {
-    let Some(s) = o.validation.or(o.fitted) else {
-        return format!("{:7} {}\n", o.name, o.failure.as_deref().unwrap_or("no result"));
-    };
-    let percent = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{p:.1}"));
-    // Metres of error are best read as powers of ten.
-    let mm = |x: f64| if x < 1e4 { format!("{x:.4}") } else { format!("{x:.1e}") };
-    let mark = if o.settled { "" } else { "  did not come to rest" };
-    format!(
-        "{:7} {:>9} {:>9} {:>9} {:>7} {:>7} {:>5} {:>9.2} {:>10} {:>9}{mark}\n",
-        o.name,
-        mm(s.max_mm),
-        mm(s.mean_mm),
-        mm(s.sd_mm),
-        percent(o.mae_reduction_percent),
-        percent(o.sd_reduction_percent),
-        o.iterations,
-        o.seconds * 1e3,
-        o.correction_norm.map_or("-".to_owned(), |n| format!("{n:.3e}")),
-        o.lambda.map_or("-".to_owned(), |l| format!("{l:.1e}")),
-    )
 }
 
 /// Share of the judged rows against their error, a line a method.
 fn errors(found: &Comparison) -> String {
     let line = |o: &Outcome| {
         let rows = if o.validation.is_some() { &o.validation_residuals } else { &o.residuals };
-        let mut sorted: Vec<f64> = rows.iter().map(|r| r.norm() * 1e3).collect();
+        let mut sorted: Vec<f64> = rows.iter().map(|r| to_mm(r.norm())).collect();
         sorted.sort_by(f64::total_cmp);
         let share = |i: usize| 100.0 * (i as f64 + 1.0) / rows.len() as f64;
         Series::line(o.name, sorted.iter().enumerate().map(|(i, e)| (*e, share(i))).collect())

@@ -8,7 +8,7 @@ use truearm_host::report::DiagnoseReport;
 
 use super::identify::residuals;
 use super::progress::Bar;
-use super::{Said, deliver, table, warn};
+use super::{Said, deliver, warn, words};
 
 /// Find where model and measurement disagree, name the missing effect, add it,
 /// and show the gap shrink on poses that were not fitted.
@@ -56,7 +56,7 @@ impl Diagnose {
         warn(&report.outcome.figures.warnings);
         deliver(
             &report,
-            || table::diagnosis(&report.outcome),
+            || words::diagnosis(&report.outcome),
             self.json,
             self.out.as_deref(),
             &found.model,

@@ -6,7 +6,7 @@ use truearm_host::evaluate::{Reregister, evaluate, not_covered};
 use truearm_host::model::{Measurements, Model};
 use truearm_host::report::{EvaluateReport, to_json};
 
-use super::{Said, table, warn};
+use super::{Said, warn, words};
 
 /// Score a model on measurements it was not identified from.
 #[derive(Args)]
@@ -50,13 +50,13 @@ impl Evaluate {
         let frames = self.reregister.map(Into::into).unwrap_or_default();
         let validation = evaluate(&model, &data, frames).inspect_err(|_| {
             // Whoever mends the frames should know this as well.
-            warn(&table::not_covered(&not_covered(&model, &data)).into_iter().collect::<Vec<_>>());
+            warn(&words::not_covered(&not_covered(&model, &data)).into_iter().collect::<Vec<_>>());
         })?;
         if self.json {
             let model = self.model.display().to_string();
             let report = EvaluateReport::new(model, validation, data.warnings);
             return Ok(to_json(&report).into());
         }
-        Ok(table::validation(&validation).into())
+        Ok(words::validation(&validation).into())
     }
 }

@@ -6,11 +6,12 @@ use truearm_host::files::csv_text;
 use truearm_host::identify::{LambdaRule, Options, RowResult, Scaling, identify};
 use truearm_host::model::{Measurements, Robot, Row};
 use truearm_host::report::IdentifyReport;
+use truearm_host::units::to_mm;
 use truearm_host::{Error, Result};
 
 use super::evaluate::Frames;
 use super::progress::Bar;
-use super::{Said, deliver, table, warn};
+use super::{Said, deliver, warn, words};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
 #[derive(Args)]
@@ -70,7 +71,7 @@ impl Identify {
         warn(&report.figures.warnings);
         deliver(
             &report,
-            || table::report(&report),
+            || words::identification(&report),
             self.json,
             self.out.as_deref(),
             &found.model,
@@ -136,7 +137,7 @@ pub fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
             let mm = |name: &&str| {
                 let v = v?;
                 let place = v.components().iter().position(|c| c == name)?;
-                Some(format!("{:.5}", v[place] * 1e3))
+                Some(format!("{:.5}", to_mm(v[place])))
             };
             cells.extend(names.iter().map(|name| mm(name).unwrap_or_default()));
         }

@@ -10,9 +10,9 @@ mod inspect;
 mod pack;
 mod plan;
 mod progress;
-mod table;
 mod unpack;
 mod verify;
+mod words;
 mod workspace;
 
 use std::path::Path;

@@ -4,13 +4,14 @@ use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::files::{poses_csv, write};
 use truearm_host::model::{Measurements, Robot, Workspace};
-use truearm_host::plan::{Explained, PlanOptions, PosePlan, discriminate, plan};
+use truearm_host::plan::{Explained, PlanOptions, discriminate, plan};
 use truearm_host::report::{PlanReport, SeparatedAlternative, SeparationReport, to_json};
+use truearm_host::units::MICRO;
 use truearm_host::{Error, Kind, Result};
 
 use super::progress::Bar;
 use super::workspace::Where;
-use super::{End, Said, warn};
+use super::{End, Said, warn, words};
 
 /// Choose the poses to measure before an identification, or to tell two
 /// explanations of `diagnose` apart.
@@ -62,7 +63,7 @@ impl Plan {
             poses: self.poses,
             workspace,
             candidates: self.candidates,
-            target: self.target_um.map(|um| um * 1e-6),
+            target: self.target_um.map(|um| um / MICRO),
             seed: self.seed,
         };
         let bar = Bar::new("exchanging poses");
@@ -74,7 +75,7 @@ impl Plan {
         let text = if self.json {
             to_json(&PlanReport::new(&robot, &found, self.candidates, self.target_um))
         } else {
-            words(&found) + &format!("wrote {}\n", self.out.display())
+            words::planned(&found) + &format!("wrote {}\n", self.out.display())
         };
         let end = match (found.reached, self.target_um) {
             (Some(false), Some(target)) => End::Failed(Error::data(
@@ -82,7 +83,7 @@ impl Plan {
                 format!(
                     "with {} poses the worst tool point is {:.1} um, not {target} um",
                     self.poses,
-                    found.worst * 1e6
+                    found.worst * MICRO
                 ),
                 "the poses are written as far as they go; allow more --poses, a wider workspace, or \
                  measure with a smaller sigma",
@@ -141,45 +142,8 @@ impl Plan {
             };
             return Ok(to_json(&report).into());
         }
-        let mut text = String::new();
-        for a in alternatives {
-            let names: Vec<&str> = a.effects.iter().map(|(name, _)| *name).collect();
-            text += &format!(
-                "alternative {}: worse by {:.1} in chi-square now, by {:.0} more expected with \
-                 these {} poses\n",
-                names.join(" and "),
-                a.worse_by_now,
-                a.worse_by_planned,
-                planned.poses.len()
-            );
-        }
+        let mut text = words::separated(&alternatives, planned.poses.len());
         text += &format!("wrote {}\n", self.out.display());
         Ok(text.into())
     }
-}
-
-fn words(found: &PosePlan) -> String {
-    let um = 1e6;
-    let o = &found.observability;
-    format!(
-        "{} poses for {} parameters that points can determine\n\
-         predicted 3-D standard deviation of the tool point over the workspace, um:\n\
-         {:34}{:>8.1}\n{:34}{:>8.1}\n{:34}{:>8.1}\n{:34}{:>8.1}\n\
-         observability: O1 {:.4}, O2 {:.2e}, O3 {:.4}, O4 {:.2e}, O5 {:.4}\n",
-        found.poses.len(),
-        found.parameters,
-        "  worst",
-        found.worst * um,
-        "  root mean square",
-        found.rms * um,
-        "  no set has a smaller worst than",
-        found.bound * um,
-        "  worst of as many random poses",
-        found.random_worst * um,
-        o.o1,
-        o.o2,
-        o.o3,
-        o.o4,
-        o.o5
-    )
 }

@@ -5,12 +5,13 @@ use nalgebra::Vector3;
 use truearm_host::files::{csv_text, poses_csv, write};
 use truearm_host::model::{Commanded, Measurements, Model, Row};
 use truearm_host::report::{VerifyReport, to_json};
+use truearm_host::units::to_mm;
 use truearm_host::verify::{Conformity, STANDARD_REPEATS};
 use truearm_host::verify::{Verification, test_poses, verify};
 use truearm_host::{Error, Result};
 
 use super::workspace::Where;
-use super::{End, Said, table, warn};
+use super::{End, Said, warn, words};
 
 /// Verify the compensated arm on measured points: ISO 9283 accuracy and
 /// repeatability, pass or fail. Exit status 3: fail, 4: neither is proven.
@@ -93,7 +94,7 @@ impl Verify {
         let report = VerifyReport::new(model, before, after, self.tolerance_mm, warnings);
         warn(&report.warnings);
         let json = to_json(&report);
-        text += &if self.json { json.clone() } else { words(&report) };
+        text += &if self.json { json.clone() } else { words::verification(&report) };
         if let Some(folder) = &self.out {
             write(&folder.join("report.json"), json.as_bytes())?;
             write(&folder.join("errors.csv"), errors(&data.data, &report.after).as_bytes())?;
@@ -121,57 +122,13 @@ impl Verify {
     }
 }
 
-fn words(report: &VerifyReport) -> String {
-    let after = &report.after;
-    let mut out = format!("{}: {} rows of {} poses\n", after.file, after.rows, after.poses);
-    table::head(&mut out);
-    let predicted = &after.predicted_without_compensation;
-    match &report.before {
-        Some(before) => table::row(&mut out, "before, measured", &Some(before.errors)),
-        None => table::row(&mut out, "before, as the model predicts", predicted),
-    }
-    table::row(&mut out, "after", &Some(after.errors));
-    out += &format!(
-        "positioning accuracy AP (ISO 9283): mean {:.4} mm, largest {:.4} mm of {} poses\n",
-        after.accuracy.mean_mm, after.accuracy.max_mm, after.accuracy.poses
-    );
-    out += &match &after.repeatability {
-        Some(rp) => format!(
-            "positioning repeatability RP (ISO 9283): mean {:.4} mm, largest {:.4} mm of {} poses\n",
-            rp.mean_mm, rp.max_mm, rp.poses
-        ),
-        None => "no pose was measured twice: no repeatability RP\n".to_owned(),
-    };
-    out += &format!(
-        "expanded uncertainty of an error (k = 2): {:.4} mm\n",
-        after.expanded_uncertainty_mm
-    );
-    if after.reregistered != "none" {
-        out += &format!("{} fitted on this file itself, as asked\n", after.reregistered);
-    }
-    if let Some(line) = table::not_covered(&after.joints_not_covered) {
-        out += &format!("{line}\n");
-    }
-    if let (Some(conformity), Some(mm)) = (report.conformity, report.tolerance_mm) {
-        out += &match conformity {
-            Conformity::Pass => format!("PASS: every error is within {mm} mm\n"),
-            Conformity::Fail => format!("FAIL: an error is beyond {mm} mm\n"),
-            Conformity::NotProven => {
-                format!("NOT PROVEN: {mm} mm is within the uncertainty of the largest error\n")
-            }
-        };
-        out += &format!("decision rule: {}\n", report.decision_rule);
-    }
-    out
-}
-
 fn errors(data: &Measurements, found: &Verification) -> String {
     let header = "row,line,station,marker,pose,dx_mm,dy_mm,dz_mm,distance_mm";
     let line = |(i, (row, e)): (usize, (&Row, &Vector3<f64>))| {
         let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
         let mut cells = vec![(i + 1).to_string(), row.line.to_string()];
         cells.extend([station.clone(), marker.clone(), (row.pose + 1).to_string()]);
-        cells.extend([e.x, e.y, e.z, e.norm()].map(|x| format!("{:.5}", x * 1e3)));
+        cells.extend([e.x, e.y, e.z, e.norm()].map(|x| format!("{:.5}", to_mm(x))));
         cells
     };
     csv_text(header.split(','), data.rows.iter().zip(&found.row_errors).enumerate().map(line))

@@ -1,0 +1,144 @@
+use truearm_host::diagnose::{Alternative, Effect, Outcome, Verdict};
+use truearm_host::table::Table;
+use truearm_host::units::MILLI;
+
+use super::list;
+
+/// Effects of one name up to which each has a line of its own.
+const EACH: usize = 3;
+/// Sentences about where the residuals are.
+const PLACES: usize = 6;
+
+/// The summary of `diagnose`.
+pub fn diagnosis(r: &Outcome) -> String {
+    let b = &r.figures;
+    let mut out = format!("{}\n{}: {} rows of {} poses\n", b.robot, b.data, b.rows, b.poses);
+    out += verdict(r);
+    out += &effects(r);
+    out += &format!("\n{}held out: {}\n", gap(r), b.cross_validation);
+    if !b.outliers.is_empty() {
+        let what = match r.effects.iter().any(|e| e.name == "outliers") {
+            true => "flagged as gross errors and left out",
+            false => "that do not fit, left out",
+        };
+        out += &format!("rows {what}: {}\n", list(&b.outlier_rows));
+    }
+    if !r.whereabouts.is_empty() {
+        out += "where geometry alone disagrees:\n";
+        r.whereabouts.iter().take(PLACES).for_each(|line| out += &format!("  {line}\n"));
+    }
+    r.alternatives.iter().for_each(|a| out += &alternative(a));
+    r.not_testable.iter().for_each(|line| out += &format!("not testable: {line}\n"));
+    out
+}
+
+fn verdict(r: &Outcome) -> &'static str {
+    match r.verdict {
+        Verdict::Clean => "verdict: clean, geometry alone reaches the noise floor\n",
+        Verdict::Explained => "verdict: explained\n",
+        Verdict::Unexplained if r.effects.is_empty() => {
+            "verdict: unexplained, structure is left that no listed effect explains\n"
+        }
+        Verdict::Unexplained => {
+            "verdict: unexplained, the effects below carry most of it but not all\n"
+        }
+    }
+}
+
+fn effects(r: &Outcome) -> String {
+    let mut out = String::new();
+    let mut told: Vec<&str> = Vec::new();
+    for e in &r.effects {
+        let same: Vec<&Effect> = r.effects.iter().filter(|o| o.name == e.name).collect();
+        if same.len() <= EACH {
+            out += &format!("  {}\n", effect(e));
+        } else if !told.contains(&e.name) {
+            told.push(e.name);
+            out += &spectrum(&same);
+        }
+    }
+    out
+}
+
+fn gap(r: &Outcome) -> Table {
+    let mut table = Table::new(["RMS error, mm", "fitted", "cross-val", "hold-out"]);
+    let cell = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.4}"));
+    for row in &r.gap {
+        let cells = [Some(row.train_rms_mm), row.cross_validated_rms_mm, row.holdout_rms_mm];
+        table.row(std::iter::once(row.model.clone()).chain(cells.map(cell)));
+    }
+    table.numbers("noise floor", [r.noise_floor_mm]);
+    table
+}
+
+fn alternative(a: &Alternative) -> String {
+    let names: Vec<String> = a.effects.iter().map(|(name, joints)| place(name, joints)).collect();
+    let mut out = format!(
+        "alternative within reach (worse by {:.1} in chi-square): {}\n  \
+         measure these poses to tell them apart:\n",
+        a.worse_by,
+        names.join(" and ")
+    );
+    for pose in &a.separating_poses {
+        let joints: Vec<String> = pose.joints.iter().map(|q| format!("{q:.2}")).collect();
+        out += &format!("    {}  ({:.3} mm apart)\n", joints.join(", "), pose.difference_mm);
+    }
+    out
+}
+
+fn place(name: &str, joints: &[usize]) -> String {
+    let list: Vec<String> = joints.iter().map(usize::to_string).collect();
+    match (name, joints.len()) {
+        (_, 0) => name.to_owned(),
+        ("joint-coupling", _) => format!("{name} from joint {} to {}", list[0], list[1]),
+        (_, 1) => format!("{name} of joint {}", list[0]),
+        _ => format!("{name} of joints {}", list.join(", ")),
+    }
+}
+
+fn effect(e: &Effect) -> String {
+    let mut out = place(e.name, &e.joints);
+    if let Some(order) = e.order {
+        out += &format!(", {order} cycles a turn");
+    }
+    let values: Vec<String> = e
+        .coefficients
+        .iter()
+        .map(|c| {
+            let part = if c.part.is_empty() { String::new() } else { format!("{} ", c.part) };
+            format!("{part}{:.3e} +- {:.0e} {}", c.value, c.sigma, c.unit)
+        })
+        .collect();
+    if !values.is_empty() {
+        out += &format!(": {}", values.join(", "));
+    }
+    if e.holdout_gain != 0.0 {
+        out += &format!("; held-out error falls by {:.0} %", e.holdout_gain * 100.0);
+    }
+    out
+}
+
+/// Many orders of one periodic effect: a line a joint, amplitudes in mrad.
+fn spectrum(effects: &[&Effect]) -> String {
+    let mut joints: Vec<usize> = effects.iter().flat_map(|e| e.joints.clone()).collect();
+    joints.sort_unstable();
+    joints.dedup();
+    let gain = effects.first().map_or(0.0, |e| e.holdout_gain);
+    let name = effects.first().map_or("", |e| e.name);
+    let mut out = format!("  {name}; held-out error falls by {:.0} %\n", gain * 100.0);
+    for joint in joints {
+        let mut lines: Vec<(f64, f64)> = Vec::new();
+        for e in effects {
+            let mine = e.coefficients.iter().filter(|c| c.joint == Some(joint));
+            let square: f64 = mine.map(|c| c.value * c.value).sum();
+            if square > 0.0 {
+                lines.push((square.sqrt() * MILLI, e.order.unwrap_or(0.0)));
+            }
+        }
+        lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let list: Vec<String> =
+            lines.iter().map(|(mrad, order)| format!("{order:.1} ({mrad:.2})")).collect();
+        out += &format!("    joint {joint}, cycles a turn (mrad): {}\n", list.join(", "));
+    }
+    out
+}

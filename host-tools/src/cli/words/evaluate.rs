@@ -1,0 +1,32 @@
+use truearm_host::evaluate::Validation;
+
+use super::{Errors, list, not_covered};
+
+/// A scored file.
+pub fn validation(v: &Validation) -> String {
+    let mut out = format!("{}: {} rows\n", v.file, v.rows);
+    let mut table = Errors::new();
+    table.rms("nominal, registered on this file", v.nominal_rms_mm);
+    table.row("identified", Some(&v.stats));
+    if !v.left_out.is_empty() {
+        table.row("identified, all rows", Some(&v.all_rows));
+    }
+    out += &table.0.to_string();
+    if !v.left_out.is_empty() {
+        let rows = list(&v.left_out);
+        out += &format!("rows {rows} left out: beyond 10 robust standard deviations\n");
+    }
+    if v.reregistered != "none" {
+        out += &format!("{} fitted on this file itself, as asked\n", v.reregistered);
+    }
+    if let Some(base) = v.base_refitted_rms_mm.filter(|b| *b < 0.5 * v.stats.rms_mm) {
+        out += &format!(
+            "most of this error is the frame: with a base fitted on this file it is {base:.4} mm \
+             (has the tracker moved? --reregister base)\n"
+        );
+    }
+    if let Some(line) = not_covered(&v.joints_not_covered) {
+        out += &format!("{line}\n");
+    }
+    out
+}

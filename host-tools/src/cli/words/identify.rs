@@ -1,0 +1,133 @@
+use truearm_host::identify::Figures;
+use truearm_host::identify::error_bars::Uncertainty;
+use truearm_host::report::IdentifyReport;
+use truearm_host::table::Table;
+
+use super::{Errors, condition, count, validation};
+
+/// A report of `identify`.
+pub fn identification(report: &IdentifyReport) -> String {
+    let r = &report.figures;
+    let mut out = head(r) + &lambda(r) + "\n" + &errors(report);
+    out += &format!("cross-validation: {}\n", r.cross_validation);
+    if r.rows_not_cross_validated > 0 {
+        out += &format!(
+            "{} not cross-validated: too few others at their station or marker\n",
+            count(r.rows_not_cross_validated, "row")
+        );
+    }
+    out += &flagged(r);
+    out += &error_bars(&r.uncertainty);
+    out += &undetermined(r);
+    if r.residual_over_sigma > 3.0 {
+        out += "the residuals are well above the stated noise: this model lacks something\n";
+    }
+    if let Some(v) = &report.validation {
+        out += &format!("\n{}", validation(v));
+    }
+    out
+}
+
+fn head(r: &Figures) -> String {
+    format!(
+        "{}\n{}: {} of {}, {}, {}\n\
+         {} parameters, rank {}, condition number {:.3e} (Eq. 24 with redundancy: {})\n",
+        r.robot,
+        r.data,
+        count(r.rows, "row"),
+        count(r.poses, "pose"),
+        count(r.stations.len(), "station"),
+        count(r.markers.len(), "marker"),
+        r.parameters,
+        r.rank,
+        r.condition_number,
+        condition(&r.condition_number_raw)
+    )
+}
+
+fn lambda(r: &Figures) -> String {
+    let mut out =
+        format!("lambda {:.3e} by {} ({} scaling)", r.lambda, r.lambda_rule, r.lambda_scaling);
+    if let Some(choice) = &r.lambda_choice {
+        let or_none = |l: Option<f64>| l.map_or("none".to_owned(), |l| format!("{l:.3e}"));
+        out += &format!(
+            "; L-curve corner {}, two-step {:.3e}\n\
+             other rules: GCV {}, discrepancy {}, k-fold {:.3e}, marginal likelihood {}",
+            or_none(choice.l_curve),
+            choice.two_step,
+            or_none(choice.gcv),
+            or_none(choice.discrepancy),
+            choice.k_fold,
+            or_none(choice.maximum_likelihood)
+        );
+    }
+    out + &format!(
+        "\ncorrections {:.2} tolerances in norm; residuals {:.1} times the stated sigma\n",
+        r.correction_norm, r.residual_over_sigma
+    )
+}
+
+fn errors(report: &IdentifyReport) -> String {
+    let r = &report.figures;
+    let mut table = Errors::new();
+    table.row("nominal, base and tool fitted", r.nominal.as_ref());
+    table.row("identified", r.identified.as_ref());
+    table.row("cross-validated", r.cross_validated.as_ref());
+    table.row("cross-validated, blocks in time", r.cross_validated_blocked.as_ref());
+    if !r.outliers.is_empty() {
+        table.row("cross-validated, all rows", r.all_rows.cross_validated.as_ref());
+    }
+    table.row("validation", report.validation.as_ref().map(|v| &v.stats));
+    table.0.to_string()
+}
+
+fn flagged(r: &Figures) -> String {
+    if r.outliers.is_empty() {
+        return "no row flagged\n".to_owned();
+    }
+    let rows = count(r.outliers.len(), "row");
+    let mut out = format!("{rows} flagged as gross errors and left out:\n");
+    for o in &r.outliers {
+        let residual: Vec<String> = o.residual_mm.iter().map(|r| format!("{r:.3}")).collect();
+        out += &format!(
+            "  row {}: {} wrong (measured minus predicted {} mm)\n",
+            o.row,
+            o.coordinates.join(", "),
+            residual.join(", ")
+        );
+    }
+    out
+}
+
+/// Corrections with their intervals, five parameters a joint, and the tool point.
+fn error_bars(u: &Uncertainty) -> String {
+    let bars = &u.tool_point;
+    let mut out = format!(
+        "predicted tool point, 95 %: +-{:.4} mm a coordinate (RMS over the poses), +-{:.4} mm at \
+         worst; from noise alone +-{:.4}, +-{:.4}\n",
+        bars.rms_mm, bars.max_mm, bars.noise_rms_mm, bars.noise_max_mm
+    );
+    let head = ["corrections, 95 %", "alpha, deg", "a, mm", "theta, deg", "d, mm", "beta, deg"];
+    let mut table = Table::new(head);
+    for (i, joint) in u.parameters.chunks(5).enumerate() {
+        let cells = joint.iter().map(|p| format!("{:+.4} +-{:<6.4}", p.correction, p.half_width));
+        table.row(std::iter::once(format!("  joint {}", i + 1)).chain(cells));
+    }
+    out += &table.to_string();
+    u.correlations.iter().for_each(|line| out += &format!("  {line}\n"));
+    out
+}
+
+fn undetermined(r: &Figures) -> String {
+    let mut out = String::new();
+    if !r.unidentifiable.is_empty() {
+        let combinations = count(r.unidentifiable.len(), "combination");
+        out += &format!("{combinations} that the data cannot determine:\n");
+        r.unidentifiable.iter().for_each(|line| out += &format!("  {line}\n"));
+    }
+    if !r.weakly_determined.is_empty() {
+        out += "known worse than their tolerance, so left near nominal:\n";
+        r.weakly_determined.iter().for_each(|line| out += &format!("  {line}\n"));
+    }
+    out
+}

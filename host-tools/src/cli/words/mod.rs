@@ -1,0 +1,68 @@
+//! What the verbs say on the terminal: one file a verb.
+
+mod compare;
+mod diagnose;
+mod evaluate;
+mod identify;
+mod plan;
+mod verify;
+
+pub use compare::compare;
+pub use diagnose::diagnosis;
+pub use evaluate::validation;
+pub use identify::identification;
+pub use plan::{planned, separated};
+pub use verify::verification;
+
+use truearm_host::identify::Condition;
+use truearm_host::statistics::Stats;
+use truearm_host::table::Table;
+
+/// Errors of points, a line a model.
+struct Errors(Table);
+
+impl Errors {
+    fn new() -> Self {
+        Self(Table::new(["position error, mm", "mean", "RMS", "max", "SD"]))
+    }
+
+    /// A line, if there is what it is about.
+    fn row(&mut self, name: &str, stats: Option<&Stats>) {
+        if let Some(s) = stats {
+            self.0.numbers(name, [s.mean_mm, s.rms_mm, s.max_mm, s.sd_mm]);
+        }
+    }
+
+    /// A line of which only the root mean square is known.
+    fn rms(&mut self, name: &str, rms_mm: f64) {
+        self.0.row([name.to_owned(), String::new(), format!("{rms_mm:.4}")]);
+    }
+}
+
+/// A condition number in words.
+fn condition(condition: &Condition) -> String {
+    match condition {
+        Condition::Number(c) => format!("{c:.3e}"),
+        Condition::Beyond(text) => (*text).to_owned(),
+    }
+}
+
+/// A number of things, `1 row` or `2 rows`.
+fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+/// Numbers of rows, joints and the like.
+fn list<T: ToString>(numbers: &[T]) -> String {
+    numbers.iter().map(T::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// A remark about extrapolation, if there is any.
+pub fn not_covered(joints: &[usize]) -> Option<String> {
+    (!joints.is_empty()).then(|| {
+        format!(
+            "joint ranges not covered by the identification: joints {}; there the model extrapolates",
+            list(joints)
+        )
+    })
+}

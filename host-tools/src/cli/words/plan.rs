@@ -1,0 +1,45 @@
+use truearm_host::plan::PosePlan;
+use truearm_host::report::SeparatedAlternative;
+use truearm_host::table::Table;
+use truearm_host::units::MICRO;
+
+/// Poses of `plan` and what they will tell.
+pub fn planned(found: &PosePlan) -> String {
+    let mut table =
+        Table::new(["predicted 3-D standard deviation of the tool point over the region", "um"]);
+    for (name, metres) in [
+        ("  worst", found.worst),
+        ("  root mean square", found.rms),
+        ("  no set has a smaller worst than", found.bound),
+        ("  worst of as many random poses", found.random_worst),
+    ] {
+        table.row([name.to_owned(), format!("{:.1}", metres * MICRO)]);
+    }
+    let o = &found.observability;
+    format!(
+        "{} poses for {} parameters that points can determine\n{table}\
+         observability: O1 {:.4}, O2 {:.2e}, O3 {:.4}, O4 {:.2e}, O5 {:.4}\n",
+        found.poses.len(),
+        found.parameters,
+        o.o1,
+        o.o2,
+        o.o3,
+        o.o4,
+        o.o5
+    )
+}
+
+/// What so many planned poses tell of alternatives.
+pub fn separated(alternatives: &[SeparatedAlternative], poses: usize) -> String {
+    let line = |a: &SeparatedAlternative| {
+        let names: Vec<&str> = a.effects.iter().map(|(name, _)| *name).collect();
+        format!(
+            "alternative {}: worse by {:.1} in chi-square now, by {:.0} more expected with these \
+             {poses} poses\n",
+            names.join(" and "),
+            a.worse_by_now,
+            a.worse_by_planned
+        )
+    };
+    alternatives.iter().map(line).collect()
+}
