@@ -7,6 +7,7 @@
 
 pub mod blob;
 pub mod diagnose;
+pub mod effects;
 pub mod error;
 pub mod evaluate;
 pub mod evidence;

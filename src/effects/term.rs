@@ -90,10 +90,7 @@ impl<T: Scalar> Term<T> {
                 Some(sum)
             }
             ActsOn::Joint => {
-                columns.get(joint).zip(links.get(joint)).map(|(c, link)| match link.kind {
-                    JointKind::Revolute => c.theta,
-                    JointKind::Prismatic => c.d,
-                })
+                columns.get(joint).zip(links.get(joint)).map(|(c, link)| *c.joint(link.kind))
             }
         };
         column.unwrap_or(none) * basis

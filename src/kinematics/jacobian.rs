@@ -69,6 +69,21 @@ impl<T: Scalar> LinkColumns<T> {
             LinkParameter::Beta => &self.beta,
         }
     }
+
+    /// With respect to the value of the joint, its theta or its d.
+    #[must_use]
+    pub const fn joint(&self, kind: JointKind) -> &Vector3<T> {
+        match kind {
+            JointKind::Revolute => &self.theta,
+            JointKind::Prismatic => &self.d,
+        }
+    }
+
+    /// All five in the order of [`LinkParameter::ALL`].
+    #[must_use]
+    pub fn to_array(&self) -> [Vector3<T>; 5] {
+        [self.alpha, self.a, self.theta, self.d, self.beta]
+    }
 }
 
 /// The tool point and its exact derivative to all 5N + 6 + 3 parameters, in

@@ -86,7 +86,7 @@ impl Moving for Motion<'_> {
             set(unknowns.terms().start, &terms);
         }
         for (i, columns) in d.links.iter().enumerate() {
-            set(unknowns.free() + 5 * i, columns);
+            set(unknowns.free() + 5 * i, &columns.to_array());
         }
         set(count, &beside);
         for (mut column, unit) in block.column_iter_mut().zip(&self.at.units) {

@@ -63,7 +63,7 @@ fn base(problem: &Problem, state: &State, rows: &[usize], frame: &Pose<f64>) -> 
             pull.set_column(column, &sum);
         };
         for (i, link) in real.links.iter().enumerate() {
-            for (k, change) in link.iter().enumerate() {
+            for (k, change) in link.to_array().iter().enumerate() {
                 add(columns.free() + 5 * i + k, *change);
             }
         }

@@ -3,6 +3,7 @@
 
 use nalgebra::Vector3;
 use truearm::effects::{Load, Masses, Term, TermInputs, deflection};
+use truearm::kinematics::LinkColumns;
 use truearm::{Approach, Chain, Link, Pose};
 
 /// Calls `$body` with the constant `N` equal to the run-time `$n`.
@@ -48,8 +49,16 @@ pub struct Derivatives {
     pub about: [Vector3<f64>; 3],
     /// To the tool point in the last frame.
     pub tool: [Vector3<f64>; 3],
-    /// To alpha, a, theta, d, beta of each link.
-    pub links: Vec<[Vector3<f64>; 5]>,
+    /// To the parameters of each link.
+    pub links: Vec<LinkColumns<f64>>,
+}
+
+impl Derivatives {
+    /// To the coefficient of a term with this basis, in an arm of these links.
+    #[must_use]
+    pub fn column(&self, term: &Term<f64>, basis: f64, links: &[Link<f64>]) -> Vector3<f64> {
+        term.column(basis, links, &self.links, &self.about)
+    }
 }
 
 /// What terms depend on at one row, for any number of joints; SI units.
@@ -152,7 +161,7 @@ impl<const N: usize> Kinematics for SizedArm<N> {
         let columns = columns.collect();
         let [rx, ry, rz] = j.base_rotation;
         let [tx, ty, tz] = j.base_translation;
-        let links = j.links.iter().map(|l| [l.alpha, l.a, l.theta, l.d, l.beta]).collect();
+        let links = j.links.to_vec();
         let point = self.chain.forward_deflected(&inputs.q, &deflection).translation;
         (Derivatives { point, base: [rx, ry, rz, tx, ty, tz], about, tool: j.tool, links }, columns)
     }

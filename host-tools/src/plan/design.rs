@@ -17,6 +17,7 @@
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use truearm::Pose;
+use truearm::kinematics::LinkColumns;
 
 use crate::identify::{Unknown, Unknowns};
 use crate::model::Robot;
@@ -172,8 +173,8 @@ fn full_blocks(robot: &Robot, poses: &[Vec<f64>]) -> DMatrix<f64> {
     let mut out = DMatrix::zeros(units.len(), 3 * poses.len());
     for (k, q) in poses.iter().enumerate() {
         let (d, _) = arm.derivatives(q, &[], &RowInputs::default());
-        let columns: Vec<&Vector3<f64>> =
-            d.base.iter().chain(&d.tool).chain(d.links.iter().flatten()).collect();
+        let links = d.links.iter().flat_map(LinkColumns::to_array);
+        let columns: Vec<Vector3<f64>> = d.base.into_iter().chain(d.tool).chain(links).collect();
         for (row, (column, unit)) in columns.iter().zip(&units).enumerate() {
             for c in 0..3 {
                 out[(row, 3 * k + c)] = column[c] * unit / robot.sigma;

@@ -88,9 +88,10 @@ fn alternative(a: &Alternative) -> String {
 
 fn place(name: &str, joints: &[usize]) -> String {
     let list: Vec<String> = joints.iter().map(usize::to_string).collect();
+    let coupled = truearm::effects::Effect::from_name(name).is_some_and(|e| e.is_coupled());
     match (name, joints.len()) {
         (_, 0) => name.to_owned(),
-        ("joint-coupling", _) => format!("{name} from joint {} to {}", list[0], list[1]),
+        _ if coupled => format!("{name} from joint {} to {}", list[0], list[1]),
         (_, 1) => format!("{name} of joint {}", list[0]),
         _ => format!("{name} of joints {}", list.join(", ")),
     }

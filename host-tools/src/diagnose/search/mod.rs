@@ -23,7 +23,7 @@ use scan::scan;
 use score::{Score, Scorer};
 
 /// Families an effect may come from.
-pub const FAMILIES: f64 = 11.0;
+pub const FAMILIES: f64 = crate::effects::ALL.len() as f64;
 
 /// Everything a search needs.
 pub struct Search<'a> {

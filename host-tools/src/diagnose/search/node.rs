@@ -1,9 +1,8 @@
 //! A fitted explanation, and how two are compared.
 
-use truearm::effects::Effect;
-
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::policy::POLICY;
+use crate::effects;
 use crate::identify::robust::RobustFit;
 use crate::model::ModelTerm;
 
@@ -55,20 +54,10 @@ impl Node {
     }
 }
 
-/// Signs and sizes that the physics allows: compliance gives way to the load,
-/// lengths grow with warmth, a link lags behind its motor.
+/// A sign and size that the physics of its effect allows.
 fn plausible(term: &ModelTerm) -> bool {
-    let c = term.coefficient();
-    match term {
-        ModelTerm::Arm(term) => match term.effect {
-            Effect::JointCompliance | Effect::BaseCompliance => (-1e-6..1e-2).contains(&c),
-            Effect::ThermalExpansion => (-1e-5..2e-4).contains(&c),
-            Effect::Backlash => (-1e-5..2e-2).contains(&c),
-            Effect::EncoderEccentricity => c.abs() < 6e-3,
-            _ => c.abs() < 2e-2,
-        },
-        _ => true,
-    }
+    let family = effects::family(term.effect_name());
+    family.is_none_or(|family| family.plausible.contains(&term.coefficient()))
 }
 
 /// Whether the residuals are what the stated noise leaves: chi-square over

@@ -7,9 +7,11 @@ use rayon::prelude::*;
 use truearm::effects::Effect;
 
 use super::score::{JointRows, Score, Scorer};
-use crate::diagnose::candidates::{Candidate, periodic};
+use crate::diagnose::candidates::Candidate;
 use crate::diagnose::policy::POLICY;
+use crate::effects::Offer;
 
+const EFFECT: Effect = Effect::JointPeriodicError;
 /// Orders tested in one matrix product.
 const BATCH: usize = 64;
 /// Rows that pass together.
@@ -36,6 +38,7 @@ impl Orders {
 pub fn scan(scorer: &Scorer, highest: f64) -> Vec<(Candidate, Score)> {
     let joints = scorer.joints();
     let coarse: Vec<Orders> = (0..joints).map(|joint| coarse(scorer, joint, highest)).collect();
+    let turning = coarse.iter().filter(|orders| orders.count > 0).count();
     let lists: Vec<Vec<Orders>> = coarse.iter().map(|orders| vec![*orders]).collect();
     let scores = statistics(scorer, &lists);
     let around = |(orders, scores): (&Orders, &Vec<Vec<f64>>)| {
@@ -45,23 +48,24 @@ pub fn scan(scorer: &Scorer, highest: f64) -> Vec<(Candidate, Score)> {
     let scores = statistics(scorer, &fine);
     let mut out = Vec::new();
     for (joint, (lists, scores)) in fine.iter().zip(&scores).enumerate() {
-        let tried = (coarse[joint].count * joints) as f64;
+        let tried = coarse[joint].count * turning;
         for (orders, scores) in lists.iter().zip(scores) {
             let (order, statistic) = sharpest(orders, scores, coarse[joint].step);
-            let terms = periodic(Effect::JointPeriodicError, joint, &[order]);
-            out.push((Candidate { terms, tried }, Score { statistic, freedom: 2 }));
+            let found = Offer::of_arm(EFFECT, &[joint], &[order], tried);
+            out.push((found.into(), Score { statistic, freedom: 2 }));
         }
     }
     out
 }
 
 /// All orders of a joint: so close that from one to the next the phase slips by
-/// half a radian at either end of the joint's range.
+/// half a radian at either end of the joint's range. None of a joint that slides.
 fn coarse(scorer: &Scorer, joint: usize, highest: f64) -> Orders {
     let [low, high] = scorer.range(joint);
     let step = (1.0 / (high - low).max(1e-3)).clamp(0.05, 0.5);
     let first = POLICY.lowest_order;
-    Orders { first, step, count: ((highest - first) / step).max(1.0) as usize }
+    let count = ((highest - first) / step).max(1.0) as usize;
+    Orders { first, step, count: if EFFECT.suits(scorer.kind(joint)) { count } else { 0 } }
 }
 
 /// Places of the highest peaks.

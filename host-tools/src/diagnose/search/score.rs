@@ -5,7 +5,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 use rayon::prelude::*;
-use truearm::effects::Effect;
+use truearm::JointKind;
 
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::policy::POLICY;
@@ -98,6 +98,12 @@ impl<'a> Scorer<'a> {
     #[must_use]
     pub fn joints(&self) -> usize {
         self.problem.nominal.len()
+    }
+
+    /// Whether a joint turns or slides.
+    #[must_use]
+    pub fn kind(&self, joint: usize) -> JointKind {
+        self.problem.nominal[joint].kind
     }
 
     /// Smallest and largest value of a joint.
@@ -201,8 +207,7 @@ impl<'a> Scorer<'a> {
 
     /// How the point moves with a joint's value.
     fn joint_column(&self, joint: usize, d: &Derivatives) -> Vector3<f64> {
-        let revolute = self.problem.nominal[joint].kind == truearm::JointKind::Revolute;
-        d.links[joint][if revolute { 2 } else { 3 }]
+        *d.links[joint].joint(self.kind(joint))
     }
 
     fn solve(&self, cc: &DMatrix<f64>, ac: &DMatrix<f64>, cr: &DVector<f64>) -> Score {
@@ -231,20 +236,6 @@ impl<'a> Scorer<'a> {
             return measurement_column(term, data, d, &self.bases[data.station]);
         };
         let basis = inputs.basis(&data.q, term);
-        let joint = usize::from(term.joint);
-        match term.effect {
-            Effect::BaseCompliance => d.about[usize::from(term.component)] * basis,
-            Effect::ThermalExpansion => {
-                let links = self.problem.nominal.iter().zip(&d.links).enumerate();
-                let mut sum = Vector3::zeros();
-                for (i, (link, c)) in links {
-                    if term.joint == truearm::effects::Term::<f64>::ALL || i == joint {
-                        sum += c[1] * link.parameters.a + c[3] * link.parameters.d;
-                    }
-                }
-                sum * basis
-            }
-            _ => self.joint_column(joint, d) * basis,
-        }
+        d.column(term, basis, &self.problem.nominal)
     }
 }

@@ -7,6 +7,7 @@ use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::search::FAMILIES;
 use crate::diagnose::search::node::{Node, at_floor};
+use crate::effects::OUTLIERS;
 use crate::identify::Findings;
 use crate::identify::robust::Outlier;
 use crate::model::{ModelTerm, Values, friction_unit};
@@ -46,7 +47,7 @@ pub fn effects(findings: &Findings, stages: &[Node], gap: &[GapRow], best: &Node
         let equations = problem.equations(&all) as f64;
         let p_value = (equations * libm::erfc(POLICY.gross / std::f64::consts::SQRT_2)).min(1.0);
         out.push(Effect {
-            name: "outliers",
+            name: OUTLIERS,
             joints: Vec::new(),
             order: None,
             coefficients: Vec::new(),

@@ -1,7 +1,6 @@
 //! Rows that look as if a joint had slipped on its encoder.
 
 use nalgebra::DVector;
-use truearm::JointKind;
 
 use crate::diagnose::chi_square::{chance, chi_square};
 use crate::diagnose::policy::POLICY;
@@ -96,8 +95,8 @@ pub fn contradiction(problem: &Problem, root: &Node) -> Vec<String> {
         vec![format!("{} of {of} rows contradict the others: {}", rows.len(), ranges(&rows))];
     // Least squares of one shift of a joint in all of them.
     let fitted = |joint: usize| {
-        let revolute = problem.nominal[joint].kind == JointKind::Revolute;
-        let moved = |_: usize, d: &Derivatives| vec![d.links[joint][if revolute { 2 } else { 3 }]];
+        let kind = problem.nominal[joint].kind;
+        let moved = |_: usize, d: &Derivatives| vec![*d.links[joint].joint(kind)];
         let (mut cc, mut cr, mut rr) = (0.0, 0.0, 0.0);
         for outlier in outliers {
             let e = at.equations_beside(outlier.row, &moved);
