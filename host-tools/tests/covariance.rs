@@ -46,7 +46,7 @@ fn host_sigma(model: &Model, q: &[f64]) -> Vector3<f64> {
     let [rx, ry, rz, tx, ty, tz] = d.base;
     let mut columns = vec![tx, ty, tz, rx, ry, rz];
     columns.extend(d.tool);
-    columns.extend(d.links.iter().flatten());
+    columns.extend(d.links.iter().flat_map(|link| link.to_array()));
     let j = Matrix3xX::from_columns(&columns);
     let size = columns.len();
     let mut l = nalgebra::DMatrix::zeros(size, size);
