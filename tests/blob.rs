@@ -336,7 +336,8 @@ fn bad_terms_are_named() {
     assert_eq!(real(3, 0.051), range("term 3 coefficient"));
     assert_eq!(real(10, -1.1e-3), range("term 10 coefficient"));
     assert_eq!(real(24, f32::NAN), "term 24 coefficient is not a finite number");
-    assert_eq!(refused(1, 0, &[9]), unknown("term 1 effect"));
+    let next = Effect::ALL.len() as u8;
+    assert_eq!(refused(1, 0, &[next]), unknown("term 1 effect"));
     // Room for effects to come.
     assert_eq!(refused(1, 0, &[0x40]), unknown("term 1 effect"));
     assert_eq!(refused(1, 0, &[0x80]), unknown("term 1 effect"));

@@ -57,6 +57,7 @@ fn golden_blobs_mean_what_they_meant() {
     layout_3_least().holds();
     layout_3_full().holds();
     layout_3_covariance().holds();
+    layout_3_stiffening().holds();
 }
 
 #[test]
@@ -65,6 +66,7 @@ fn write_missing_golden_blobs() {
     layout_3_least().write_if_missing();
     layout_3_full().write_if_missing();
     layout_3_covariance().write_if_missing();
+    layout_3_stiffening().write_if_missing();
 }
 
 /// The example of FORMAT.md.
@@ -81,6 +83,20 @@ fn layout_3_full() -> Golden<3> {
 fn layout_3_covariance() -> Golden<1> {
     let factor = Some((1..=factor_len(1, 0)).map(|k| k as f32 / 1024.0).collect());
     Golden { name: "layout-3-covariance.blob", layout: 3, parameters: least(), factor }
+}
+
+/// One joint with the effect that format 1.1 added.
+fn layout_3_stiffening() -> Golden<1> {
+    let name = "layout-3-stiffening.blob";
+    let masses = Masses {
+        gravity: Vector3::new(0.0, -9.8, 0.0),
+        mass: [4.5],
+        com: [Vector3::new(0.1, 0.0, 0.0)],
+        payload_com: Vector3::new(0.1, 0.0, 0.0),
+    };
+    let terms = heapless::Vec::from_iter([term(Effect::JointStiffening, 0, 0.0, -2.5e-6)]);
+    let parameters = ArmParameters { terms, masses: Some(masses), ..least() };
+    Golden { name, layout: 3, parameters, factor: None }
 }
 
 /// FORMAT.md shows these bytes.

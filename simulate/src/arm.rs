@@ -1,7 +1,5 @@
-//! A real arm, each effect by its exact construction: springs in equilibrium
-//! with the deflected arm's potential energy, an eccentric disc, a play that
-//! gravity or the approach takes up. Nothing here is linear in a coefficient by
-//! definition and nothing comes from the crate.
+//! A real arm: its springs in equilibrium with the deflected arm's potential
+//! energy. Nothing here comes from the crate.
 
 use nalgebra::{Rotation3, Vector3};
 use truearm::JointKind;
@@ -45,14 +43,14 @@ pub struct Moment {
 
 /// How the parts of an arm stand to each other.
 #[derive(Clone)]
-struct Shape {
-    links: Vec<[f64; 5]>,
-    joints: Vec<f64>,
+pub(crate) struct Shape {
+    pub links: Vec<[f64; 5]>,
+    pub joints: Vec<f64>,
     /// Rotation of the base about its x and y axes.
-    tilt: [f64; 2],
+    pub tilt: [f64; 2],
     /// Rotation of each joint's axis about x and y, and of the link behind it.
-    nod: Vec<[f64; 2]>,
-    bend: Vec<[f64; 2]>,
+    pub nod: Vec<[f64; 2]>,
+    pub bend: Vec<[f64; 2]>,
 }
 
 fn apply(m: &Matrix<f64>, p: &Vector3<f64>) -> Vector3<f64> {
@@ -123,7 +121,12 @@ impl Arm {
     }
 
     /// Load on a degree of freedom: the energy's fall along it.
-    fn load(&self, shape: &Shape, payload: f64, freedom: impl Fn(&mut Shape) -> &mut f64) -> f64 {
+    pub(crate) fn load(
+        &self,
+        shape: &Shape,
+        payload: f64,
+        freedom: impl Fn(&mut Shape) -> &mut f64,
+    ) -> f64 {
         let at = |step: f64| {
             let mut moved = shape.clone();
             *freedom(&mut moved) += step;
@@ -153,13 +156,13 @@ impl Arm {
     fn at_rest(&self, moment: &Moment) -> Shape {
         let mut stiff = self.unloaded(moment);
         for defect in &self.defects {
-            self.displace(&mut stiff, defect, moment);
+            defect.displace(&mut stiff, self, moment);
         }
         let mut shape = stiff.clone();
         for _ in 0..60 {
             let mut next = stiff.clone();
             for defect in &self.defects {
-                self.yield_to_load(&mut next, &shape, defect, moment);
+                defect.yield_to_load(&mut next, &shape, self, moment);
             }
             let moved = |a: &Shape, b: &Shape| {
                 let all = |s: &Shape| {
@@ -175,75 +178,5 @@ impl Arm {
             }
         }
         shape
-    }
-
-    fn displace(&self, shape: &mut Shape, defect: &Defect, moment: &Moment) {
-        let size = defect.size;
-        let q = |j: usize| moment.q[j];
-        match defect.kind {
-            Kind::EncoderEccentricity { joint, phase } => {
-                // The mark at angle q of the disc, seen from off its centre.
-                let (sin, cos) = (q(joint) - phase).sin_cos();
-                shape.joints[joint] += (size * sin).atan2(1.0 - size * cos);
-            }
-            Kind::GearTransmissionError { joint, phases } => {
-                let input = self.gear_ratios[joint] * q(joint);
-                let wave = (2.0 * input + phases[0]).sin() + 0.25 * (4.0 * input + phases[1]).sin();
-                shape.joints[joint] += size * wave;
-            }
-            Kind::JointPeriodicError { joint, order, phase } => {
-                shape.joints[joint] += size * (order * q(joint) + phase).sin();
-            }
-            Kind::JointGain { joint } => shape.joints[joint] += size * q(joint),
-            Kind::JointCoupling { source, joint } => shape.joints[joint] += size * q(source),
-            Kind::ThermalExpansion => {
-                // The coefficient itself grows; integrated from 20 degrees.
-                let warmth = moment.temperature - 20.0;
-                let growth = (size * (warmth + 0.001 * warmth * warmth)).exp();
-                for link in &mut shape.links {
-                    link[1] *= growth;
-                    link[3] *= growth;
-                }
-            }
-            Kind::BearingWobble { joint, order, phase } => {
-                let (sin, cos) = (order * q(joint) + phase).sin_cos();
-                shape.nod[joint] = [size * cos, size * sin];
-            }
-            Kind::Memory { joint } => {
-                shape.joints[joint] += size * (moment.before[joint] - q(joint))
-            }
-            _ => {}
-        }
-    }
-
-    fn yield_to_load(&self, next: &mut Shape, now: &Shape, defect: &Defect, moment: &Moment) {
-        let size = defect.size;
-        match defect.kind {
-            Kind::JointCompliance { joint } => {
-                next.joints[joint] +=
-                    size * self.load(now, moment.payload, |s| &mut s.joints[joint]);
-            }
-            Kind::BaseCompliance { ratio } => {
-                for (axis, size) in [size, size * ratio].into_iter().enumerate() {
-                    next.tilt[axis] = size * self.load(now, moment.payload, |s| &mut s.tilt[axis]);
-                }
-            }
-            Kind::Backlash { joint, friction } => {
-                let torque = self.torque(moment, joint);
-                // Gravity pulls the link through the gap if it can; otherwise
-                // the link lags behind the motion.
-                let side = if torque.abs() > friction {
-                    torque.signum()
-                } else {
-                    -f64::from(moment.directions[joint])
-                };
-                next.joints[joint] += size * side;
-            }
-            Kind::LinkBending { joint, axis } => {
-                let load = self.load(now, moment.payload, |s| &mut s.bend[joint][axis]);
-                next.bend[joint][axis] = size * load * load.abs();
-            }
-            _ => {}
-        }
     }
 }

@@ -1,7 +1,15 @@
-//! What arms do beyond rigid geometry: which effects, where, how large. How they
-//! act is in `arm.rs`.
+//! What arms do beyond rigid geometry: which effects, where, how large, and each
+//! by its exact construction: springs, an eccentric disc, a play that gravity or
+//! the approach takes up. Nothing here is linear in a coefficient by definition.
 
 use nalgebra::Vector3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use truearm::JointKind;
+
+use crate::arm::{Arm, Moment, Shape};
+use crate::draw::loaded;
+use crate::{Robot, vector};
 
 /// An effect and how large it is, in the unit of its kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +23,8 @@ pub struct Defect {
 pub enum Kind {
     /// A spring: rad per N m.
     JointCompliance { joint: usize },
+    /// A spring that is not linear: rad per (N m)^2, with the torque's sign.
+    JointStiffening { joint: usize },
     /// Two springs: rad per N m about x; about y `ratio` times as much.
     BaseCompliance { ratio: f64 },
     /// The disc's centre off the axis, in radii.
@@ -52,6 +62,7 @@ impl Kind {
     pub fn name(&self) -> &'static str {
         match self {
             Self::JointCompliance { .. } => "joint-compliance",
+            Self::JointStiffening { .. } => "joint-stiffening",
             Self::BaseCompliance { .. } => "base-compliance",
             Self::EncoderEccentricity { .. } => "encoder-eccentricity",
             Self::GearTransmissionError { .. } => "gear-transmission-error",
@@ -74,6 +85,7 @@ impl Kind {
         match self {
             Self::JointCoupling { source, joint } => vec![source + 1, joint + 1],
             Self::JointCompliance { joint }
+            | Self::JointStiffening { joint }
             | Self::EncoderEccentricity { joint, .. }
             | Self::GearTransmissionError { joint, .. }
             | Self::JointPeriodicError { joint, .. }
@@ -86,10 +98,25 @@ impl Kind {
         }
     }
 
+    /// Cycles a turn of its waves in an arm of these gears; the friction of a gap,
+    /// N m; otherwise 0 once.
+    pub fn orders(&self, gear_ratios: &[f64]) -> Vec<f64> {
+        match *self {
+            Self::EncoderEccentricity { .. } => vec![1.0],
+            Self::GearTransmissionError { joint, .. } => {
+                [2.0, 4.0].map(|k| k * gear_ratios[joint]).to_vec()
+            }
+            Self::JointPeriodicError { order, .. } => vec![order],
+            Self::Backlash { friction, .. } => vec![friction],
+            _ => vec![0.0],
+        }
+    }
+
     /// A larger one would be seen without any tool.
     pub fn largest(&self) -> f64 {
         match self {
             Self::JointCompliance { .. } => 2e-4,
+            Self::JointStiffening { .. } => 5e-6,
             Self::BaseCompliance { .. } => 5e-5,
             Self::EncoderEccentricity { .. } => 4e-3,
             Self::GearTransmissionError { .. } | Self::JointPeriodicError { .. } => 3e-3,
@@ -101,5 +128,161 @@ impl Kind {
             Self::LinkBending { .. } => 1e-4,
             Self::Memory { .. } => 2e-3,
         }
+    }
+}
+
+impl Defect {
+    /// What it does to an arm that no load bends.
+    pub(crate) fn displace(&self, shape: &mut Shape, arm: &Arm, moment: &Moment) {
+        let size = self.size;
+        let q = |j: usize| moment.q[j];
+        match self.kind {
+            Kind::EncoderEccentricity { joint, phase } => {
+                // The mark at angle q of the disc, seen from off its centre.
+                let (sin, cos) = (q(joint) - phase).sin_cos();
+                shape.joints[joint] += (size * sin).atan2(1.0 - size * cos);
+            }
+            Kind::GearTransmissionError { joint, phases } => {
+                let input = arm.gear_ratios[joint] * q(joint);
+                let wave = (2.0 * input + phases[0]).sin() + 0.25 * (4.0 * input + phases[1]).sin();
+                shape.joints[joint] += size * wave;
+            }
+            Kind::JointPeriodicError { joint, order, phase } => {
+                shape.joints[joint] += size * (order * q(joint) + phase).sin();
+            }
+            Kind::JointGain { joint } => shape.joints[joint] += size * q(joint),
+            Kind::JointCoupling { source, joint } => shape.joints[joint] += size * q(source),
+            Kind::ThermalExpansion => {
+                // The coefficient itself grows; integrated from 20 degrees.
+                let warmth = moment.temperature - 20.0;
+                let growth = (size * (warmth + 0.001 * warmth * warmth)).exp();
+                for link in &mut shape.links {
+                    link[1] *= growth;
+                    link[3] *= growth;
+                }
+            }
+            Kind::BearingWobble { joint, order, phase } => {
+                let (sin, cos) = (order * q(joint) + phase).sin_cos();
+                shape.nod[joint] = [size * cos, size * sin];
+            }
+            Kind::Memory { joint } => {
+                shape.joints[joint] += size * (moment.before[joint] - q(joint))
+            }
+            _ => {}
+        }
+    }
+
+    /// How it gives way to the loads on the arm as it stands now.
+    pub(crate) fn yield_to_load(&self, next: &mut Shape, now: &Shape, arm: &Arm, moment: &Moment) {
+        let size = self.size;
+        match self.kind {
+            Kind::JointCompliance { joint } => {
+                next.joints[joint] +=
+                    size * arm.load(now, moment.payload, |s| &mut s.joints[joint]);
+            }
+            Kind::JointStiffening { joint } => {
+                let load = arm.load(now, moment.payload, |s| &mut s.joints[joint]);
+                next.joints[joint] += size * load * load.abs();
+            }
+            Kind::BaseCompliance { ratio } => {
+                for (axis, size) in [size, size * ratio].into_iter().enumerate() {
+                    next.tilt[axis] = size * arm.load(now, moment.payload, |s| &mut s.tilt[axis]);
+                }
+            }
+            Kind::Backlash { joint, friction } => {
+                let torque = arm.torque(moment, joint);
+                // Gravity pulls the link through the gap if it can; otherwise
+                // the link lags behind the motion.
+                let side = if torque.abs() > friction {
+                    torque.signum()
+                } else {
+                    -f64::from(moment.directions[joint])
+                };
+                next.joints[joint] += size * side;
+            }
+            Kind::LinkBending { joint, axis } => {
+                let load = arm.load(now, moment.payload, |s| &mut s.bend[joint][axis]);
+                next.bend[joint][axis] = size * load * load.abs();
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A kind by its name, at a random place.
+///
+/// # Panics
+/// With a name that is not one.
+pub fn drawn(name: &str, robot: &Robot, arm: &Arm, poses: &[Moment], rng: &mut ChaCha8Rng) -> Kind {
+    let revolute: Vec<usize> =
+        (0..arm.kinds.len()).filter(|j| arm.kinds[*j] == JointKind::Revolute).collect();
+    let joint = revolute[rng.random_range(0..revolute.len())];
+    let phase = rng.random_range(0.0..std::f64::consts::TAU);
+    match name {
+        "joint-compliance" | "joint-stiffening" => {
+            let loaded: Vec<usize> =
+                revolute.into_iter().filter(|j| loaded(*j, robot, arm, poses)).collect();
+            let joint = loaded[rng.random_range(0..loaded.len())];
+            match name {
+                "joint-stiffening" => Kind::JointStiffening { joint },
+                _ => Kind::JointCompliance { joint },
+            }
+        }
+        "base-compliance" => Kind::BaseCompliance { ratio: rng.random_range(0.5..2.0) },
+        "encoder-eccentricity" => Kind::EncoderEccentricity { joint, phase },
+        "gear-transmission-error" => {
+            Kind::GearTransmissionError { joint, phases: [phase, phase * 3.7] }
+        }
+        "joint-gain" => Kind::JointGain { joint },
+        "joint-coupling" => loop {
+            let source = revolute[rng.random_range(0..revolute.len())];
+            if source != joint {
+                return Kind::JointCoupling { source, joint };
+            }
+        },
+        "backlash" => {
+            let largest = poses.iter().map(|m| arm.torque(m, joint).abs()).fold(0.0_f64, f64::max);
+            // Friction is made for the load; what an unloaded joint carries by
+            // accident never overcomes it.
+            let range = if loaded(joint, robot, arm, poses) { 0.2..1.2 } else { 2.0..4.0 };
+            Kind::Backlash { joint, friction: largest * rng.random_range(range) }
+        }
+        "thermal-expansion" => Kind::ThermalExpansion,
+        "tool-remount" => Kind::ToolRemount { direction: vector(rng).normalize() },
+        "measurement-drift" => Kind::MeasurementDrift {
+            shift: vector(rng).normalize(),
+            turn: Vector3::normalize(&vector(rng)),
+        },
+        "joint-periodic-error" => {
+            // Not where a gear that errs once an input turn would be.
+            let ratio = robot.joints[joint].gear_ratio.unwrap_or(0.0);
+            loop {
+                let order: f64 = rng.random_range(3.0..60.0);
+                let order = if rng.random_bool(0.5) { order.round() } else { order };
+                if (order - ratio).abs() > 2.0 {
+                    return Kind::JointPeriodicError { joint, order, phase };
+                }
+            }
+        }
+        "outliers" => Kind::Outliers,
+        // Once a turn would be an axis out of square: geometry.
+        "bearing wobble" => {
+            // The last axis moves a single marker as an eccentric encoder does:
+            // no data of one marker could tell them apart.
+            let inner = &revolute[..revolute.len() - 1];
+            let joint = inner[rng.random_range(0..inner.len())];
+            Kind::BearingWobble { joint, order: f64::from(rng.random_range(2..=4)), phase }
+        }
+        "quadratic link bending" => {
+            // About the next joint's own axis it would be that joint's stiffening.
+            loop {
+                let (joint, axis) = (rng.random_range(1..4), rng.random_range(0..2));
+                if axis == 0 || robot.joints[joint + 1].link[0].sin().abs() < 0.5 {
+                    return Kind::LinkBending { joint, axis };
+                }
+            }
+        }
+        "memory of the last pose" => Kind::Memory { joint },
+        other => panic!("{other} is no effect"),
     }
 }

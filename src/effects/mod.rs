@@ -29,6 +29,7 @@ mod joint_compliance;
 mod joint_coupling;
 mod joint_gain;
 mod joint_periodic_error;
+mod joint_stiffening;
 mod thermal_expansion;
 
 use heapless::Vec;
@@ -68,10 +69,13 @@ repertoire! {
         Backlash in backlash,
         /// Lengths grow with temperature.
         ThermalExpansion in thermal_expansion,
+        /// What its gravity torque turns a joint by beyond a linear spring.
+        JointStiffening in joint_stiffening,
     }
     // What they fold into, in the order of the sum.
     smooth {
         springs: joint_compliance::Springs<T, N>,
+        stiffening: joint_stiffening::Stiffening<T, N>,
         tilt: base_compliance::Tilt<T>,
         slopes: joint_coupling::Slopes<T>,
         gaps: backlash::Gaps<T>,

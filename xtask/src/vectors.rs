@@ -82,7 +82,7 @@ fn invented_terms() -> impl Iterator<Item = Term<f32>> {
         (JointCompliance, 1, 0, 0, 0.0, 2.3e-5),
         (JointCompliance, 2, 0, 0, 0.0, 3.1e-5),
         (JointCompliance, 3, 0, 0, 0.0, 4.7e-5),
-        (JointCompliance, 4, 0, 0, 0.0, 6.1e-5),
+        (JointStiffening, 1, 0, 0, 0.0, -1.3e-7),
         (BaseCompliance, 0, 0, 0, 0.0, 1.7e-6),
         (BaseCompliance, 0, 0, 1, 0.0, 2.9e-6),
         (EncoderEccentricity, 0, 0, 0, 1.0, 1.9e-4),

@@ -15,6 +15,7 @@ mod joint_compliance;
 mod joint_coupling;
 mod joint_gain;
 mod joint_periodic_error;
+mod joint_stiffening;
 mod measurement_drift;
 mod outliers;
 mod thermal_expansion;
@@ -35,6 +36,7 @@ pub const ALL: &[Family] = &[
     joint_coupling::FAMILY,
     backlash::FAMILY,
     thermal_expansion::FAMILY,
+    joint_stiffening::FAMILY,
     measurement_drift::FAMILY,
     tool_remount::FAMILY,
     outliers::FAMILY,

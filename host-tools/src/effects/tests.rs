@@ -89,7 +89,7 @@ fn what_is_missing_is_said() {
     assert_eq!(
         missing,
         [
-            "joint-compliance, base-compliance: need gravity_m_s2 and [[links]]",
+            "joint-compliance, base-compliance, joint-stiffening: need gravity_m_s2 and [[links]]",
             "gear-transmission-error: needs gear_ratio",
             "backlash: needs columns dir1..",
             "thermal-expansion: needs a column temperature_c that varies",

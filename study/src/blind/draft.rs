@@ -9,8 +9,8 @@ use truearm_host::identify::fit::{Freedom, fit};
 use truearm_host::identify::{Problem, Scaling, State};
 use truearm_host::model::Robot;
 use truearm_simulate::arm::{Arm, Moment};
-use truearm_simulate::draw::{kind, moments};
-use truearm_simulate::effects::{Defect, Kind};
+use truearm_simulate::draw::moments;
+use truearm_simulate::effects::{Defect, Kind, drawn};
 use truearm_simulate::{csv, normal, rigid, robots, vector};
 
 use super::secret::Secret;
@@ -94,7 +94,7 @@ impl Draft {
     /// Finds a place and a size for an effect. `None` if this arm has none.
     pub fn hide(&self, name: &str, [low, high]: [f64; 2], rng: &mut ChaCha8Rng) -> Option<Defect> {
         for _ in 0..12 {
-            let kind = kind(name, &stated(&self.robot), &self.arm, &self.training, rng);
+            let kind = drawn(name, &stated(&self.robot), &self.arm, &self.training, rng);
             if kind == Kind::Outliers {
                 return Some(Defect { size: kind.largest(), kind });
             }

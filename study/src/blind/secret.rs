@@ -2,6 +2,7 @@
 //! it attains.
 
 use truearm::effects::{Effect, Term};
+use truearm_host::effects::Offer;
 use truearm_host::identify::robust::{Flags, robust_fit};
 use truearm_host::identify::{Conditions, Problem, Scaling, State};
 use truearm_host::model::ModelTerm;
@@ -99,40 +100,13 @@ impl Secret {
     }
 
     fn terms(&self, kind: &Kind) -> Option<Vec<ModelTerm>> {
-        let arm = |effect, joint: usize, source: usize, component, order| {
-            let (joint, source) = (joint as u8, source as u8);
-            ModelTerm::Arm(Term { effect, joint, source, component, order, coefficient: 0.0 })
-        };
-        let waves = |effect, joint, orders: &[f64]| {
-            let pair = |n: &f64| [0, 1].map(|part| arm(effect, joint, joint, part, *n));
-            orders.iter().flat_map(pair).collect()
-        };
-        Some(match *kind {
-            Kind::JointCompliance { joint: j } => vec![arm(Effect::JointCompliance, j, j, 0, 0.0)],
-            Kind::BaseCompliance { .. } => {
-                [0, 1].map(|axis| arm(Effect::BaseCompliance, 0, 0, axis, 0.0)).to_vec()
-            }
-            Kind::EncoderEccentricity { joint, .. } => {
-                waves(Effect::EncoderEccentricity, joint, &[1.0])
-            }
-            Kind::GearTransmissionError { joint, .. } => {
-                let ratio = self.arm.gear_ratios[joint];
-                waves(Effect::GearTransmissionError, joint, &[2.0 * ratio, 4.0 * ratio])
-            }
-            Kind::JointPeriodicError { joint, order, .. } => {
-                waves(Effect::JointPeriodicError, joint, &[order])
-            }
-            Kind::JointGain { joint: j } => vec![arm(Effect::JointGain, j, j, 0, 0.0)],
-            Kind::JointCoupling { source, joint } => {
-                vec![arm(Effect::JointCoupling, joint, source, 0, 0.0)]
-            }
-            Kind::Backlash { joint, friction } => {
-                vec![arm(Effect::Backlash, joint, joint, 0, friction)]
-            }
-            Kind::ThermalExpansion => {
-                let all = usize::from(Term::<f64>::ALL);
-                vec![arm(Effect::ThermalExpansion, all, all, 0, 0.0)]
-            }
+        if let Some(effect) = Effect::from_name(kind.name()) {
+            let joints: Vec<usize> = kind.joints().iter().map(|joint| joint - 1).collect();
+            return Some(
+                Offer::of_arm(effect, &joints, &kind.orders(&self.arm.gear_ratios), 1).terms,
+            );
+        }
+        Some(match kind {
             Kind::ToolRemount { .. } => {
                 let shift =
                     |axis| ModelTerm::Remount { series: "B".into(), axis, coefficient: 0.0 };
@@ -142,9 +116,7 @@ impl Secret {
                 (0..6).map(|component| ModelTerm::Drift { component, coefficient: 0.0 }).collect()
             }
             Kind::Outliers => Vec::new(),
-            Kind::BearingWobble { .. } | Kind::LinkBending { .. } | Kind::Memory { .. } => {
-                return None;
-            }
+            _ => return None,
         })
     }
 }

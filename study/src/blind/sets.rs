@@ -4,6 +4,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::JointKind;
+use truearm_host::effects;
 use truearm_host::model::{Measurements, Robot};
 use truearm_simulate::arm::Moment;
 use truearm_simulate::effects::Kind;
@@ -18,20 +19,15 @@ use crate::simulated::{parse, robot};
 pub type Wanted = (&'static str, [f64; 2]);
 
 /// Names of the effects that reports can name.
-pub const LISTED: [&str; 12] = [
-    "joint-compliance",
-    "base-compliance",
-    "encoder-eccentricity",
-    "gear-transmission-error",
-    "joint-gain",
-    "joint-coupling",
-    "backlash",
-    "thermal-expansion",
-    "tool-remount",
-    "measurement-drift",
-    "joint-periodic-error",
-    "outliers",
-];
+pub const LISTED: [&str; effects::ALL.len()] = {
+    let mut names = [""; effects::ALL.len()];
+    let mut k = 0;
+    while k < names.len() {
+        names[k] = effects::ALL[k].name;
+        k += 1;
+    }
+    names
+};
 /// And of some that no report can.
 pub const UNLISTED: [&str; 3] =
     ["bearing wobble", "quadratic link bending", "memory of the last pose"];
