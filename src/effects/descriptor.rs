@@ -60,14 +60,14 @@ impl Order {
         matches!(self, Self::Harmonic | Self::Cycles)
     }
 
-    /// Whether a term may have this order; not NaN.
+    /// Whether a term may have this order, a finite number of 0 or more.
     #[must_use]
     pub(crate) fn takes(self, order: f32) -> bool {
         match self {
             Self::None => order == 0.0,
             Self::Harmonic => order == 1.0 || order == 2.0,
             Self::Cycles => order > 0.0,
-            Self::Friction => order >= 0.0,
+            Self::Friction => true,
         }
     }
 }

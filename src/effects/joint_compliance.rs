@@ -30,30 +30,26 @@ pub(super) fn basis<T: Scalar, const N: usize>(
 pub(super) fn fold<T: Scalar, const N: usize>(term: &Term<T>, folded: &mut FoldedTerms<T, N>) {
     if let Some(compliance) = folded.springs.compliance.get_mut(usize::from(term.joint)) {
         *compliance += term.coefficient;
-        folded.springs.any = true;
     }
 }
 
 /// One product a joint, if any is compliant.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Springs<T, const N: usize> {
-    any: bool,
     /// rad per N m, or m per N.
     compliance: [T; N],
 }
 
 impl<T: Scalar, const N: usize> Springs<T, N> {
     pub fn none() -> Self {
-        Self { any: false, compliance: [T::ZERO; N] }
+        Self { compliance: [T::ZERO; N] }
     }
 
     #[inline]
     pub fn bend(&self, inputs: &TermInputs<T, N>, out: &mut Deflection<T, N>) {
-        if self.any {
-            let compliant = self.compliance.iter().zip(&inputs.load.torque);
-            for (out, (compliance, torque)) in out.joints.iter_mut().zip(compliant) {
-                *out += *compliance * *torque;
-            }
+        let compliant = self.compliance.iter().zip(&inputs.load.torque);
+        for (out, (compliance, torque)) in out.joints.iter_mut().zip(compliant) {
+            *out = *compliance * *torque;
         }
     }
 }

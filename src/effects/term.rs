@@ -57,6 +57,7 @@ impl<T: Scalar> Term<T> {
     /// Whether it depends on gravity, so that the arm's [`super::Masses`] are
     /// needed.
     #[must_use]
+    #[inline(never)]
     pub fn needs_load(&self) -> bool {
         match self.effect.load() {
             NeedsLoad::Never => false,
