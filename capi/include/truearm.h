@@ -22,12 +22,12 @@
  Version of this interface: changes whenever a function, a structure or the
  memory it needs does.
  */
-#define TRUEARM_VERSION 2
+#define TRUEARM_VERSION 3
 
 /*
  Bytes of memory that `truearm_init` needs.
  */
-#define TRUEARM_MEMORY_SIZE 4096
+#define TRUEARM_MEMORY_SIZE 4160
 
 /*
  Alignment of that memory.
