@@ -5,6 +5,7 @@
 #![allow(missing_docs, reason = "for the studies and tests of this repository only")]
 
 pub mod arm;
+pub mod dirty;
 pub mod draw;
 pub mod effects;
 #[path = "../../tests/common/mod.rs"]

@@ -5,6 +5,7 @@
 
 pub mod blind;
 pub mod coverage;
+pub mod dirty;
 pub mod planning;
 pub mod regret;
 pub mod reproduce;

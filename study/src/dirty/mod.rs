@@ -1,0 +1,4 @@
+//! Dirty sets: several effects at once, noise misstated, poses as people choose
+//! them.
+
+pub mod set;

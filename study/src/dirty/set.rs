@@ -1,0 +1,188 @@
+//! A set as a user would bring it, from an arm with several effects at once;
+//! what was hidden stays sealed until [`DirtySet::open`].
+
+use nalgebra::{Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use truearm_host::files::csv_text;
+use truearm_host::model::{Measurements, Robot};
+use truearm_host::units::{joint_column, joint_to_file};
+use truearm_simulate::arm::{Arm, Moment};
+use truearm_simulate::dirty::effects::{Hidden, draw};
+use truearm_simulate::dirty::noise::Noise;
+use truearm_simulate::dirty::{Columns, moments};
+use truearm_simulate::{normal, oracle, robots, vector};
+
+use crate::simulated::{parse, robot, stated};
+
+/// Fewest and most rows; log-uniform between.
+pub const ROWS: [f64; 2] = [20.0, 5000.0];
+
+/// What a user would have.
+pub struct DirtySet {
+    pub seed: u64,
+    /// `robot.toml`
+    pub robot: String,
+    /// `measurements.csv`
+    pub measurements: String,
+    secret: Secret,
+}
+
+/// What was hidden.
+pub struct Secret {
+    pub arm: Arm,
+    pub hidden: Hidden,
+    pub noise: Noise,
+    pub moments: Vec<Moment>,
+}
+
+impl DirtySet {
+    /// The set of a seed; no effects and no curve in it where `clean`.
+    pub fn draw(seed: u64, clean: bool) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let masses = rng.random_bool(0.7);
+        let noise = Noise::draw(&mut rng);
+        let text = file(masses, &noise, &mut rng);
+        let nominal = robot(&text);
+        let mut arm = real(&nominal, &mut rng);
+        let columns = Columns::draw(&mut rng);
+        let rows = ROWS[0] * (ROWS[1] / ROWS[0]).powf(rng.random_range(0.0..1.0));
+        let repeats = if rng.random_bool(0.2) { rng.random_range(2..=5) } else { 1 };
+        let moments = moments(&stated(&nominal), &columns, rows as usize, repeats, &mut rng);
+        let hidden = match clean {
+            true => Hidden::default(),
+            false => draw(&arm, &columns, masses, &mut rng),
+        };
+        let unlisted = hidden.unlisted.iter().flat_map(|u| u.1.iter());
+        arm.defects = hidden.listed.iter().chain(unlisted).cloned().collect();
+        let points = measured(&arm, &moments, &noise, &mut rng);
+        let measurements = table(&nominal, &columns, &moments, &points);
+        Self { seed, robot: text, measurements, secret: Secret { arm, hidden, noise, moments } }
+    }
+
+    /// What was hidden.
+    pub fn open(&self) -> &Secret {
+        &self.secret
+    }
+
+    /// Files as the program reads them.
+    pub fn read(&self) -> (Robot, Measurements) {
+        let robot = robot(&self.robot);
+        let data = parse(&robot, &self.measurements);
+        (robot, data)
+    }
+}
+
+/// A `robot.toml`, with or without masses.
+fn file(masses: bool, noise: &Noise, rng: &mut ChaCha8Rng) -> String {
+    let text = robots::ALL[rng.random_range(0..robots::ALL.len())];
+    let text = match text.find("links = [") {
+        Some(at) if !masses => &text[..at],
+        _ => text,
+    };
+    let gravity = if masses { "gravity_m_s2 = [0.0, 0.0, -9.81]\n" } else { "" };
+    format!("measurement_sigma_mm = {:.4}\n{gravity}{text}", noise.stated * 1e3)
+}
+
+/// The arm behind a nominal one: errors of half a tolerance to three, the tool
+/// and the base where nobody knows exactly.
+fn real(nominal: &Robot, rng: &mut ChaCha8Rng) -> Arm {
+    let scale = 0.5 * 6.0_f64.powf(rng.random_range(0.0..1.0));
+    let mut off = |p: [f64; 5]| p.map(|x| x + normal(rng) * 1e-3 * scale);
+    let links = nominal.nominal().iter().map(|l| off(l.parameters.to_array())).collect();
+    let turn = Rotation3::from_scaled_axis(vector(rng) * 2.0);
+    let mut station = oracle::identity();
+    for i in 0..3 {
+        (0..3).for_each(|j| station[i][j] = turn[(i, j)]);
+        station[i][3] = rng.random_range(-3.0..3.0);
+    }
+    // Masses are known to a tenth; where none are stated, they pull all the same.
+    let given = nominal.links.iter().map(|l| (l.mass, l.com));
+    let mut masses: Vec<_> = given.collect();
+    masses.resize(nominal.joints.len(), (5.0, Vector3::new(0.1, 0.0, 0.05)));
+    let masses = masses.into_iter().map(|(m, com)| (m * rng.random_range(0.9..1.1), com));
+    let masses = masses.collect();
+    let lean = Rotation3::from_scaled_axis(vector(rng).normalize() * 0.05_f64.to_radians());
+    Arm {
+        kinds: nominal.joints.iter().map(|j| j.link.kind).collect(),
+        links,
+        gear_ratios: nominal.joints.iter().map(|j| j.gear_ratio.unwrap_or(100.0)).collect(),
+        masses,
+        gravity: lean * Vector3::new(0.0, 0.0, -9.81),
+        station,
+        tool: nominal.tool + vector(rng) * 3e-3,
+        defects: Vec::new(),
+    }
+}
+
+/// Where the tracker sees the target.
+fn measured(
+    arm: &Arm,
+    moments: &[Moment],
+    noise: &Noise,
+    rng: &mut ChaCha8Rng,
+) -> Vec<Vector3<f64>> {
+    let mut of_pose = Vector3::zeros();
+    let mut last: &[f64] = &[];
+    let mut out = Vec::with_capacity(moments.len());
+    for moment in moments {
+        if moment.q != last {
+            of_pose = noise.pose(rng);
+            last = &moment.q;
+        }
+        let point = arm.point(moment);
+        out.push(point + of_pose + noise.reading(point.norm(), rng));
+    }
+    out
+}
+
+fn table(robot: &Robot, columns: &Columns, moments: &[Moment], points: &[Vector3<f64>]) -> String {
+    let kind = |j: usize| robot.joints[j].link.kind;
+    let joints = 0..robot.joints.len();
+    let mut names: Vec<String> = joints.clone().map(|j| joint_column("q", j, kind(j))).collect();
+    names.extend(["x_mm", "y_mm", "z_mm"].map(str::to_owned));
+    let optional = [
+        (columns.time, "time_s"),
+        (columns.temperature, "temperature_c"),
+        (columns.payload, "payload_kg"),
+        (columns.series, "series"),
+    ];
+    names.extend(optional.iter().filter(|o| o.0).map(|o| o.1.to_owned()));
+    if columns.directions {
+        names.extend(joints.map(|j| format!("dir{}", j + 1)));
+    }
+    let row = |(m, p): (&Moment, &Vector3<f64>)| {
+        let joints = m.q.iter().enumerate();
+        let mut cells: Vec<String> =
+            joints.map(|(j, q)| format!("{:.5}", joint_to_file(kind(j), *q))).collect();
+        cells.extend(p.iter().map(|x| format!("{:.5}", x * 1e3)));
+        let values = [
+            (columns.time, format!("{:.1}", m.time)),
+            (columns.temperature, format!("{:.2}", m.temperature)),
+            (columns.payload, format!("{:.1}", m.payload)),
+            (columns.series, if m.later { "B" } else { "A" }.to_owned()),
+        ];
+        cells.extend(values.into_iter().filter(|v| v.0).map(|v| v.1));
+        if columns.directions {
+            cells.extend(m.directions.iter().map(|d| d.to_string()));
+        }
+        cells
+    };
+    csv_text(names.iter().map(String::as_str), moments.iter().zip(points).map(row))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_seed_is_a_set() {
+        for seed in 0..12 {
+            let (a, b) = (DirtySet::draw(seed, false), DirtySet::draw(seed, false));
+            assert!(a.robot == b.robot && a.measurements == b.measurements, "{seed}");
+            let (_, data) = a.read();
+            assert_eq!(data.rows.len(), a.open().moments.len());
+            assert!((3..=8).contains(&a.open().hidden.listed.len()));
+        }
+    }
+}
