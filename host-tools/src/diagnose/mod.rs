@@ -11,6 +11,7 @@ pub mod search;
 mod show;
 mod tell;
 mod verdict;
+pub mod weigh;
 
 pub use outcome::{Alternative, Coefficient, Effect, GapRow, Outcome, Verdict};
 

@@ -24,6 +24,21 @@ pub struct Policy {
     /// ...or within this share: a sigma stated to one digit is 15 % off.
     pub floor_share: f64,
 
+    /// Prior of a tool point, m: nothing is bolted on farther off.
+    pub tool_prior: f64,
+    /// Prior of a base, m or rad.
+    pub base_prior: f64,
+    /// Lines of a joint that a scan offers.
+    pub lines_a_joint: usize,
+    /// Wobbles of an axis that are looked for, up to so many times a turn.
+    pub wobbles: usize,
+    /// Probability from which on a name is worth a word.
+    pub worth_a_word: f64,
+    /// Odds of another explanation to the best from which on it is told.
+    pub odds: f64,
+    /// Halves whose coefficients differ with a smaller p value disagree.
+    pub halves_disagree: f64,
+
     /// What an addition must be worth beyond its price, in units of chi-square:
     /// odds of fifty to one.
     pub worth: f64,
@@ -115,6 +130,13 @@ pub const POLICY: Policy = Policy {
     least_lambda: 0.02,
     floor_deviations: 5.0,
     floor_share: 0.3,
+    tool_prior: 1.0,
+    base_prior: 10.0,
+    lines_a_joint: 5,
+    wobbles: 4,
+    worth_a_word: 0.02,
+    odds: 0.01,
+    halves_disagree: 1e-3,
     worth: 8.0,
     hint: 4.0,
     many_rows: 400,

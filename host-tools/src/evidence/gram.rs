@@ -187,6 +187,14 @@ impl Gram {
 }
 
 impl Geometry {
+    /// What geometry most probably is where the candidates' columns have these
+    /// coefficients: `H^-1 G'(y - Z w) / k^2`.
+    #[must_use]
+    pub fn mean(&self, gram: &Gram, columns: &DVector<f64>) -> DVector<f64> {
+        let right = (&gram.gy - &gram.gz * columns) / (self.scale * self.scale);
+        self.factor.solve(&right.component_div(&self.unit)).component_div(&self.unit)
+    }
+
     /// `L^-1 G'Z / k^2` from `G'Z`: the part of columns that geometry can
     /// imitate, in coordinates whose scalar product is the projection's.
     #[must_use]

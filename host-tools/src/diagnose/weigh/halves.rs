@@ -1,0 +1,59 @@
+//! Whether a claim survives in the data's other half: coefficients of both
+//! halves agree, and what one half says helps to predict the other.
+
+use super::{Judge, Parts, joined};
+use crate::diagnose::chi_square::chi_square;
+use crate::diagnose::policy::POLICY;
+use crate::evidence::{Claim, Explanation, Gram};
+
+/// Fall of the error of each half by the claim fitted to the other one, at
+/// random halves; and whether halves at random and in time agree.
+pub fn of_claim(
+    judge: &Judge,
+    claim: Claim,
+    found: &Explanation,
+    parts: &Parts,
+    grams: &[Gram],
+) -> ([f64; 2], bool) {
+    let holds = |m: &usize| Claim::from(&judge.possible[*m].entry) == claim;
+    // The most probable model with the claim.
+    let with = found.posterior.models.iter().find(|(members, _)| members.iter().any(holds));
+    let Some((members, _)) = with else { return ([0.0; 2], false) };
+    let without: Vec<usize> = members.iter().copied().filter(|m| !holds(m)).collect();
+    let mut gains = [[0.0; 2]; 2];
+    let mut agree = true;
+    for kind in 0..2 {
+        let half = |h: usize| {
+            let of = (0..grams.len()).filter(move |p| parts.half[*p][kind] == h);
+            (joined(of.clone().map(|p| &grams[p])), of.flat_map(|p| parts.rows[p].clone()))
+        };
+        let halves = [half(0), half(1)].map(|(gram, rows)| (gram, rows.collect::<Vec<usize>>()));
+        if halves.iter().any(|h| h.1.is_empty()) {
+            return ([0.0; 2], false);
+        }
+        let mut coefficients = Vec::new();
+        for h in 0..2 {
+            let (gram, other) = (&halves[h].0, &halves[1 - h].1);
+            let (own, solution) = judge.refitted(gram, found.scale, members);
+            let (_, bare) = judge.refitted(gram, found.scale, &without);
+            let rms = |s| {
+                let left = judge.sheet.left(other, s);
+                left.iter().map(|(_, r)| r.norm().powi(2)).sum::<f64>().sqrt()
+            };
+            gains[kind][h] = 1.0 - rms(&solution) / rms(&bare).max(f64::MIN_POSITIVE);
+            let each = members.iter().zip(own).filter(|(m, _)| holds(m));
+            coefficients.push(each.flat_map(|(_, c)| c).collect::<Vec<_>>());
+        }
+        let pairs = coefficients[0].iter().zip(&coefficients[1]);
+        let apart: f64 = pairs
+            .map(|(a, b)| {
+                let variance = a.sigma.powi(2) + b.sigma.powi(2);
+                (a.value - b.value).powi(2) / variance.max(f64::MIN_POSITIVE)
+            })
+            .sum();
+        agree &= chi_square(apart, coefficients[0].len()) > POLICY.halves_disagree;
+        // A series or a temperature may be in one half of the time only.
+        agree &= kind == 1 || gains[kind][0] + gains[kind][1] > 0.0;
+    }
+    (gains[0], agree)
+}

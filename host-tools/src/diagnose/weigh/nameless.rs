@@ -1,0 +1,157 @@
+//! Structure without a name: what a part of the arm does as a function of
+//! something recorded, where no effect of the repertoire does the same. It is in
+//! the evidence so that no listed name is forced on it, and it is what a report
+//! describes.
+
+use nalgebra::Vector3;
+
+use crate::identify::Problem;
+use crate::model::arm::Derivatives;
+
+/// An action of a joint and what it goes with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Nameless {
+    /// The axis tilts as its own joint turns, so many times a turn.
+    Wobble {
+        /// Counted from 0.
+        joint: usize,
+        /// 1, 2, 3...
+        times: usize,
+    },
+    /// The link behind the joint bends with the square of the gravity torque.
+    Bend {
+        /// Counted from 0.
+        joint: usize,
+    },
+    /// The joint is off by a share of its last move.
+    Memory {
+        /// Counted from 0.
+        joint: usize,
+    },
+    /// The joint's zero wanders with time.
+    Creep {
+        /// Counted from 0.
+        joint: usize,
+    },
+}
+
+impl Nameless {
+    /// All of an arm's revolute joints that the data can test; how many there
+    /// are of each kind is the price of looking.
+    #[must_use]
+    pub fn all(problem: &Problem, joints: &[usize], wobbles: usize) -> Vec<(Self, usize)> {
+        let n = joints.len();
+        let mut out = Vec::new();
+        for joint in joints.iter().copied() {
+            for times in 1..=wobbles {
+                out.push((Self::Wobble { joint, times }, n * wobbles));
+            }
+            if problem.conditions.masses {
+                out.push((Self::Bend { joint }, n));
+            }
+            out.push((Self::Memory { joint }, n));
+            if problem.conditions.time {
+                out.push((Self::Creep { joint }, n));
+            }
+        }
+        out
+    }
+
+    /// The joint, counted from 0.
+    #[must_use]
+    pub fn joint(&self) -> usize {
+        match self {
+            Self::Wobble { joint, .. }
+            | Self::Bend { joint }
+            | Self::Memory { joint }
+            | Self::Creep { joint } => *joint,
+        }
+    }
+
+    /// Number of the kind.
+    #[must_use]
+    pub fn kind(&self) -> usize {
+        match self {
+            Self::Wobble { .. } => 0,
+            Self::Bend { .. } => 1,
+            Self::Memory { .. } => 2,
+            Self::Creep { .. } => 3,
+        }
+    }
+
+    /// Which of several at one place.
+    #[must_use]
+    pub fn part(&self) -> usize {
+        if let Self::Wobble { times, .. } = self { *times } else { 0 }
+    }
+
+    /// How many columns.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Wobble { .. } | Self::Bend { .. } => 4,
+            Self::Memory { .. } | Self::Creep { .. } => 1,
+        }
+    }
+
+    /// What it says.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let joint = self.joint() + 1;
+        match self {
+            Self::Wobble { times, .. } => {
+                format!("the axis of joint {joint} tilts {times} times as it turns once")
+            }
+            Self::Bend { .. } => {
+                format!("the link behind joint {joint} bends more than in proportion to its load")
+            }
+            Self::Memory { .. } => {
+                format!("joint {joint} is off by a share of its move from the row before")
+            }
+            Self::Creep { .. } => format!("the zero of joint {joint} wanders with time"),
+        }
+    }
+
+    /// How the target of a row moves with each of its coefficients, SI.
+    #[must_use]
+    pub fn columns(&self, problem: &Problem, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
+        let row = &problem.data.rows[index];
+        let joint = self.joint();
+        let q = row.q[joint];
+        match self {
+            Self::Wobble { times, .. } => {
+                let (sin, cos) = (*times as f64 * q).sin_cos();
+                let [x, y] = tilts(d, joint);
+                vec![x * cos, x * sin, y * cos, y * sin]
+            }
+            Self::Bend { .. } => {
+                let torque = problem.conditions.rows[index].torque[joint];
+                let square = torque * torque.abs();
+                let (sin, cos) = q.sin_cos();
+                let [x, y] = tilts(d, joint);
+                [x * cos, x * sin, y * cos, y * sin].map(|c| c * square).to_vec()
+            }
+            Self::Memory { .. } => {
+                let before = index.checked_sub(1).map_or(q, |i| problem.data.rows[i].q[joint]);
+                vec![*d.links[joint].joint(problem.nominal[joint].kind) * (before - q)]
+            }
+            Self::Creep { .. } => {
+                let hours = row.time.unwrap_or(0.0) / 3600.0;
+                vec![*d.links[joint].joint(problem.nominal[joint].kind) * hours]
+            }
+        }
+    }
+}
+
+/// How the target moves when the axis of a joint tilts about the x and the y of
+/// the frame that it turns in. Rotations about x and z, and translations along
+/// them, are columns of the link; the rotation about y follows from them.
+fn tilts(d: &Derivatives, joint: usize) -> [Vector3<f64>; 2] {
+    let link = &d.links[joint];
+    let (x, z) = (link.a, link.d);
+    let y = z.cross(&x);
+    // With r from the frame's origin: x cross r and z cross r are known.
+    let along_x = link.theta.dot(&y);
+    let along_z = -link.alpha.dot(&y);
+    [link.alpha, x * along_z - z * along_x]
+}

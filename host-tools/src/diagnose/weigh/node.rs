@@ -1,0 +1,70 @@
+//! A fitted explanation, and how two are compared.
+
+use super::Question;
+use crate::diagnose::candidates::Candidate;
+use crate::effects;
+use crate::error::Result;
+use crate::identify::State;
+use crate::identify::robust::{RobustFit, robust_fit_near};
+use crate::model::ModelTerm;
+
+/// A fitted explanation.
+#[derive(Debug, Clone)]
+pub struct Node {
+    /// What was added, in order.
+    pub added: Vec<Candidate>,
+    /// The fit.
+    pub fit: RobustFit,
+    /// Weighted sum of squares of the kept rows and penalty of the prior.
+    pub misfit: f64,
+    /// Weighted sum of squares of the kept rows over degrees of freedom.
+    pub reduced: f64,
+    /// Degrees of freedom.
+    pub freedom: f64,
+}
+
+impl Node {
+    /// The additions of which a term has an impossible sign or size.
+    pub fn implausible(&self) -> Vec<Candidate> {
+        let mut terms = self.fit.fit.state.terms.iter();
+        let mut bad = |c: &&Candidate| {
+            // Every term is taken, or the next addition would see this one's.
+            c.terms.iter().filter_map(|_| terms.next()).filter(|t| !plausible(t)).count() > 0
+        };
+        self.added.iter().filter(|c| bad(c)).cloned().collect()
+    }
+}
+
+/// A sign and size that the physics of its effect allows.
+fn plausible(term: &ModelTerm) -> bool {
+    let family = effects::family(term.effect_name());
+    family.is_none_or(|family| family.plausible.contains(&term.coefficient()))
+}
+
+/// Fits an explanation from a state that has some of its terms.
+///
+/// # Errors
+/// When the fit does not converge.
+pub fn fitted(q: &Question, added: Vec<Candidate>, near: &State) -> Result<Node> {
+    let terms: Vec<ModelTerm> = added.iter().flat_map(|c| c.terms.iter().cloned()).collect();
+    let problem = q.problem.with_terms(terms.len());
+    let mut start = State { terms, ..near.clone() };
+    for term in &mut start.terms {
+        let zero = |t: &ModelTerm| {
+            let mut t = t.clone();
+            *t.coefficient_mut() = 0.0;
+            t
+        };
+        if let Some(old) = near.terms.iter().find(|old| zero(old) == zero(term)) {
+            *term = old.clone();
+        }
+    }
+    let fit = robust_fit_near(&problem, q.rows, &start, q.flags)?;
+    let at = problem.linearise(&fit.fit.state);
+    let scaled = |r: &usize| at.equations(*r).scaled_residual().iter().map(|r| r * r).sum::<f64>();
+    let square: f64 = fit.kept.iter().map(scaled).sum();
+    let prior = q.flags.lambda * problem.corrections(&fit.fit.state).norm_squared();
+    let unknowns = problem.unknowns.list().len() as f64;
+    let freedom = (problem.equations(&fit.kept) as f64 - unknowns).max(1.0);
+    Ok(Node { added, misfit: square + prior, reduced: square / freedom, freedom, fit })
+}

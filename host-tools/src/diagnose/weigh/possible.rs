@@ -1,0 +1,192 @@
+//! What may be in a model: effects that a report can name, at every place that
+//! the data can test, and structure that has no name.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+use truearm::JointKind;
+
+use super::nameless::Nameless;
+use crate::diagnose::candidates::Candidate;
+use crate::evidence::lines::Line;
+use crate::evidence::{self, lines, prior};
+use crate::identify::{Problem, measurement_column};
+use crate::model::ModelTerm;
+use crate::model::arm::Derivatives;
+
+/// Number from which on a name of the evidence is a structure without a name.
+pub const NAMELESS: usize = 1000;
+
+/// A candidate with its columns.
+#[derive(Debug, Clone)]
+pub struct Possible {
+    /// What it is.
+    pub what: What,
+    /// How it stands in the evidence.
+    pub entry: evidence::Candidate,
+}
+
+/// What a candidate is.
+#[derive(Debug, Clone)]
+pub enum What {
+    /// Terms of a model, coefficients zero.
+    Effect(Candidate),
+    /// Nothing that a model can hold.
+    Nameless(Nameless),
+}
+
+impl Possible {
+    /// How many columns.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.entry.units.len()
+    }
+
+    /// Whether it is one of these.
+    #[must_use]
+    pub fn is(&self, these: &[Candidate]) -> bool {
+        matches!(&self.what, What::Effect(own) if these.iter().any(|c| c.terms == own.terms))
+    }
+
+    /// Its terms with coefficient zero, `None` for each column that is no term.
+    pub fn coefficients_zero(&self) -> Vec<Option<ModelTerm>> {
+        match &self.what {
+            What::Effect(candidate) => candidate.terms.iter().cloned().map(Some).collect(),
+            What::Nameless(_) => vec![None; self.count()],
+        }
+    }
+
+    /// How the target of a row moves with each of its coefficients, SI.
+    #[must_use]
+    pub fn columns(
+        &self,
+        problem: &Problem,
+        index: usize,
+        d: &Derivatives,
+        bases: &[Vector3<f64>],
+    ) -> Vec<Vector3<f64>> {
+        match &self.what {
+            What::Effect(candidate) => {
+                let terms = candidate.terms.iter();
+                terms.map(|term| column(problem, term, index, d, bases)).collect()
+            }
+            What::Nameless(nameless) => nameless.columns(problem, index, d),
+        }
+    }
+}
+
+/// How the target of a row moves with the coefficient of a term.
+pub fn column(
+    problem: &Problem,
+    term: &ModelTerm,
+    index: usize,
+    d: &Derivatives,
+    bases: &[Vector3<f64>],
+) -> Vector3<f64> {
+    let row = &problem.data.rows[index];
+    match term {
+        ModelTerm::Arm(term) => {
+            let basis = problem.conditions.rows[index].basis(&row.q, term);
+            d.column(term, basis, &problem.nominal)
+        }
+        _ => measurement_column(term, row, d, &bases[row.station]),
+    }
+}
+
+/// Numbers for the names and places of candidates.
+#[derive(Debug, Default)]
+pub struct Numbers {
+    names: Vec<&'static str>,
+    places: BTreeMap<Vec<usize>, usize>,
+}
+
+impl Numbers {
+    /// The number of a name.
+    pub fn name(&mut self, name: &'static str) -> usize {
+        if let Some(k) = self.names.iter().position(|n| *n == name) {
+            return k;
+        }
+        self.names.push(name);
+        self.names.len() - 1
+    }
+
+    /// The number of a place: joints counted from 1.
+    pub fn place(&mut self, joints: Vec<usize>) -> usize {
+        let next = self.places.len();
+        *self.places.entry(joints).or_insert(next)
+    }
+
+    /// A candidate of known form.
+    pub fn offered(&mut self, candidate: Candidate) -> Possible {
+        let entry = evidence::Candidate {
+            name: self.name(candidate.name()),
+            place: self.place(place(&candidate)),
+            part: 0,
+            units: units(&candidate.terms),
+            log_odds: prior::log_odds(candidate.tried as usize, 1),
+        };
+        Possible { what: What::Effect(candidate), entry }
+    }
+
+    /// The `part`-th line of a joint, at one of its possible orders.
+    pub fn line(
+        &mut self,
+        candidate: Candidate,
+        part: usize,
+        joints: usize,
+        orders: &lines::Orders,
+        order: f64,
+    ) -> Possible {
+        let mut out = self.offered(candidate);
+        out.entry.part = part;
+        out.entry.log_odds = orders.log_odds(joints, order);
+        out
+    }
+
+    /// A structure without a name, of so many of its kind.
+    pub fn nameless(&mut self, nameless: Nameless, tried: usize) -> Possible {
+        let entry = evidence::Candidate {
+            name: NAMELESS + nameless.kind(),
+            place: self.place(vec![nameless.joint() + 1]),
+            part: nameless.part(),
+            units: vec![0; nameless.count()],
+            log_odds: prior::log_odds(tried, 1),
+        };
+        Possible { what: What::Nameless(nameless), entry }
+    }
+}
+
+/// Joints counted from 1; of a remount, which series.
+fn place(candidate: &Candidate) -> Vec<usize> {
+    match candidate.terms.first() {
+        Some(ModelTerm::Remount { series, .. }) => {
+            // A number of its own that no joint has.
+            vec![series.bytes().fold(1000, |h: usize, b| h.wrapping_mul(31).wrapping_add(b.into()))]
+        }
+        _ => candidate.joints(),
+    }
+}
+
+/// Columns of one unit have one number.
+fn units(terms: &[ModelTerm]) -> Vec<usize> {
+    let lengths = |t: &ModelTerm| match t {
+        ModelTerm::Drift { component, .. } => usize::from(*component >= 3),
+        _ => 0,
+    };
+    terms.iter().map(lengths).collect()
+}
+
+/// Revolute joints.
+pub fn revolute(problem: &Problem) -> Vec<usize> {
+    let is = |j: &usize| problem.nominal[*j].kind == JointKind::Revolute;
+    (0..problem.nominal.len()).filter(is).collect()
+}
+
+/// Orders of a line that are candidates: near one another they are one line.
+pub fn variants(orders: &lines::Orders, line: &Line) -> Vec<f64> {
+    // A blob holds orders in 1/64 of a cycle.
+    let mut out: Vec<f64> =
+        orders.variants(line).into_iter().map(|n| (n * 64.0).round() / 64.0).collect();
+    out.dedup();
+    out
+}
