@@ -76,7 +76,9 @@ pub fn places(report: &Outcome) -> Places {
     let mut out = Places::new();
     for effect in &report.effects {
         let name = effect.name.to_owned();
-        if effect.name == "joint-coupling" || effect.joints.is_empty() {
+        let coupled =
+            truearm::effects::Effect::from_name(effect.name).is_some_and(|e| e.is_coupled());
+        if coupled || effect.joints.is_empty() {
             out.insert((name, effect.joints.clone()));
         } else {
             out.extend(effect.joints.iter().map(|j| (name.clone(), vec![*j])));

@@ -1,4 +1,5 @@
 use truearm_host::diagnose::{Alternative, Effect, Outcome, Verdict};
+use truearm_host::effects::OUTLIERS;
 use truearm_host::table::Table;
 use truearm_host::units::MILLI;
 
@@ -17,7 +18,7 @@ pub fn diagnosis(r: &Outcome) -> String {
     out += &effects(r);
     out += &format!("\n{}held out: {}\n", gap(r), b.cross_validation);
     if !b.outliers.is_empty() {
-        let what = match r.effects.iter().any(|e| e.name == "outliers") {
+        let what = match r.effects.iter().any(|e| e.name == OUTLIERS) {
             true => "flagged as gross errors and left out",
             false => "that do not fit, left out",
         };
