@@ -106,7 +106,7 @@ pub fn check_header(rewrite: bool) -> Result {
     let dir = directory();
     let config = Config::from_file(dir.join("cbindgen.toml"))?;
     let mut builder = Builder::new().with_config(config);
-    for file in ["types.rs", "lib.rs", "poses.rs"] {
+    for file in ["types.rs", "lib.rs"] {
         builder = builder.with_src(dir.join("src").join(file));
     }
     let mut header = Vec::new();

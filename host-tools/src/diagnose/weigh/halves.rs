@@ -34,8 +34,8 @@ pub fn of_claim(
         let mut coefficients = Vec::new();
         for h in 0..2 {
             let (gram, other) = (&halves[h].0, &halves[1 - h].1);
-            let (own, solution) = judge.refitted(gram, found.scale, members);
-            let (_, bare) = judge.refitted(gram, found.scale, &without);
+            let (own, solution) = judge.refitted(gram, found, members);
+            let (_, bare) = judge.refitted(gram, found, &without);
             let rms = |s| {
                 let left = judge.sheet.left(other, s);
                 left.iter().map(|(_, r)| r.norm().powi(2)).sum::<f64>().sqrt()

@@ -84,6 +84,10 @@ pub struct Weighed {
 
 /// How far the search goes: arms with random-like gear curves take many lines.
 const EFFORT: Effort = Effort { beam: 4, branches: 6, of_a_name: 2, members: 40, swaps: 24 };
+/// Prior size of a candidate that is not in the best model, of [`SIZES`]: 5 floors.
+///
+/// [`SIZES`]: crate::evidence::prior::SIZES
+const USUAL_SIZE: usize = 2;
 /// Rounds of linearising and weighing.
 const ROUNDS: usize = 4;
 
@@ -381,25 +385,31 @@ impl Judge<'_, '_> {
         self.sheet.solved(gram, self.precision, scale, columns)
     }
 
-    /// Members refitted to some rows: coefficients, their deviations, and what
-    /// geometry goes with them.
+    /// Members refitted to some rows, their prior sizes as they are in the whole:
+    /// coefficients, their deviations, and what geometry goes with them. Rows that
+    /// say nothing of a coefficient leave it as uncertain as its prior.
     fn refitted(
         &self,
         gram: &Gram,
-        scale: f64,
+        found: &Explanation,
         members: &[usize],
     ) -> (Vec<Vec<crate::evidence::Coefficient>>, Solution) {
-        let projected = gram.project(&gram.geometry(self.precision, scale));
+        let projected = gram.project(&gram.geometry(self.precision, found.scale));
         let entries = self.possible.iter().map(|p| p.entry.clone()).collect();
         let subsets = Subsets::new(projected, entries);
-        let subset = subsets.fit(members, &|_| None);
+        let size = |m: &usize| {
+            let place = found.best.members.iter().position(|own| own == m);
+            place.map_or(USUAL_SIZE, |k| found.best.sizes[k])
+        };
+        let sizes: Vec<usize> = members.iter().map(size).collect();
+        let subset = subsets.at_sizes(members, &sizes);
         let coefficients = subsets.coefficients(&subset);
         let values = members
             .iter()
             .zip(&coefficients)
             .map(|(m, c)| (*m, c.iter().map(|c| c.value).collect()))
             .collect();
-        let solution = self.spread(gram, scale, values);
+        let solution = self.spread(gram, found.scale, values);
         (coefficients, solution)
     }
 }
