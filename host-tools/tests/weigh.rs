@@ -4,41 +4,22 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use truearm_host::diagnose::candidates;
-use truearm_host::diagnose::policy::POLICY;
-use truearm_host::diagnose::weigh::{Question, fitted, weigh};
-use truearm_host::identify::registration::register;
-use truearm_host::identify::robust::{Crowd, Flags};
-use truearm_host::identify::{Problem, Scaling, folds};
+use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::model::{Measurements, Robot};
 
 type Names = BTreeSet<(String, Vec<usize>)>;
 
-/// Names with a probability of 0.9 and more on which both halves agree, the
-/// noise over the stated sigma, and whether structure without a name is left.
+/// Names, the noise over the stated sigma, and whether structure without a name
+/// is left.
 fn named(folder: &Path, factor: f64) -> (Names, f64, bool) {
     let mut robot = Robot::read(&folder.join("robot.toml")).unwrap();
     robot.sigma *= factor;
     let data = Measurements::read(&folder.join("measurements.csv"), &robot).unwrap();
-    let problem = Problem::new(&data, &robot, Scaling::Prior);
-    let rows: Vec<usize> = (0..data.rows.len()).collect();
-    let (offered, _) = candidates::all(&problem, &robot);
-    let folds = folds::random(&data, &rows, folds::SEED);
-    let question = Question {
-        problem: &problem,
-        offered: &offered,
-        highest_order: 420.0,
-        flags: Flags { lambda: 1.0, gross: POLICY.gross, crowd: Crowd::Refused },
-        rows: &rows,
-        folds: &folds,
-        most_terms: 24,
-    };
-    let start = register(&data, &problem.nominal, robot.tool).unwrap();
-    let root = fitted(&question, Vec::new(), &start).unwrap();
-    let found = weigh(&question, &root, &|| ()).unwrap();
-    let sure = found.names.iter().filter(|n| n.probability >= 0.9 && n.replicated);
-    let names = sure.map(|n| (n.name.to_owned(), n.joints.clone())).collect();
-    (names, found.scale, found.nameless.iter().any(|n| n.1 > 0.9))
+    let found = diagnose(&robot, &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap();
+    let report = found.outcome;
+    assert!(report.effects.iter().all(|e| e.probability >= 0.9));
+    let names = report.effects.iter().map(|e| (e.name.to_owned(), e.joints.clone())).collect();
+    (names, report.noise_scale, !report.unnamed.is_empty())
 }
 
 #[test]

@@ -12,3 +12,4 @@ pub mod reproduce;
 #[path = "../../host-tools/tests/simulated/mod.rs"]
 pub mod simulated;
 pub mod studies;
+mod terms;

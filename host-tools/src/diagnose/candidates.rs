@@ -1,7 +1,6 @@
 //! What may be missing: the effects of the repertoire that the data can test,
 //! where they may be.
 
-use super::policy::POLICY;
 use crate::effects::{self, Data, Offer};
 use crate::identify::Problem;
 use crate::model::{ModelTerm, Robot};
@@ -26,19 +25,6 @@ impl Candidate {
     #[must_use]
     pub fn joints(&self) -> Vec<usize> {
         self.terms.first().map_or(Vec::new(), ModelTerm::joints)
-    }
-
-    /// Whether both cannot stand in one model: the same effect at the same
-    /// place, unless a joint may have several of different orders.
-    #[must_use]
-    pub fn excludes(&self, other: &Self) -> bool {
-        let orders = |c: &Self| c.terms.first().and_then(ModelTerm::order);
-        let several = effects::family(self.name()).is_some_and(|family| family.several);
-        let near = match (orders(self), orders(other)) {
-            (Some(a), Some(b)) if several => (a - b).abs() < POLICY.same_order,
-            _ => true,
-        };
-        self.name() == other.name() && self.joints() == other.joints() && near
     }
 }
 

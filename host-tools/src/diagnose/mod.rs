@@ -1,17 +1,20 @@
 //! Find, name, add, show: what rigid geometry cannot explain.
 //!
 //! robust geometric fit -> *where* the residuals are -> *what* explains them
-//! ([`search`]) -> *show* the gap shrink on held-out poses -> verdict.
+//! ([`weigh`]) -> *show* the gap shrink on held-out poses -> verdict on what is
+//! left.
 
 pub mod candidates;
 mod chi_square;
+pub mod node;
 mod outcome;
 pub mod policy;
-pub mod search;
+pub mod question;
 mod show;
 mod tell;
 mod verdict;
 pub mod weigh;
+mod white;
 
 pub use outcome::{Alternative, Coefficient, Effect, GapRow, Outcome, Verdict};
 
@@ -25,11 +28,13 @@ use crate::identify::{
     Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
 use crate::model::{Measurements, Model, Robot};
-use crate::observations::kind;
+use crate::observations::{Residual, kind};
+use crate::statistics::Stats;
+use node::Node;
 use policy::POLICY;
-use search::Search;
-use search::node::Node;
-use verdict::{judge, with_held_out_gain};
+use question::Question;
+use show::Show;
+use weigh::{Weighed, weigh};
 
 /// The result.
 #[derive(Debug, Clone)]
@@ -97,74 +102,66 @@ fn diagnosed(
     enough(&problem, &Options { allow_few_poses: options.allow_few_poses, ..Options::default() })?;
     let rows: Vec<usize> = (0..data.rows.len()).collect();
     let start = register(data, &problem.nominal, robot.tool)?;
-    let (candidates, not_testable) = candidates::all(&problem, robot);
-    let mut search = Search {
+    let (offered, not_testable) = candidates::all(&problem, robot);
+    let folds = folds::random(data, &rows, folds::SEED);
+    let mut question = Question {
         problem: &problem,
-        candidates: &candidates,
+        offered: &offered,
         highest_order: options.highest_order,
         flags: Flags { lambda: 1.0, gross: POLICY.gross, crowd },
         rows: &rows,
+        folds: &folds,
         most_terms: options.most_terms,
     };
     progress("geometry");
-    let first = search.fit(Vec::new(), &start)?;
-    search.flags.lambda = believable_lambda(&problem, &first);
-    let root = search.fit(Vec::new(), &first.fit.fit.state)?;
-    let nodes = search.run(root.clone(), &|| progress("searching for effects"))?;
+    let first = node::geometry(&question, &start)?;
+    question.flags.lambda = believable_lambda(&problem, &first);
+    let root = node::geometry(&question, &first.fit.fit.state)?;
+    progress("weighing effects");
+    let weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
     progress("held-out poses");
-    let best = search.within(nodes[0].clone())?;
-    let (verdict, best) = judge(&search, &root, &nodes[0], &best)?;
-
-    let folds = folds::random(data, &rows, folds::SEED);
-    let show = show::Show { search: &search, folds: &folds, holdout, robot };
-    shown(&show, Found { verdict, best, root, nodes, start, not_testable })
+    let show = Show { question: &question, holdout, robot };
+    shown(&show, Found { weighed, root, start, not_testable })
 }
 
-/// What a search found.
+/// What was found.
 struct Found {
-    verdict: Verdict,
-    best: Node,
+    weighed: Weighed,
     root: Node,
-    nodes: Vec<Node>,
-    /// Where the search began.
+    /// Where the first fit began.
     start: State,
     not_testable: Vec<String>,
 }
 
 /// The model, and what shows how good it is.
-fn shown(show: &show::Show, found: Found) -> Result<Diagnosis> {
-    let Found { verdict, best, root, nodes, start, not_testable } = found;
-    let problem = show.search.problem;
-    let nominal = nominal_state(problem, &best.fit.kept, &start)?;
-    let (best, stages, gap) = with_held_out_gain(show, &root, best, &nominal)?;
-    let nothing = best.added.is_empty() && best.fit.outliers.is_empty();
-    let verdict = match verdict {
-        Verdict::Explained if nothing => Verdict::Clean,
-        other => other,
-    };
-    let alternatives = if matches!(verdict, Verdict::Explained) {
-        show::alternatives(show.search, show.robot, &best, &nodes)
-    } else {
-        Vec::new()
-    };
+fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
+    let Found { weighed, root, start, not_testable } = found;
+    let problem = show.question.problem;
+    let nominal = nominal_state(problem, &weighed.best.fit.kept, &start)?;
+    let (best, gap) = show.with_held_out_gain(&root, weighed.best.clone(), &nominal)?;
+    let (verdict, unnamed) = verdict::verdict(problem, &weighed, &best);
+    let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
     let (alternatives, rivals) = alternatives.into_iter().unzip();
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
     let findings = findings(show, &terms, &best, nominal)?;
     let mut identified = findings.summarise();
     identified.figures.warnings.extend(too_many(&best));
-    let rows = &problem.data.rows;
-    let variance: f64 = rows.iter().map(|r| kind(r).noise(r).powi(2)).sum();
+    let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed.names);
     let outcome = Outcome {
         figures: identified.figures,
         verdict,
-        effects: show::effects(&findings, &stages, &gap, &best),
-        noise_floor_mm: (variance / rows.len() as f64).sqrt() * 1e3,
+        effects,
+        suspected,
+        unnamed,
+        noise_scale: weighed.scale,
+        nested_rms_mm: nested(&weighed, &best),
+        noise_floor_mm: noise_floor(problem) * 1e3,
         reduced_chi_square: best.reduced,
         geometry_reduced_chi_square: root.reduced,
         gap,
         alternatives,
         not_testable,
-        whereabouts: tell::sentences(problem, &root, show.search.flags.lambda),
+        whereabouts: tell::sentences(problem, &root, show.question.flags.lambda),
     };
     Ok(Diagnosis {
         model: identified.model,
@@ -175,15 +172,29 @@ fn shown(show: &show::Show, found: Found) -> Result<Diagnosis> {
     })
 }
 
+/// 3-D RMS that the stated standard deviations leave, m.
+fn noise_floor(problem: &Problem) -> f64 {
+    let rows = &problem.data.rows;
+    let variance: f64 = rows.iter().map(|r| kind(r).noise(r).powi(2)).sum();
+    (variance / rows.len() as f64).sqrt()
+}
+
+/// RMS of the kept rows, predicted with everything decided without their fold.
+fn nested(weighed: &Weighed, best: &Node) -> Option<f64> {
+    let held = best.fit.kept.iter().filter_map(|row| weighed.nested[*row]);
+    Stats::of(&held.collect::<Vec<Residual>>()).map(|stats| stats.rms_mm)
+}
+
 /// The final model as an estimate, with its held-out errors.
 fn findings<'a>(
-    show: &show::Show<'a>,
+    show: &Show<'a>,
     problem: &'a Problem<'a>,
     best: &Node,
     nominal: State,
 ) -> Result<Findings<'a>> {
-    let blocked = match folds::blocked(problem.data, show.search.rows) {
-        Some(folds) => Some(show::Show { folds: &folds, ..*show }.held_out(best)?),
+    let q = show.question;
+    let blocked = match folds::blocked(problem.data, q.rows) {
+        Some(folds) => Some(show.held_out(best, &folds)?),
         None => None,
     };
     Ok(Findings {
@@ -194,14 +205,14 @@ fn findings<'a>(
         found: Estimate {
             fit: best.fit.fit.clone(),
             robust: best.fit.clone(),
-            lambda: show.search.flags.lambda,
+            lambda: q.flags.lambda,
             choice: None,
         },
-        held_out: show.held_out(best)?,
+        held_out: show.held_out(best, q.folds)?,
         blocked,
         cross_validation: format!(
             "{} folds of poses, flags redone in each, terms held",
-            show.folds.len()
+            q.folds.len()
         ),
     })
 }

@@ -9,15 +9,15 @@ use crate::identify::Figures;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// Geometry alone reaches the noise floor.
+    /// Geometry alone leaves nothing but noise.
     Clean,
-    /// The named effects reach it.
+    /// The model leaves nothing but noise.
     Explained,
     /// Structure is left that no effect of the repertoire explains.
     Unexplained,
 }
 
-/// A named effect.
+/// An effect that the model has.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Effect {
     /// Name.
@@ -29,8 +29,11 @@ pub struct Effect {
     pub order: Option<f64>,
     /// Its coefficients.
     pub coefficients: Vec<Coefficient>,
-    /// Chance of as much from noise, corrected for all that was tried.
-    pub p_value: f64,
+    /// That the arm has it, given the data and all that was looked at.
+    pub probability: f64,
+    /// 1 - RMS with over RMS without it of either half of the poses, at random,
+    /// when all coefficients are fitted to the other half.
+    pub half_gain: [f64; 2],
     /// 1 - RMS with over RMS without it, on held-out poses.
     pub holdout_gain: f64,
 }
@@ -74,7 +77,8 @@ pub struct GapRow {
 pub struct Alternative {
     /// Its effects: name and joints.
     pub effects: Vec<(&'static str, Vec<usize>)>,
-    /// How much worse it is, in units of chi-square.
+    /// How much worse it is: -2 ln of its odds to the named one, in units of
+    /// chi-square.
     pub worse_by: f64,
     /// Poses that would tell the two apart best, degrees (mm for prismatic
     /// joints), each with the distance of the two predictions in mm.
@@ -98,11 +102,22 @@ pub struct Outcome {
     pub figures: Figures,
     /// The verdict.
     pub verdict: Verdict,
-    /// What was found, most important first.
+    /// What was found, most important first: a probability of 0.9 and more, and
+    /// both halves of the poses agree.
     pub effects: Vec<Effect>,
+    /// What the model has besides, because it lowers the error of held-out
+    /// poses: less probable, or only one half of the poses speaks for it.
+    pub suspected: Vec<Effect>,
+    /// Structure without a name that is left, in words, strongest first.
+    pub unnamed: Vec<String>,
+    /// Noise over the stated standard deviation.
+    pub noise_scale: f64,
+    /// RMS of held-out poses when everything is decided anew without each fold,
+    /// the choice of effects included, mm.
+    pub nested_rms_mm: Option<f64>,
     /// From nominal to the final model.
     pub gap: Vec<GapRow>,
-    /// 3-D RMS of a perfect model, mm.
+    /// 3-D RMS of a perfect model by the stated standard deviations, mm.
     pub noise_floor_mm: f64,
     /// Chi-square over degrees of freedom of the final model.
     pub reduced_chi_square: f64,

@@ -18,11 +18,6 @@ pub struct Policy {
     /// Lambda is never lowered below this for corrections that are large all
     /// over: tolerances are then seven times wider than stated.
     pub least_lambda: f64,
-    /// Residuals are at the noise floor when chi-square over degrees of freedom
-    /// is within so many of its standard deviations of 1...
-    pub floor_deviations: f64,
-    /// ...or within this share: a sigma stated to one digit is 15 % off.
-    pub floor_share: f64,
 
     /// Prior of a tool point, m: nothing is bolted on farther off.
     pub tool_prior: f64,
@@ -39,67 +34,16 @@ pub struct Policy {
     /// Halves whose coefficients differ with a smaller p value disagree.
     pub halves_disagree: f64,
 
-    /// What an addition must be worth beyond its price, in units of chi-square:
-    /// odds of fifty to one.
-    pub worth: f64,
-    /// Worth from which on an addition is tried, a later one dropped or
-    /// exchanged.
-    pub hint: f64,
-    /// Rows from which on effects are told apart at once, and finer structure
-    /// shows: then many terms are added one round after another.
-    pub many_rows: usize,
-    /// Explanations followed side by side with fewer rows.
-    pub beam: usize,
-    /// Refits tried from each.
-    pub branches: usize,
-    /// Of those, at most so many of one effect: look-alikes of other families
-    /// must get a turn.
-    pub of_one_effect: usize,
-    /// Most effects in one such model.
-    pub deepest: usize,
-    /// Rounds with many rows.
-    pub rounds: usize,
-    /// Additions in one of them.
-    pub together: usize,
-    /// An addition of the same round must be worth this share of the best.
-    pub share_of_best: f64,
-    /// Orders of one joint added in one round are so many cycles a turn apart:
-    /// the second may be the side lobe of the first.
-    pub orders_apart: f64,
-    /// Terms of the arm that are followed, however few the model may have.
-    pub followed_terms: usize,
-    /// A term whose Wald statistic is beyond so many times its price is kept
-    /// without a refit.
-    pub surely_kept: f64,
-    /// Most exchanges of an addition for a better one where there is room for a
-    /// few terms only.
-    pub exchanges: usize,
-    /// Share of a column that must survive the projection off the fitted model
-    /// to count as seen.
-    pub seen: f64,
+    /// Probability from which on an effect is named, if both halves agree.
+    pub named: f64,
+    /// Probability from which on structure without a name is said to be there.
+    pub worth_saying: f64,
+    /// Residuals of neighbours that are alike by more standard deviations are
+    /// structure: with 8 covariates chance gets there once in 400,000 sets.
+    pub white: f64,
 
-    /// Lowest order scanned, cycles a turn: below lies eccentricity, and what a
-    /// limited joint range cannot tell from geometry.
-    pub lowest_order: f64,
-    /// Peaks of a joint's scan that are sharpened.
-    pub peaks: usize,
-    /// A whole number of cycles is taken where it costs less than this in
-    /// chi-square.
-    pub whole_order: f64,
-    /// Orders of one joint closer than this are one, cycles a turn.
-    pub same_order: f64,
-
-    /// Share of the structure that geometry leaves which names must explain, or
-    /// a name would be forced: something else is at work. Few rows that stay
-    /// above the noise floor tell nothing for sure...
-    pub nameable_few: f64,
-    /// ...and in many rows there is always something finer.
-    pub nameable_many: f64,
-    /// Share of it that an effect must carry to be named where something is left.
-    pub strong: f64,
-    /// Explanations this close, in units of chi-square, are not told apart: odds
-    /// of a hundred to one.
-    pub within_reach: f64,
+    /// Explanations that are told beside the best one.
+    pub alternatives: usize,
     /// Poses proposed to tell two explanations apart...
     pub proposed: usize,
     /// ...out of so many tried...
@@ -128,8 +72,6 @@ pub const POLICY: Policy = Policy {
     crowd_share: 0.08,
     crowd_rows: 3.0,
     least_lambda: 0.02,
-    floor_deviations: 5.0,
-    floor_share: 0.3,
     tool_prior: 1.0,
     base_prior: 10.0,
     lines_a_joint: 5,
@@ -137,29 +79,10 @@ pub const POLICY: Policy = Policy {
     worth_a_word: 0.02,
     odds: 0.01,
     halves_disagree: 1e-3,
-    worth: 8.0,
-    hint: 4.0,
-    many_rows: 400,
-    beam: 5,
-    branches: 7,
-    of_one_effect: 3,
-    deepest: 6,
-    rounds: 20,
-    together: 4,
-    share_of_best: 0.2,
-    orders_apart: 3.0,
-    followed_terms: 64,
-    surely_kept: 4.0,
-    exchanges: 12,
-    seen: 1e-5,
-    lowest_order: 2.6,
-    peaks: 2,
-    whole_order: 4.0,
-    same_order: 0.4,
-    nameable_few: 0.97,
-    nameable_many: 0.7,
-    strong: 0.05,
-    within_reach: 9.2,
+    named: 0.9,
+    worth_saying: 0.5,
+    white: 5.0,
+    alternatives: 5,
     proposed: 5,
     tried: 4000,
     poses_apart: 0.6,

@@ -25,7 +25,7 @@
 //!     log_odds: prior::log_odds(1, 1),
 //! };
 //! let found =
-//!     explain(&gram, &DVector::from_element(1, 1e-6), &[candidate(0), candidate(1)], Effort::default());
+//!     explain(&gram, &DVector::from_element(1, 1e-6), &[candidate(0), candidate(1)], Effort::default(), None);
 //! assert!(found.posterior.probability(Claim { name: 0, place: 0 }) > 0.99);
 //! assert!(found.posterior.probability(Claim { name: 1, place: 0 }) < 0.1);
 //! assert!((found.coefficients[0][0].value - 2.0).abs() < 0.2);
@@ -77,24 +77,37 @@ pub struct Explanation {
     pub posterior: Posterior,
 }
 
+/// A model to begin with, beside nothing, and the noise scale that it left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Known {
+    /// Its candidates.
+    pub members: Vec<usize>,
+    /// Noise over the stated sigma.
+    pub scale: f64,
+}
+
 /// Searches the subsets of `candidates`, whose columns stand in `gram` in turn;
-/// `precision` is the diagonal of geometry's prior. Found again at the noise
-/// scale that the best model leaves, until it no longer changes: a missing
-/// effect counts as noise only as long as it is missing.
+/// `precision` is the diagonal of geometry's prior. Begins with nothing and what
+/// is `known`. Found again at the noise scale that the best model leaves, until
+/// it no longer changes: a missing effect counts as noise only as long as it is
+/// missing.
 #[must_use]
 pub fn explain(
     gram: &Gram,
     precision: &DVector<f64>,
     candidates: &[Candidate],
     effort: Effort,
+    known: Option<&Known>,
 ) -> Explanation {
-    let mut scale = gram.scale_of_geometry(precision);
-    let mut known: Vec<Vec<usize>> = Vec::new();
+    let geometry = || gram.scale_of_geometry(precision);
+    let mut scale = known.map_or_else(geometry, |known| known.scale);
+    let mut roots = vec![Vec::new()];
+    roots.extend(known.map(|known| known.members.clone()));
     let mut round = 0;
     loop {
         let projected = gram.project(&gram.geometry(precision, scale));
         let subsets = Subsets::new(projected, candidates.to_vec());
-        let mut search = Search::run(&subsets, effort, &known);
+        let mut search = Search::run(&subsets, effort, &roots);
         let posterior = Posterior::new(search.masses(), candidates);
         let members = posterior.models.first().map_or(Vec::new(), |(m, _)| m.clone());
         let best = search.fit(&members).clone();
@@ -111,6 +124,7 @@ pub fn explain(
             };
         }
         scale = found;
-        known = vec![members];
+        // The search went everywhere; at another scale it goes on from there.
+        roots = vec![members];
     }
 }

@@ -22,15 +22,15 @@ pub struct Effort {
     pub of_a_name: usize,
     /// Most members of a model.
     pub members: usize,
-    /// Models whose members are each taken out and replaced.
-    pub swaps: usize,
+    /// Members of the best models that are taken out and replaced.
+    pub detours: usize,
 }
 
 impl Default for Effort {
     /// Doubling them changed no probability by more than 0.011 in the study of
     /// `docs/evidence.md`.
     fn default() -> Self {
-        Self { beam: 4, branches: 6, of_a_name: 2, members: 24, swaps: 24 }
+        Self { beam: 4, branches: 6, of_a_name: 2, members: 24, detours: 240 }
     }
 }
 
@@ -65,8 +65,8 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Looks from nothing and from `known`.
-    pub fn run(subsets: &'a Subsets, effort: Effort, known: &[Vec<usize>]) -> Self {
+    /// Looks from these models.
+    pub fn run(subsets: &'a Subsets, effort: Effort, roots: &[Vec<usize>]) -> Self {
         let mut search = Self {
             subsets,
             effort,
@@ -75,10 +75,8 @@ impl<'a> Search<'a> {
             expanded: BTreeMap::new(),
             best: f64::NEG_INFINITY,
         };
-        let mut roots = vec![Vec::new()];
-        roots.extend(known.iter().cloned());
         for root in roots {
-            search.climb(root);
+            search.climb(root.clone());
         }
         search.look_around();
         search
@@ -173,7 +171,8 @@ impl<'a> Search<'a> {
     /// from a model that is the best of all also goes longer ways round.
     fn look_around(&mut self) {
         let mut seen: BTreeSet<Vec<usize>> = BTreeSet::new();
-        for _ in 0..self.effort.swaps {
+        let mut done = 0;
+        while done < self.effort.detours {
             let front = self.masses.iter().filter(|(m, _)| !seen.contains(*m));
             let Some((members, mass)) = front.max_by(|a, b| a.1.total_cmp(b.1)) else { break };
             let (members, mass) = (members.clone(), *mass);
@@ -181,6 +180,7 @@ impl<'a> Search<'a> {
                 break;
             }
             seen.insert(members.clone());
+            done += members.len().max(1);
             let steps = if mass >= self.best { DETOUR } else { 1 };
             let subset = self.fit(&members).clone();
             self.grow(&members);

@@ -64,7 +64,7 @@ impl Rows {
 
     fn explain(&self) -> Explanation {
         let precision = DVector::from_element(self.g.ncols(), 1e-6);
-        explain(&self.gram(), &precision, &self.candidates, Effort::default())
+        explain(&self.gram(), &precision, &self.candidates, Effort::default(), None)
     }
 }
 
@@ -288,7 +288,7 @@ proptest! {
             gram.add_repeats(equations, square);
         }
         let precision = DVector::from_element(3, 1e-6);
-        let repeated = explain(&gram, &precision, &rows.candidates, Effort::default());
+        let repeated = explain(&gram, &precision, &rows.candidates, Effort::default(), None);
         same(&rows.explain().posterior, &repeated.posterior, widths.len(), 0.02);
     }
 }
@@ -304,7 +304,7 @@ fn parts_add_up() {
     let [mut first, second] = halves;
     first.join(&second);
     let precision = DVector::from_element(3, 1e-6);
-    let joined = explain(&first, &precision, &rows.candidates, Effort::default());
+    let joined = explain(&first, &precision, &rows.candidates, Effort::default(), None);
     same(&joined.posterior, &rows.explain().posterior, 2, 1e-9);
 }
 
@@ -347,7 +347,8 @@ fn degenerate_problems_are_answered() {
     assert!(found.posterior.probability(claim(2)) < 0.1);
     let few = Rows::new(4, 3, 6, &[1, 2], &[]).explain();
     assert!(few.posterior.claims().values().all(|p| *p < 0.5));
-    let none = explain(&Gram::new(2, 0), &DVector::from_element(2, 1.0), &[], Effort::default());
+    let none =
+        explain(&Gram::new(2, 0), &DVector::from_element(2, 1.0), &[], Effort::default(), None);
     assert_eq!(none.posterior.models, vec![(vec![], 1.0)]);
 }
 

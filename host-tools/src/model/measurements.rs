@@ -82,6 +82,14 @@ impl Measurements {
         Self { rows: rows.collect(), ..self.clone() }
     }
 
+    /// What orders a row in the session: its time, its number, or its place in
+    /// the file.
+    #[must_use]
+    pub fn when(&self, row: usize) -> f64 {
+        let of = &self.rows[row];
+        of.time.or(of.order).unwrap_or(row as f64)
+    }
+
     /// Smallest and largest value of each joint.
     #[must_use]
     pub fn covered(&self) -> Vec<[f64; 2]> {

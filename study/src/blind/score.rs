@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use truearm_host::diagnose::{Outcome, Verdict};
+use truearm_host::diagnose::{Effect, Outcome, Verdict};
 
 use super::sets::{BlindSet, LISTED};
 
@@ -71,10 +71,20 @@ impl Score {
     }
 }
 
-/// Names and places of a report.
+/// Names and places that a report is sure of.
 pub fn places(report: &Outcome) -> Places {
+    of(&report.effects)
+}
+
+/// The same with what it only suspects.
+pub fn told(report: &Outcome) -> Places {
+    of(&report.effects).union(&of(&report.suspected)).cloned().collect()
+}
+
+/// Names and places of effects, a place each.
+pub fn of(effects: &[Effect]) -> Places {
     let mut out = Places::new();
-    for effect in &report.effects {
+    for effect in effects {
         let name = effect.name.to_owned();
         let coupled =
             truearm::effects::Effect::from_name(effect.name).is_some_and(|e| e.is_coupled());

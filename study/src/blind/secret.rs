@@ -2,7 +2,6 @@
 //! it attains.
 
 use truearm::effects::{Effect, Term};
-use truearm_host::effects::Offer;
 use truearm_host::identify::robust::{Flags, robust_fit};
 use truearm_host::identify::{Conditions, Problem, Scaling, State};
 use truearm_host::model::ModelTerm;
@@ -11,6 +10,7 @@ use truearm_simulate::arm::Arm;
 use truearm_simulate::effects::Kind;
 
 use crate::simulated::rms;
+use crate::terms::terms;
 
 /// What was hidden.
 pub struct Secret {
@@ -34,7 +34,7 @@ impl Secret {
         data: &Measurements,
         holdout: &Measurements,
     ) -> Option<[f64; 2]> {
-        let kinds = self.arm.defects.iter().map(|d| self.terms(&d.kind));
+        let kinds = self.arm.defects.iter().map(|d| terms(&d.kind, &self.arm.gear_ratios));
         let terms = kinds.collect::<Option<Vec<_>>>()?.concat();
         // With masses that are a few percent off, the torque where gravity takes
         // over a gap is as far off: the best one is looked for.
@@ -97,26 +97,5 @@ impl Secret {
             out.extend((0..data.rows.len()).filter(wrong).map(|row| row + 1));
         }
         out
-    }
-
-    fn terms(&self, kind: &Kind) -> Option<Vec<ModelTerm>> {
-        if let Some(effect) = Effect::from_name(kind.name()) {
-            let joints: Vec<usize> = kind.joints().iter().map(|joint| joint - 1).collect();
-            return Some(
-                Offer::of_arm(effect, &joints, &kind.orders(&self.arm.gear_ratios), 1).terms,
-            );
-        }
-        Some(match kind {
-            Kind::ToolRemount { .. } => {
-                let shift =
-                    |axis| ModelTerm::Remount { series: "B".into(), axis, coefficient: 0.0 };
-                (0..3).map(shift).collect()
-            }
-            Kind::MeasurementDrift { .. } => {
-                (0..6).map(|component| ModelTerm::Drift { component, coefficient: 0.0 }).collect()
-            }
-            Kind::Outliers => Vec::new(),
-            _ => return None,
-        })
     }
 }

@@ -2,6 +2,7 @@
 //! what was hidden stays sealed until [`DirtySet::open`].
 
 use nalgebra::{Rotation3, Vector3};
+use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm_host::files::csv_text;
@@ -25,6 +26,8 @@ pub struct DirtySet {
     pub robot: String,
     /// `measurements.csv`
     pub measurements: String,
+    /// `holdout.csv`: poses of the same session that no fit sees.
+    pub holdout: String,
     secret: Secret,
 }
 
@@ -33,8 +36,12 @@ pub struct Secret {
     pub arm: Arm,
     pub hidden: Hidden,
     pub noise: Noise,
+    /// Of the measurements.
     pub moments: Vec<Moment>,
 }
+
+/// Poses kept for judging.
+const HELD_OUT: usize = 200;
 
 impl DirtySet {
     /// The set of a seed; no effects and no curve in it where `clean`.
@@ -48,7 +55,8 @@ impl DirtySet {
         let columns = Columns::draw(&mut rng);
         let rows = ROWS[0] * (ROWS[1] / ROWS[0]).powf(rng.random_range(0.0..1.0));
         let repeats = if rng.random_bool(0.2) { rng.random_range(2..=5) } else { 1 };
-        let moments = moments(&stated(&nominal), &columns, rows as usize, repeats, &mut rng);
+        let rows = rows as usize + HELD_OUT * repeats;
+        let moments = moments(&stated(&nominal), &columns, rows, repeats, &mut rng);
         let hidden = match clean {
             true => Hidden::default(),
             false => draw(&arm, &columns, masses, &mut rng),
@@ -56,8 +64,16 @@ impl DirtySet {
         let unlisted = hidden.unlisted.iter().flat_map(|u| u.1.iter());
         arm.defects = hidden.listed.iter().chain(unlisted).cloned().collect();
         let points = measured(&arm, &moments, &noise, &mut rng);
-        let measurements = table(&nominal, &columns, &moments, &points);
-        Self { seed, robot: text, measurements, secret: Secret { arm, hidden, noise, moments } }
+        let held = held_out(&moments, &mut rng);
+        let part = |which: bool| {
+            let own = (0..moments.len()).filter(|i| held[*i] == which);
+            let rows = own.map(|i| (moments[i].clone(), points[i]));
+            let (moments, points): (Vec<_>, Vec<_>) = rows.unzip();
+            (table(&nominal, &columns, &moments, &points), moments)
+        };
+        let ((measurements, moments), (holdout, _)) = (part(false), part(true));
+        let secret = Secret { arm, hidden, noise, moments };
+        Self { seed, robot: text, measurements, holdout, secret }
     }
 
     /// What was hidden.
@@ -66,11 +82,23 @@ impl DirtySet {
     }
 
     /// Files as the program reads them.
-    pub fn read(&self) -> (Robot, Measurements) {
+    pub fn read(&self) -> (Robot, [Measurements; 2]) {
         let robot = robot(&self.robot);
-        let data = parse(&robot, &self.measurements);
-        (robot, data)
+        let files = [&self.measurements, &self.holdout].map(|text| parse(&robot, text));
+        (robot, files)
     }
+}
+
+/// Which readings are kept for judging: all of a pose or none.
+fn held_out(moments: &[Moment], rng: &mut ChaCha8Rng) -> Vec<bool> {
+    let same = |a: &Moment, b: &Moment| a.q == b.q;
+    let poses: Vec<usize> = moments.chunk_by(same).map(<[Moment]>::len).collect();
+    let mut order: Vec<usize> = (0..poses.len()).collect();
+    order.shuffle(rng);
+    order.truncate(HELD_OUT);
+    let mut held = vec![false; poses.len()];
+    order.into_iter().for_each(|pose| held[pose] = true);
+    poses.iter().zip(held).flat_map(|(readings, held)| vec![held; *readings]).collect()
 }
 
 /// A `robot.toml`, with or without masses.
@@ -180,8 +208,9 @@ mod tests {
         for seed in 0..12 {
             let (a, b) = (DirtySet::draw(seed, false), DirtySet::draw(seed, false));
             assert!(a.robot == b.robot && a.measurements == b.measurements, "{seed}");
-            let (_, data) = a.read();
+            let (_, [data, holdout]) = a.read();
             assert_eq!(data.rows.len(), a.open().moments.len());
+            assert!(holdout.rows.len() >= HELD_OUT);
             assert!((3..=8).contains(&a.open().hidden.listed.len()));
         }
     }

@@ -2,6 +2,7 @@
 
 mod blind;
 mod coverage;
+mod dirty;
 mod lambda;
 mod planning;
 mod power;
@@ -23,6 +24,8 @@ pub type Result<T = ()> = std::result::Result<T, Box<dyn std::error::Error>>;
 pub enum Study {
     /// Hidden effects: are they named, rightly and only where they are?
     Blind(blind::Options),
+    /// Several effects, noise misstated, poses as people choose them: can probabilities be trusted?
+    Dirty(dirty::Options),
     /// How large must an effect be to be named?
     Power(power::Options),
     /// Stated 95 % intervals: how many hold the truth?
@@ -40,6 +43,7 @@ pub enum Study {
 pub fn run(study: &Study) -> Result {
     match study {
         Study::Blind(options) => blind::run(options),
+        Study::Dirty(options) => dirty::run(options),
         Study::Power(options) => power::run(options),
         Study::Coverage(options) => coverage::run(options),
         Study::Planning(options) => planning::run(options),

@@ -7,7 +7,7 @@ use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::model::Robot;
 
 use super::Result;
-use crate::blind::score::{Places, places};
+use crate::blind::score::{Places, places, told};
 use crate::blind::sets::BlindSet;
 use crate::simulated::parse;
 
@@ -90,7 +90,7 @@ fn judged(seed: u64) -> std::result::Result<Outcome, String> {
     Ok(Outcome {
         seed,
         truth: truth.iter().map(|d| (d.kind.name().to_owned(), d.kind.joints())).collect(),
-        first: places(&report),
+        first: told(&report),
         alternatives: report.alternatives.iter().map(|a| named(&a.effects)).collect(),
         after,
     })

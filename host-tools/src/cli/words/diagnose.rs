@@ -1,3 +1,4 @@
+use truearm_host::diagnose::policy::POLICY;
 use truearm_host::diagnose::{Alternative, Effect, Outcome, Verdict};
 use truearm_host::effects::OUTLIERS;
 use truearm_host::table::Table;
@@ -10,13 +11,27 @@ const EACH: usize = 3;
 /// Sentences about where the residuals are.
 const PLACES: usize = 6;
 
+/// Probability from which on only a disagreement of halves keeps from naming.
+const SURE: f64 = POLICY.named;
+
 /// The summary of `diagnose`.
 pub fn diagnosis(r: &Outcome) -> String {
     let b = &r.figures;
     let mut out = format!("{}\n{}: {} rows of {} poses\n", b.robot, b.data, b.rows, b.poses);
     out += verdict(r);
-    out += &effects(r);
+    out += &effects(&r.effects, false);
+    if !r.suspected.is_empty() {
+        out += "suspected, in the model because the held-out error falls:\n";
+        out += &effects(&r.suspected, true);
+    }
+    r.unnamed.iter().for_each(|line| out += &format!("without a name: {line}\n"));
     out += &format!("\n{}held out: {}\n", gap(r), b.cross_validation);
+    if let Some(nested) = r.nested_rms_mm {
+        out += &format!(
+            "held out with the choice of effects made anew in each fold: {nested:.4} mm\n"
+        );
+    }
+    out += &format!("noise is {:.2} times the stated standard deviation\n", r.noise_scale);
     if !b.outliers.is_empty() {
         let what = match r.effects.iter().any(|e| e.name == OUTLIERS) {
             true => "flagged as gross errors and left out",
@@ -28,31 +43,31 @@ pub fn diagnosis(r: &Outcome) -> String {
         out += "where geometry alone disagrees:\n";
         r.whereabouts.iter().take(PLACES).for_each(|line| out += &format!("  {line}\n"));
     }
-    r.alternatives.iter().for_each(|a| out += &alternative(a));
+    r.alternatives.iter().for_each(|a| out += &alternative(a, r));
     r.not_testable.iter().for_each(|line| out += &format!("not testable: {line}\n"));
     out
 }
 
 fn verdict(r: &Outcome) -> &'static str {
     match r.verdict {
-        Verdict::Clean => "verdict: clean, geometry alone reaches the noise floor\n",
-        Verdict::Explained => "verdict: explained\n",
+        Verdict::Clean => "verdict: clean, geometry alone leaves nothing but noise\n",
+        Verdict::Explained => "verdict: explained, the model leaves nothing but noise\n",
         Verdict::Unexplained if r.effects.is_empty() => {
             "verdict: unexplained, structure is left that no listed effect explains\n"
         }
         Verdict::Unexplained => {
-            "verdict: unexplained, the effects below carry most of it but not all\n"
+            "verdict: unexplained, structure is left beside the effects below\n"
         }
     }
 }
 
-fn effects(r: &Outcome) -> String {
+fn effects(effects: &[Effect], suspected: bool) -> String {
     let mut out = String::new();
     let mut told: Vec<&str> = Vec::new();
-    for e in &r.effects {
-        let same: Vec<&Effect> = r.effects.iter().filter(|o| o.name == e.name).collect();
+    for e in effects {
+        let same: Vec<&Effect> = effects.iter().filter(|o| o.name == e.name).collect();
         if same.len() <= EACH {
-            out += &format!("  {}\n", effect(e));
+            out += &format!("  {}\n", effect(e, suspected));
         } else if !told.contains(&e.name) {
             told.push(e.name);
             out += &spectrum(&same);
@@ -68,23 +83,48 @@ fn gap(r: &Outcome) -> Table {
         let cells = [Some(row.train_rms_mm), row.cross_validated_rms_mm, row.holdout_rms_mm];
         table.row(std::iter::once(row.model.clone()).chain(cells.map(cell)));
     }
-    table.numbers("noise floor", [r.noise_floor_mm]);
+    table.numbers("noise as stated", [r.noise_floor_mm]);
     table
 }
 
-fn alternative(a: &Alternative) -> String {
-    let names: Vec<String> = a.effects.iter().map(|(name, joints)| place(name, joints)).collect();
+/// An alternative by what it has that the model has not, and the reverse.
+fn alternative(a: &Alternative, r: &Outcome) -> String {
+    let coupled =
+        |name: &str| truearm::effects::Effect::from_name(name).is_some_and(|e| e.is_coupled());
+    let mut own: Vec<(&str, Vec<usize>)> = Vec::new();
+    for e in r.effects.iter().chain(&r.suspected).filter(|e| e.name != OUTLIERS) {
+        match e.joints.len() {
+            0 | 1 => own.push((e.name, e.joints.clone())),
+            _ if coupled(e.name) => own.push((e.name, e.joints.clone())),
+            _ => own.extend(e.joints.iter().map(|j| (e.name, vec![*j]))),
+        }
+    }
+    let more: Vec<String> = a
+        .effects
+        .iter()
+        .filter(|e| own.iter().all(|o| o.0 != e.0 || o.1 != e.1))
+        .map(|(name, joints)| place(name, joints))
+        .collect();
+    let more = if more.is_empty() { "nothing".to_owned() } else { more.join(" and ") };
     let mut out = format!(
-        "alternative within reach (worse by {:.1} in chi-square): {}\n  \
+        "alternative within reach (worse by {:.1} in chi-square): {more} instead of {}\n  \
          measure these poses to tell them apart:\n",
         a.worse_by,
-        names.join(" and ")
+        less(&own, a)
     );
     for pose in &a.separating_poses {
         let joints: Vec<String> = pose.joints.iter().map(|q| format!("{q:.2}")).collect();
         out += &format!("    {}  ({:.3} mm apart)\n", joints.join(", "), pose.difference_mm);
     }
     out
+}
+
+/// What an alternative does without.
+fn less(own: &[(&str, Vec<usize>)], a: &Alternative) -> String {
+    let theirs = |e: &&(&str, Vec<usize>)| a.effects.iter().all(|t| t.0 != e.0 || t.1 != e.1);
+    let mut names: Vec<String> = own.iter().filter(theirs).map(|(n, j)| place(n, j)).collect();
+    names.dedup();
+    if names.is_empty() { "nothing".to_owned() } else { names.join(" and ") }
 }
 
 fn place(name: &str, joints: &[usize]) -> String {
@@ -98,7 +138,7 @@ fn place(name: &str, joints: &[usize]) -> String {
     }
 }
 
-fn effect(e: &Effect) -> String {
+fn effect(e: &Effect, suspected: bool) -> String {
     let mut out = place(e.name, &e.joints);
     if let Some(order) = e.order {
         out += &format!(", {order} cycles a turn");
@@ -114,10 +154,19 @@ fn effect(e: &Effect) -> String {
     if !values.is_empty() {
         out += &format!(": {}", values.join(", "));
     }
+    out += &format!("; probability {}", probability(e.probability));
+    if suspected && e.probability >= SURE {
+        out += ", but the halves of the poses disagree";
+    }
     if e.holdout_gain != 0.0 {
         out += &format!("; held-out error falls by {:.0} %", e.holdout_gain * 100.0);
     }
     out
+}
+
+/// Never said to be certain.
+fn probability(p: f64) -> String {
+    if p > 0.99 { "> 0.99".to_owned() } else { format!("{p:.2}") }
 }
 
 /// Many orders of one periodic effect: a line a joint, amplitudes in mrad.

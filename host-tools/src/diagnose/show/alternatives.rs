@@ -1,59 +1,57 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::diagnose::candidates::Candidate;
+use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::outcome::{Alternative, SeparatingPose};
 use crate::diagnose::policy::POLICY;
-use crate::diagnose::search::Search;
-use crate::diagnose::search::node::{Node, at_floor};
+use crate::diagnose::question::Question;
 use crate::evaluate::residuals;
 use crate::identify::{Conditions, State, folds};
 use crate::model::Robot;
 use crate::units::joint_to_file;
 
-/// Explanations of the data that stay within reach of the best one.
+/// The most probable models that make other claims, fitted.
 #[must_use]
 pub fn alternatives(
-    search: &Search,
+    q: &Question,
     robot: &Robot,
     best: &Node,
-    nodes: &[Node],
+    rivals: &[(Vec<Candidate>, f64)],
 ) -> Vec<(Alternative, State)> {
-    let names = |n: &Node| {
-        let mut list: Vec<_> = n.added.iter().map(|c| (c.name(), c.joints())).collect();
-        list.sort();
-        list.dedup();
-        list
-    };
-    let mine = names(best);
-    let mut seen = vec![mine.clone()];
-    let mut out = Vec::new();
-    for node in nodes {
-        let theirs = names(node);
+    let mine = claims(&best.added);
+    let mut out: Vec<(Alternative, State)> = Vec::new();
+    for (added, odds) in rivals {
+        let theirs = claims(added);
         // More of the same is no alternative.
-        let contains = mine.iter().all(|m| theirs.contains(m));
-        if contains || seen.contains(&theirs) || !at_floor(node) {
+        let more = mine.iter().all(|m| theirs.contains(m));
+        if more || out.len() == POLICY.alternatives {
             continue;
         }
-        // Judged by the data alone: what a coefficient more costs is a reason to
-        // prefer, not to rule out. A row that had to be flagged for it counts
-        // what it would have cost at least, or a few new poses that speak
-        // against an explanation would be taken for gross errors.
-        let data = |n: &Node| n.misfit + n.fit.outliers.len() as f64 * POLICY.gross.powi(2);
-        let worse_by = data(node) - data(best);
-        if worse_by > POLICY.within_reach || node.added.len() > best.added.len() {
+        // What cannot be fitted is no explanation.
+        let Ok(node) = fitted(q, added.clone(), &best.fit.fit.state) else { continue };
+        if !node.implausible().is_empty() {
             continue;
         }
-        seen.push(theirs.clone());
-        let poses = separating(search, robot, &best.fit.fit.state, &node.fit.fit.state);
-        let alternative = Alternative { effects: theirs, worse_by, separating_poses: poses };
-        out.push((alternative, node.fit.fit.state.clone()));
+        let poses = separating(q, robot, &best.fit.fit.state, &node.fit.fit.state);
+        let alternative =
+            Alternative { effects: theirs, worse_by: -2.0 * odds.ln(), separating_poses: poses };
+        out.push((alternative, node.fit.fit.state));
     }
     out
 }
 
+/// Names and joints, each once.
+fn claims(added: &[Candidate]) -> Vec<(&'static str, Vec<usize>)> {
+    let mut list: Vec<_> = added.iter().map(|c| (c.name(), c.joints())).collect();
+    list.sort();
+    list.dedup();
+    list
+}
+
 /// Poses within limits where two explanations differ most.
-fn separating(search: &Search, robot: &Robot, a: &State, b: &State) -> Vec<SeparatingPose> {
-    let data = search.problem.data;
+fn separating(q: &Question, robot: &Robot, a: &State, b: &State) -> Vec<SeparatingPose> {
+    let data = q.problem.data;
     let mut rng = ChaCha8Rng::seed_from_u64(folds::SEED);
     let ranges: Vec<[f64; 2]> =
         robot.joints.iter().zip(data.covered()).map(|(j, c)| j.limits.unwrap_or(c)).collect();

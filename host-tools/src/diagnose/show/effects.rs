@@ -1,72 +1,81 @@
 use truearm::JointKind;
 use truearm::effects::ActsOn;
 
-use crate::diagnose::candidates::Candidate;
-use crate::diagnose::chi_square::chi_square;
+use super::gap::stage_name;
+use crate::diagnose::node::{Node, crowded};
 use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
 use crate::diagnose::policy::POLICY;
-use crate::diagnose::search::FAMILIES;
-use crate::diagnose::search::node::{Node, at_floor};
+use crate::diagnose::weigh::Named;
 use crate::effects::OUTLIERS;
 use crate::identify::Findings;
 use crate::identify::robust::Outlier;
 use crate::model::{ModelTerm, Values, friction_unit};
 
-/// The effects of the final model: one entry a name and order, couplings and
-/// thermal links one each; flagged rows as `outliers`.
+/// What the final model holds beyond geometry: what may be named, and what is
+/// only suspected. One entry a name and order, couplings and thermal links one
+/// each; flagged rows as `outliers`.
 #[must_use]
-pub fn effects(findings: &Findings, stages: &[Node], gap: &[GapRow], best: &Node) -> Vec<Effect> {
+pub fn effects(
+    findings: &Findings,
+    gap: &[GapRow],
+    best: &Node,
+    names: &[Named],
+) -> (Vec<Effect>, Vec<Effect>) {
     let sigmas = findings.sigmas();
     let kinds: Vec<JointKind> = findings.problem.nominal.iter().map(|link| link.kind).collect();
     let first = findings.problem.unknowns.terms().start;
-    let terms = &best.fit.fit.state.terms;
-    let mut out: Vec<Effect> = Vec::new();
-    for (k, pair) in stages.windows(2).enumerate() {
-        let [before, stage] = pair else { continue };
-        let (name, p_value) = step(before, stage);
-        let figure = |row: &GapRow| row.holdout_rms_mm.or(row.cross_validated_rms_mm);
-        let holdout_gain = match (figure(&gap[k + 1]), figure(&gap[k + 2])) {
-            (Some(b), Some(a)) if b > 0.0 => 1.0 - a / b,
-            _ => 0.0,
-        };
-        for (i, term) in terms.iter().enumerate().filter(|(_, t)| t.effect_name() == name) {
-            let coefficients = vec![coefficient(term, &kinds, sigmas[first + i])];
-            let (joints, order) = (term.joints(), term.order());
-            add(
-                &mut out,
-                term,
-                Effect { name, joints, order, coefficients, p_value, holdout_gain },
-            );
+    let (mut named, mut suspected) = (Vec::new(), Vec::new());
+    for row in gap {
+        let of = |t: &ModelTerm| row.model == stage_name(t.effect_name());
+        for (i, term) in best.fit.fit.state.terms.iter().enumerate().filter(|(_, t)| of(t)) {
+            let (name, joints) = (term.effect_name(), term.joints());
+            let claim = names.iter().find(|n| n.name == name && n.joints == joints);
+            let sure = claim.is_some_and(|c| c.probability >= POLICY.named && c.replicated);
+            let effect = Effect {
+                name,
+                joints,
+                order: term.order(),
+                coefficients: vec![coefficient(term, &kinds, sigmas[first + i])],
+                probability: claim.map_or(0.0, |c| c.probability),
+                half_gain: claim.map_or([0.0; 2], |c| c.half_gain),
+                holdout_gain: gain(gap, row),
+            };
+            add(if sure { &mut named } else { &mut suspected }, term, effect);
         }
     }
     let gross = best.fit.outliers.iter().any(|o| !other_side(findings, best, o));
-    // Where structure is left that has no name, no row can be called wrong.
-    if gross && (at_floor(best) || !best.added.is_empty()) {
-        let problem = findings.problem;
-        let all: Vec<usize> = (0..problem.data.rows.len()).collect();
-        let equations = problem.equations(&all) as f64;
-        let p_value = (equations * libm::erfc(POLICY.gross / std::f64::consts::SQRT_2)).min(1.0);
-        out.push(Effect {
-            name: OUTLIERS,
-            joints: Vec::new(),
-            order: None,
-            coefficients: Vec::new(),
-            p_value,
-            holdout_gain: 0.0,
-        });
+    // Where more rows stand out than can be wrong, no row can be called so.
+    if gross && !crowded(best) {
+        named.push(gross_rows(findings));
     }
-    out
+    (named, suspected)
 }
 
-/// The effect that a stage adds to the one before, and its chance from noise.
-fn step(before: &Node, stage: &Node) -> (&'static str, f64) {
-    let known = |c: &&Candidate| before.added.iter().any(|a| a.name() == c.name());
-    let added: Vec<&Candidate> = stage.added.iter().filter(|c| !known(c)).collect();
-    let count = added.iter().map(|c| c.terms.len()).sum();
-    let tried: f64 = added.iter().map(|c| c.tried * FAMILIES).product();
-    let statistic = (before.misfit - stage.misfit) / stage.reduced.max(1.0);
-    let p_value = (chi_square(statistic, count) * tried).min(1.0);
-    (added.first().map_or("", |c| c.name()), p_value)
+/// Fall of the error of held-out poses from the stage before a row to the row.
+fn gain(gap: &[GapRow], row: &GapRow) -> f64 {
+    let figure = |row: &GapRow| row.holdout_rms_mm.or(row.cross_validated_rms_mm);
+    let k = gap.iter().position(|r| r.model == row.model).unwrap_or(0);
+    match (k.checked_sub(1).and_then(|k| figure(&gap[k])), figure(row)) {
+        (Some(before), Some(after)) if before > 0.0 => 1.0 - after / before,
+        _ => 0.0,
+    }
+}
+
+/// Rows that stand out by more than chance does in so many equations.
+fn gross_rows(findings: &Findings) -> Effect {
+    let problem = findings.problem;
+    let all: Vec<usize> = (0..problem.data.rows.len()).collect();
+    let equations = problem.equations(&all) as f64;
+    let chance = equations * libm::erfc(POLICY.gross / std::f64::consts::SQRT_2);
+    Effect {
+        name: OUTLIERS,
+        joints: Vec::new(),
+        order: None,
+        coefficients: Vec::new(),
+        probability: 1.0 - chance.min(1.0),
+        half_gain: [0.0; 2],
+        holdout_gain: 0.0,
+    }
 }
 
 /// Adds a term's entry, or its joint and coefficient to the entry it belongs to.
@@ -79,6 +88,11 @@ fn add(out: &mut Vec<Effect>, term: &ModelTerm, new: Effect) {
     };
     let Some(entry) = out.iter_mut().find(same) else { return out.push(new) };
     entry.coefficients.extend(new.coefficients);
+    // What is said of several joints holds for each.
+    entry.probability = entry.probability.min(new.probability);
+    if new.half_gain.iter().sum::<f64>() < entry.half_gain.iter().sum() {
+        entry.half_gain = new.half_gain;
+    }
     if !alone {
         entry.joints.extend(new.joints);
         entry.joints.sort_unstable();

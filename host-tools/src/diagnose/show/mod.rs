@@ -10,4 +10,3 @@ mod stages;
 pub use alternatives::alternatives;
 pub use effects::effects;
 pub use gap::Show;
-pub use stages::stages;

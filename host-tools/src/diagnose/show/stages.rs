@@ -1,5 +1,5 @@
-use crate::diagnose::search::Search;
-use crate::diagnose::search::node::Node;
+use crate::diagnose::node::{Node, fitted};
+use crate::diagnose::question::Question;
 use crate::error::Result;
 
 /// The models from geometry to the final one: each adds all terms of one
@@ -7,7 +7,7 @@ use crate::error::Result;
 ///
 /// # Errors
 /// When an intermediate fit does not converge.
-pub fn stages(search: &Search, root: &Node, best: &Node) -> Result<Vec<Node>> {
+pub fn stages(q: &Question, root: &Node, best: &Node) -> Result<Vec<Node>> {
     let mut names: Vec<&'static str> = Vec::new();
     for candidate in &best.added {
         if !names.contains(&candidate.name()) {
@@ -16,7 +16,7 @@ pub fn stages(search: &Search, root: &Node, best: &Node) -> Result<Vec<Node>> {
     }
     let with = |chosen: &[&str], start: &Node| {
         let added = best.added.iter().filter(|c| chosen.contains(&c.name())).cloned().collect();
-        search.fit(added, &start.fit.fit.state)
+        fitted(q, added, &start.fit.fit.state)
     };
     let mut out = vec![root.clone()];
     let mut chosen: Vec<&'static str> = Vec::new();

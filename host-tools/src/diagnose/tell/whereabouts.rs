@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::slip::{contradiction, step};
 use crate::diagnose::chi_square::{chance, chi_square};
+use crate::diagnose::node::{Node, crowded};
 use crate::diagnose::policy::POLICY;
-use crate::diagnose::search::node::{Node, crowded};
 use crate::identify::Problem;
 use crate::model::{KindId, Values};
 

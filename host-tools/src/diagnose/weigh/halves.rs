@@ -1,7 +1,8 @@
 //! Whether a claim survives in the data's other half: coefficients of both
 //! halves agree, and what one half says helps to predict the other.
 
-use super::{Judge, Parts, joined};
+use super::explained::Explained;
+use super::parts::{Parts, joined};
 use crate::diagnose::chi_square::chi_square;
 use crate::diagnose::policy::POLICY;
 use crate::evidence::{Claim, Explanation, Gram};
@@ -9,13 +10,13 @@ use crate::evidence::{Claim, Explanation, Gram};
 /// Fall of the error of each half by the claim fitted to the other one, at
 /// random halves; and whether halves at random and in time agree.
 pub fn of_claim(
-    judge: &Judge,
+    of: &Explained,
     claim: Claim,
     found: &Explanation,
     parts: &Parts,
     grams: &[Gram],
 ) -> ([f64; 2], bool) {
-    let holds = |m: &usize| Claim::from(&judge.possible[*m].entry) == claim;
+    let holds = |m: &usize| Claim::from(&of.possible[*m].entry) == claim;
     // The most probable model with the claim.
     let with = found.posterior.models.iter().find(|(members, _)| members.iter().any(holds));
     let Some((members, _)) = with else { return ([0.0; 2], false) };
@@ -34,10 +35,10 @@ pub fn of_claim(
         let mut coefficients = Vec::new();
         for h in 0..2 {
             let (gram, other) = (&halves[h].0, &halves[1 - h].1);
-            let (own, solution) = judge.refitted(gram, found, members);
-            let (_, bare) = judge.refitted(gram, found, &without);
+            let (own, solution) = of.refitted(gram, found, members);
+            let (_, bare) = of.refitted(gram, found, &without);
             let rms = |s| {
-                let left = judge.sheet.left(other, s);
+                let left = of.sheet.left(other, s);
                 left.iter().map(|(_, r)| r.norm().powi(2)).sum::<f64>().sqrt()
             };
             gains[kind][h] = 1.0 - rms(&solution) / rms(&bare).max(f64::MIN_POSITIVE);

@@ -4,13 +4,12 @@
 use rayon::prelude::*;
 use truearm::effects::Effect;
 
-use super::possible::{Numbers, Possible, revolute, variants};
-use super::sheet::{Sheet, Weights};
+use super::possible::{Numbers, Possible, variants};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::policy::POLICY;
 use crate::effects::Offer;
 use crate::evidence::lines::{JointColumn, Line, Orders, strengths};
-use crate::identify::{Problem, State};
+use crate::identify::State;
 
 /// Steps of a golden section.
 const SECTIONS: usize = 16;
@@ -20,28 +19,20 @@ pub type Held = (usize, f64);
 
 /// Lines as candidates.
 pub fn offered(
-    problem: &Problem,
     state: &State,
-    rows: &[usize],
-    weights: &Weights,
-    (lambda, scale, highest): (f64, f64, f64),
+    columns: &[(usize, JointColumn)],
+    highest: f64,
     held: &[Held],
     numbers: &mut Numbers,
 ) -> Vec<Possible> {
-    let bare = Sheet::new(problem, state, &[], weights);
-    let gram = bare.gram(rows);
-    let scale = if scale > 0.0 { scale } else { gram.scale_of_geometry(&bare.precision(lambda)) };
-    let geometry = gram.geometry(&bare.precision(lambda), scale);
-    let joints = revolute(problem);
-    let found = joints.par_iter().map(|joint| {
-        let column = bare.joint(rows, *joint, &geometry, scale);
+    let found = columns.par_iter().map(|(joint, column)| {
         let orders = Orders::of(&column.q, highest);
         let near = |a: f64, b: f64| (a - b).abs() < 2.0 * orders.step;
         let known: Vec<f64> = held.iter().filter(|h| h.0 == *joint).map(|h| h.1).collect();
         let mut lines: Vec<(Line, Vec<f64>)> = Vec::new();
         for order in &known {
             let coefficients = wave(state, *joint, *order);
-            let sharp = sharpened(&column, *order, orders.step, coefficients);
+            let sharp = sharpened(column, *order, orders.step, coefficients);
             let line = Line { order: sharp, strength: 0.0 };
             let mut variants = vec![*order, sharp];
             if (sharp.round() - sharp).abs() < orders.step && sharp.round() > 0.0 {
@@ -51,7 +42,7 @@ pub fn offered(
             variants.dedup();
             lines.push((line, variants));
         }
-        for line in orders.lines(&column, POLICY.lines_a_joint + known.len()) {
+        for line in orders.lines(column, POLICY.lines_a_joint + known.len()) {
             let fresh = !known.iter().any(|k| near(*k, line.order));
             if fresh && lines.len() < POLICY.lines_a_joint + known.len() {
                 lines.push((line, variants(&orders, &line)));
@@ -66,7 +57,7 @@ pub fn offered(
             for order in variants {
                 let offer = Offer::of_arm(Effect::JointPeriodicError, &[joint], &[order], 1);
                 let candidate = Candidate::from(offer);
-                out.push(numbers.line(candidate, part + 1, joints.len(), &orders, order));
+                out.push(numbers.line(candidate, part + 1, columns.len(), &orders, order));
             }
         }
     }

@@ -33,6 +33,13 @@ pub enum Nameless {
         /// Counted from 0.
         joint: usize,
     },
+    /// The joint's zero is another from a row on, in the order of measurement.
+    Slip {
+        /// Counted from 0.
+        joint: usize,
+        /// First row after it, counted from 0.
+        row: usize,
+    },
 }
 
 impl Nameless {
@@ -64,7 +71,8 @@ impl Nameless {
             Self::Wobble { joint, .. }
             | Self::Bend { joint }
             | Self::Memory { joint }
-            | Self::Creep { joint } => *joint,
+            | Self::Creep { joint }
+            | Self::Slip { joint, .. } => *joint,
         }
     }
 
@@ -76,6 +84,7 @@ impl Nameless {
             Self::Bend { .. } => 1,
             Self::Memory { .. } => 2,
             Self::Creep { .. } => 3,
+            Self::Slip { .. } => 4,
         }
     }
 
@@ -90,7 +99,7 @@ impl Nameless {
     pub fn count(&self) -> usize {
         match self {
             Self::Wobble { .. } | Self::Bend { .. } => 4,
-            Self::Memory { .. } | Self::Creep { .. } => 1,
+            Self::Memory { .. } | Self::Creep { .. } | Self::Slip { .. } => 1,
         }
     }
 
@@ -100,7 +109,8 @@ impl Nameless {
         let joint = self.joint() + 1;
         match self {
             Self::Wobble { times, .. } => {
-                format!("the axis of joint {joint} tilts {times} times as it turns once")
+                let times = if *times == 1 { "once".to_owned() } else { format!("{times} times") };
+                format!("the axis of joint {joint} tilts {times} a turn")
             }
             Self::Bend { .. } => {
                 format!("the link behind joint {joint} bends more than in proportion to its load")
@@ -109,6 +119,9 @@ impl Nameless {
                 format!("joint {joint} is off by a share of its move from the row before")
             }
             Self::Creep { .. } => format!("the zero of joint {joint} wanders with time"),
+            Self::Slip { row, .. } => {
+                format!("the zero of joint {joint} is another from row {} on", row + 1)
+            }
         }
     }
 
@@ -134,6 +147,11 @@ impl Nameless {
             Self::Memory { .. } => {
                 let before = index.checked_sub(1).map_or(q, |i| problem.data.rows[i].q[joint]);
                 vec![*d.links[joint].joint(problem.nominal[joint].kind) * (before - q)]
+            }
+            Self::Slip { row: first, .. } => {
+                let after = problem.data.when(index) >= problem.data.when(*first);
+                let share = f64::from(u8::from(after));
+                vec![*d.links[joint].joint(problem.nominal[joint].kind) * share]
             }
             Self::Creep { .. } => {
                 let hours = row.time.unwrap_or(0.0) / 3600.0;

@@ -190,3 +190,13 @@ pub fn variants(orders: &lines::Orders, line: &Line) -> Vec<f64> {
     out.dedup();
     out
 }
+
+/// Members that a model can hold.
+#[must_use]
+pub fn listed<'p>(possible: &'p [Possible], members: &[usize]) -> Vec<&'p Candidate> {
+    let of = |m: &usize| match &possible[*m].what {
+        What::Effect(candidate) => Some(candidate),
+        What::Nameless(_) => None,
+    };
+    members.iter().filter_map(of).collect()
+}

@@ -1,11 +1,12 @@
-//! A fitted explanation, and how two are compared.
+//! A fitted explanation.
 
-use super::Question;
-use crate::diagnose::candidates::Candidate;
+use super::candidates::Candidate;
+use super::policy::POLICY;
+use super::question::Question;
 use crate::effects;
 use crate::error::Result;
-use crate::identify::State;
-use crate::identify::robust::{RobustFit, robust_fit_near};
+use crate::identify::robust::{RobustFit, robust_fit, robust_fit_near};
+use crate::identify::{Problem, State};
 use crate::model::ModelTerm;
 
 /// A fitted explanation.
@@ -41,6 +42,15 @@ fn plausible(term: &ModelTerm) -> bool {
     family.is_none_or(|family| family.plausible.contains(&term.coefficient()))
 }
 
+/// Fits geometry alone, from a registered arm.
+///
+/// # Errors
+/// When the fit does not converge.
+pub fn geometry(q: &Question, start: &State) -> Result<Node> {
+    let fit = robust_fit(q.problem, q.rows, start, q.flags)?;
+    Ok(node(q, Vec::new(), q.problem, fit))
+}
+
 /// Fits an explanation from a state that has some of its terms.
 ///
 /// # Errors
@@ -60,11 +70,23 @@ pub fn fitted(q: &Question, added: Vec<Candidate>, near: &State) -> Result<Node>
         }
     }
     let fit = robust_fit_near(&problem, q.rows, &start, q.flags)?;
+    Ok(node(q, added, &problem, fit))
+}
+
+fn node(q: &Question, added: Vec<Candidate>, problem: &Problem, fit: RobustFit) -> Node {
     let at = problem.linearise(&fit.fit.state);
     let scaled = |r: &usize| at.equations(*r).scaled_residual().iter().map(|r| r * r).sum::<f64>();
     let square: f64 = fit.kept.iter().map(scaled).sum();
     let prior = q.flags.lambda * problem.corrections(&fit.fit.state).norm_squared();
     let unknowns = problem.unknowns.list().len() as f64;
     let freedom = (problem.equations(&fit.kept) as f64 - unknowns).max(1.0);
-    Ok(Node { added, misfit: square + prior, reduced: square / freedom, freedom, fit })
+    Node { added, misfit: square + prior, reduced: square / freedom, freedom, fit }
+}
+
+/// Whether more rows are flagged than can be gross errors.
+#[must_use]
+pub fn crowded(node: &Node) -> bool {
+    let flagged = node.fit.outliers.len() as f64;
+    let rows = flagged + node.fit.kept.len() as f64;
+    flagged > (POLICY.crowd_share * rows).max(POLICY.crowd_rows)
 }

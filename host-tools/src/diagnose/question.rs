@@ -1,0 +1,24 @@
+//! What a diagnosis asks.
+
+use super::candidates::Candidate;
+use crate::identify::Problem;
+use crate::identify::folds::Fold;
+use crate::identify::robust::Flags;
+
+/// What is asked.
+pub struct Question<'a> {
+    /// Geometry only.
+    pub problem: &'a Problem<'a>,
+    /// Candidates of known form.
+    pub offered: &'a [Candidate],
+    /// Highest order of a line.
+    pub highest_order: f64,
+    /// Lambda and flags.
+    pub flags: Flags,
+    /// Rows.
+    pub rows: &'a [usize],
+    /// Folds of the nested cross-validation.
+    pub folds: &'a [Fold],
+    /// Most terms of the arm that the model may have.
+    pub most_terms: usize,
+}

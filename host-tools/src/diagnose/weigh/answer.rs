@@ -1,0 +1,39 @@
+//! What weighing says.
+
+use super::nameless::Nameless;
+use crate::diagnose::candidates::Candidate;
+use crate::diagnose::node::Node;
+use crate::observations::Residual;
+
+/// A name at a place, and what speaks for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named {
+    /// Name of the effect.
+    pub name: &'static str,
+    /// As in reports.
+    pub joints: Vec<usize>,
+    /// That the arm has it.
+    pub probability: f64,
+    /// Fall of the error of each half of the poses when it is fitted to the
+    /// other one.
+    pub half_gain: [f64; 2],
+    /// Whether both halves agree on it.
+    pub replicated: bool,
+}
+
+/// The answer.
+pub struct Weighed {
+    /// The most probable model, fitted.
+    pub best: Node,
+    /// Its names, and others that have some probability.
+    pub names: Vec<Named>,
+    /// Structure without a name, with probability.
+    pub nameless: Vec<(Nameless, f64)>,
+    /// The most probable models that make other claims, with their odds to the
+    /// best one.
+    pub rivals: Vec<(Vec<Candidate>, f64)>,
+    /// Noise over the stated sigma.
+    pub scale: f64,
+    /// Held-out residuals, everything decided anew in each fold.
+    pub nested: Vec<Option<Residual>>,
+}

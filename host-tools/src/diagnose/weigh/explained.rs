@@ -1,0 +1,70 @@
+//! What candidates explain with coefficients fitted to any part of the rows.
+
+use nalgebra::DVector;
+
+use super::possible::Possible;
+use super::sheet::{Sheet, Solution, columns_of};
+use crate::diagnose::question::Question;
+use crate::evidence::{Coefficient, Effort, Explanation, Gram, Subsets};
+
+/// How far the search goes: arms with random-like gear curves take many lines.
+pub const EFFORT: Effort = Effort { beam: 4, branches: 6, of_a_name: 2, members: 40, detours: 240 };
+/// The same without a fold, where only what is predicted counts and not which
+/// of two look-alikes does it.
+pub const FOLD: Effort = Effort { beam: 1, branches: 3, of_a_name: 2, members: 40, detours: 40 };
+/// Prior size of a candidate that is not in the best model, of [`SIZES`]: 5 floors.
+///
+/// [`SIZES`]: crate::evidence::prior::SIZES
+const USUAL_SIZE: usize = 2;
+
+/// A linearised data set with its candidates.
+pub struct Explained<'s, 'a> {
+    /// What is asked.
+    pub q: &'s Question<'a>,
+    /// Candidates.
+    pub possible: &'s [Possible],
+    /// Their columns.
+    pub sheet: &'s Sheet<'s>,
+    /// Diagonal of geometry's prior.
+    pub precision: &'s DVector<f64>,
+}
+
+impl Explained<'_, '_> {
+    fn spread(&self, gram: &Gram, scale: f64, of: Vec<(usize, Vec<f64>)>) -> Solution {
+        let mut columns = DVector::zeros(columns_of(self.possible));
+        for (member, values) in of {
+            let first: usize = columns_of(&self.possible[..member]);
+            values.iter().enumerate().for_each(|(k, value)| columns[first + k] = *value);
+        }
+        self.sheet.solved(gram, self.precision, scale, columns)
+    }
+
+    /// Members refitted to some rows, their prior sizes as they are in the whole:
+    /// coefficients, their deviations, and what geometry goes with them. Rows that
+    /// say nothing of a coefficient leave it as uncertain as its prior.
+    #[must_use]
+    pub fn refitted(
+        &self,
+        gram: &Gram,
+        found: &Explanation,
+        members: &[usize],
+    ) -> (Vec<Vec<Coefficient>>, Solution) {
+        let projected = gram.project(&gram.geometry(self.precision, found.scale));
+        let entries = self.possible.iter().map(|p| p.entry.clone()).collect();
+        let subsets = Subsets::new(projected, entries);
+        let size = |m: &usize| {
+            let place = found.best.members.iter().position(|own| own == m);
+            place.map_or(USUAL_SIZE, |k| found.best.sizes[k])
+        };
+        let sizes: Vec<usize> = members.iter().map(size).collect();
+        let subset = subsets.at_sizes(members, &sizes);
+        let coefficients = subsets.coefficients(&subset);
+        let values = members
+            .iter()
+            .zip(&coefficients)
+            .map(|(m, c)| (*m, c.iter().map(|c| c.value).collect()))
+            .collect();
+        let solution = self.spread(gram, found.scale, values);
+        (coefficients, solution)
+    }
+}

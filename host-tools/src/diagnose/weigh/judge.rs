@@ -1,0 +1,134 @@
+//! A search's result judged: on poses held out, in both halves, against rivals.
+
+use super::answer::{Named, Weighed};
+use rayon::prelude::*;
+
+use super::explained::{Explained, FOLD};
+use super::halves;
+use super::nameless::Nameless;
+use super::parts::{Parts, joined};
+use super::possible::{NAMELESS, Possible, What, listed};
+use crate::diagnose::candidates::{Candidate, arm_terms};
+use crate::diagnose::node::Node;
+use crate::diagnose::policy::POLICY;
+use crate::evidence::{self, Claim, Explanation, Gram, Subsets, explain};
+use crate::observations::Residual;
+
+/// The answer.
+#[must_use]
+pub fn answer(
+    of: &Explained,
+    best: Node,
+    found: &Explanation,
+    parts: &Parts,
+    grams: &[Gram],
+) -> Weighed {
+    let entries: Vec<_> = of.possible.iter().map(|p| p.entry.clone()).collect();
+    let nested = nested(of, &entries, parts, grams);
+    let claims = found.posterior.claims();
+    let mut names = Vec::new();
+    let mut nameless: Vec<(Nameless, f64)> = Vec::new();
+    for (claim, probability) in claims {
+        if probability < POLICY.worth_a_word {
+            continue;
+        }
+        let claimed = |p: &&Possible| Claim::from(&p.entry) == claim;
+        match of.possible.iter().find(claimed).map(|p| &p.what) {
+            Some(What::Nameless(what)) => nameless.push((*what, probability)),
+            Some(What::Effect(candidate)) => {
+                let (half_gain, replicated) = halves::of_claim(of, claim, found, parts, grams);
+                names.push(Named {
+                    name: candidate.name(),
+                    joints: candidate.joints(),
+                    probability,
+                    half_gain,
+                    replicated,
+                });
+            }
+            None => {}
+        }
+    }
+    names.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    Weighed { best, names, nameless, rivals: rivals(of, found), scale: found.scale, nested }
+}
+
+/// Residuals of every row, predicted with all decided without its fold; the
+/// orders that lines may have are those that all rows offer.
+fn nested(
+    of: &Explained,
+    entries: &[evidence::Candidate],
+    parts: &Parts,
+    grams: &[Gram],
+) -> Vec<Option<Residual>> {
+    let predicted = of.q.folds.par_iter().enumerate().map(|(k, fold)| {
+        let others = (0..grams.len()).filter(|p| parts.fold[*p] != k).map(|p| &grams[p]);
+        let gram = joined(others);
+        let own = explain(&gram, of.precision, entries, FOLD, None);
+        // What has no name is not in a model either.
+        let named = |m: &usize| matches!(of.possible[*m].what, What::Effect(_));
+        let members: Vec<usize> = own.best.members.iter().copied().filter(named).collect();
+        let (_, solution) = of.refitted(&gram, &own, &members);
+        of.sheet.left(&fold.held_out, &solution)
+    });
+    let mut nested = vec![None; of.q.problem.data.rows.len()];
+    for (row, left) in predicted.collect::<Vec<_>>().into_iter().flatten() {
+        nested[row] = Some(left);
+    }
+    nested
+}
+
+/// The best model's candidates; where it has more terms of the arm than are
+/// asked for, those go that explain least a term.
+pub fn within(of: &Explained, gram: &Gram, found: &Explanation) -> Vec<Candidate> {
+    let mut members = found.best.members.clone();
+    let terms = |members: &[usize]| {
+        let added: Vec<Candidate> = listed(of.possible, members).into_iter().cloned().collect();
+        arm_terms(&added)
+    };
+    if terms(&members) > of.q.most_terms {
+        let projected = gram.project(&gram.geometry(of.precision, found.scale));
+        let entries = of.possible.iter().map(|p| p.entry.clone()).collect();
+        let subsets = Subsets::new(projected, entries);
+        while terms(&members) > of.q.most_terms {
+            let with = subsets.fit(&members, &|_| None).log_mass;
+            let cost = |m: &usize| {
+                let less: Vec<usize> = members.iter().copied().filter(|o| o != m).collect();
+                let own = (terms(&members) - terms(&less)) as f64;
+                (with - subsets.fit(&less, &|_| None).log_mass) / own
+            };
+            let flashed = members.iter().filter(|m| terms(&[**m]) > 0);
+            let rated = flashed.map(|m| (cost(m), *m));
+            let Some((_, least)) = rated.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            members.retain(|m| *m != least);
+        }
+    }
+    listed(of.possible, &members).into_iter().cloned().collect()
+}
+
+/// The most probable models with other claims, of some probability.
+fn rivals(of: &Explained, found: &Explanation) -> Vec<(Vec<Candidate>, f64)> {
+    let claims = |members: &[usize]| {
+        let mut out: Vec<Claim> =
+            members.iter().map(|m| Claim::from(&of.possible[*m].entry)).collect();
+        out.sort();
+        out.dedup();
+        out
+    };
+    let best = found.posterior.models.first().map_or(1.0, |m| m.1);
+    let mut seen = vec![claims(&found.best.members)];
+    let mut out: Vec<(Vec<Candidate>, f64)> = Vec::new();
+    for (members, probability) in &found.posterior.models {
+        let own = claims(members);
+        let odds = probability / best;
+        if odds < POLICY.odds || seen.contains(&own) {
+            continue;
+        }
+        let plain = own.iter().all(|claim| claim.name < NAMELESS);
+        if plain {
+            let added = listed(of.possible, members).into_iter().cloned().collect();
+            out.push((added, odds));
+        }
+        seen.push(own);
+    }
+    out
+}

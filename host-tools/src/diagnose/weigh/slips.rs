@@ -1,0 +1,67 @@
+//! A joint's zero that is another from some row on.
+
+use nalgebra::DVector;
+
+use super::nameless::Nameless;
+use super::possible::{Numbers, Possible};
+use crate::evidence::lines::JointColumn;
+use crate::identify::Problem;
+
+/// Share of a step's column that geometry must not imitate.
+const SEEN: f64 = 1e-4;
+
+/// The step of a joint's value that explains most.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Step {
+    /// Fall of the weighted sum of squares.
+    pub explained: f64,
+    /// rad, or m of a joint that slides.
+    pub shift: f64,
+    /// First row after it, a place among those scanned.
+    pub at: usize,
+}
+
+/// The rows in the order of measurement, as places among `rows`.
+#[must_use]
+pub fn in_order(problem: &Problem, rows: &[usize]) -> Vec<usize> {
+    let when = |k: &usize| problem.data.when(rows[*k]);
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    order.sort_by(|a, b| when(a).total_cmp(&when(b)));
+    order
+}
+
+/// The strongest step: rows pass from the last to the first, each with the sums
+/// of all that come after it.
+#[must_use]
+pub fn strongest(column: &JointColumn, order: &[usize]) -> Step {
+    let mut best = Step::default();
+    let (mut square, mut right) = (0.0, 0.0);
+    let mut imitated = DVector::zeros(column.imitated.nrows());
+    for k in order.iter().skip(1).rev() {
+        square += column.square[*k];
+        right += column.right[*k];
+        imitated += column.imitated.column(*k);
+        let left = square - imitated.norm_squared();
+        let explained = right * right / left;
+        if left > SEEN * square && explained > best.explained {
+            best = Step { explained, shift: right / left, at: *k };
+        }
+    }
+    best
+}
+
+/// The strongest step of each joint as a candidate.
+pub fn offered(
+    problem: &Problem,
+    rows: &[usize],
+    columns: &[(usize, JointColumn)],
+    numbers: &mut Numbers,
+) -> Vec<Possible> {
+    let order = in_order(problem, rows);
+    let steps = columns.iter().map(|(joint, column)| (*joint, strongest(column, &order)));
+    let found = steps.filter(|(_, step)| step.explained > 0.0);
+    let tried = columns.len() * rows.len();
+    found
+        .map(|(joint, step)| numbers.nameless(Nameless::Slip { joint, row: rows[step.at] }, tried))
+        .collect()
+}

@@ -1,0 +1,122 @@
+//! What a diagnosis of a dirty set was worth.
+
+use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
+use truearm_host::effects::OUTLIERS;
+use truearm_simulate::effects::Kind;
+
+use super::set::DirtySet;
+use super::truth::{attainable, floors};
+use crate::blind::score::of;
+
+/// A name at a place.
+pub type Place = (String, Vec<usize>);
+
+/// What a claim was worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Worth {
+    /// The arm has it.
+    True,
+    /// It has not.
+    False,
+    /// A periodic part of a joint whose error curve has no name: neither.
+    OfACurve,
+}
+
+/// A claim of a report.
+#[derive(Debug, Clone)]
+pub struct Claimed {
+    pub place: Place,
+    pub probability: f64,
+    /// Named, or only suspected.
+    pub named: bool,
+    pub worth: Worth,
+}
+
+/// A hidden effect.
+#[derive(Debug, Clone)]
+pub struct Truth {
+    pub place: Place,
+    /// Its size, in noise floors.
+    pub floors: f64,
+    pub named: bool,
+    /// It stands in an alternative.
+    pub told: bool,
+}
+
+/// A set and its answer.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    pub seed: u64,
+    pub rows: usize,
+    pub verdict: Verdict,
+    pub claims: Vec<Claimed>,
+    pub truths: Vec<Truth>,
+    pub unlisted: Option<&'static str>,
+    /// Hold-out RMS of the answer over the attainable one.
+    pub ratio: Option<f64>,
+    /// Stated noise scale over the true one.
+    pub scale: f64,
+}
+
+/// Diagnoses a set and compares.
+///
+/// # Errors
+/// The diagnosis', with the seed.
+pub fn judged(set: &DirtySet) -> Result<Judged, String> {
+    let (robot, [data, holdout]) = set.read();
+    let found = diagnose(&robot, &data, Some(&holdout), &DiagnoseOptions::default(), &|_| ());
+    let report = found.map_err(|e| format!("seed {}: {e}", set.seed))?.outcome;
+    let secret = set.open();
+    let noise = &secret.noise;
+    let place = |kind: &Kind| (kind.name().to_owned(), kind.joints());
+    let truths = secret.hidden.listed.iter().zip(floors(set)).map(|(d, floors)| Truth {
+        place: place(&d.kind),
+        floors,
+        named: of(&report.effects).contains(&place(&d.kind)),
+        told: told(&report, &place(&d.kind)),
+    });
+    let truths: Vec<Truth> = truths.collect();
+    let curve = match &secret.hidden.unlisted {
+        Some(("joint error curve", lines)) => lines.first().map(|d| d.kind.joints()),
+        _ => None,
+    };
+    let claims = [(&report.effects, true), (&report.suspected, false)];
+    let claims = claims.into_iter().flat_map(|(effects, named)| {
+        let own = effects.iter().filter(|e| e.name != OUTLIERS);
+        own.flat_map(move |e| of(std::slice::from_ref(e)).into_iter().map(move |p| (p, e, named)))
+    });
+    let mut out: Vec<Claimed> = Vec::new();
+    for (place, effect, named) in claims {
+        if out.iter().any(|c| c.place == place) {
+            continue;
+        }
+        let true_one = truths.iter().any(|t| t.place == place);
+        let of_curve = curve.as_ref() == Some(&place.1)
+            && ["joint-periodic-error", "encoder-eccentricity", "gear-transmission-error"]
+                .contains(&place.0.as_str());
+        let worth = match (true_one, of_curve) {
+            (true, _) => Worth::True,
+            (_, true) => Worth::OfACurve,
+            _ => Worth::False,
+        };
+        out.push(Claimed { place, probability: effect.probability, named, worth });
+    }
+    let reached = report.gap.last().and_then(|row| row.holdout_rms_mm);
+    Ok(Judged {
+        seed: set.seed,
+        rows: data.rows.len(),
+        verdict: report.verdict,
+        claims: out,
+        truths,
+        unlisted: secret.hidden.unlisted.as_ref().map(|u| u.0),
+        ratio: attainable(set).and_then(|a| Some(reached? * 1e-3 / a)),
+        scale: report.noise_scale * noise.stated / noise.of_pose.hypot(noise.of_reading),
+    })
+}
+
+/// Whether a place stands in an alternative or among what is suspected.
+fn told(report: &Outcome, place: &Place) -> bool {
+    let mut all = report.alternatives.iter().flat_map(|a| &a.effects);
+    all.any(|(name, joints)| *name == place.0 && *joints == place.1)
+        || of(&report.suspected).contains(place)
+}

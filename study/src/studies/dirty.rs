@@ -1,0 +1,198 @@
+//! Sessions as they happen: how far can a stated probability be trusted, from
+//! which size on is an effect named, and how near is the model to what is
+//! attainable?
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use truearm_host::diagnose::Verdict;
+
+use super::Result;
+use crate::dirty::score::{Claimed, Judged, Worth, judged};
+use crate::dirty::set::DirtySet;
+
+#[derive(Args)]
+pub struct Options {
+    /// Sets with effects
+    #[arg(long, default_value_t = 1000)]
+    sets: u64,
+    /// Sets without
+    #[arg(long, default_value_t = 400)]
+    clean: u64,
+    /// Another seed, other sets
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Only this set
+    #[arg(long)]
+    only: Option<u64>,
+}
+
+/// Seeds of one study.
+const A_STUDY: u64 = 10_000_000;
+/// Where those of clean sets begin.
+const CLEAN: u64 = 5_000_000;
+/// Borders of the bins of stated probability.
+const BINS: [f64; 8] = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 1.000_001];
+/// Borders of the bins of size, in noise floors.
+const SIZES: [f64; 8] = [0.0, 0.1, 0.2, 0.4, 0.8, 1.5, 3.0, f64::INFINITY];
+
+pub fn run(options: &Options) -> Result {
+    let first = options.seed * A_STUDY;
+    let mut seeds: Vec<(u64, bool)> = (0..options.sets).map(|i| (first + i, false)).collect();
+    seeds.extend((0..options.clean).map(|i| (first + CLEAN + i, true)));
+    if let Some(seed) = options.only {
+        seeds = vec![(seed, seed % A_STUDY >= CLEAN)];
+    }
+    let style = "{bar:40} {pos}/{len}  {elapsed_precise}, {eta} left";
+    let bar = ProgressBar::new(seeds.len() as u64).with_style(ProgressStyle::with_template(style)?);
+    let answers: Vec<_> = seeds
+        .par_iter()
+        .map(|(seed, clean)| {
+            let answer = judged(&DirtySet::draw(*seed, *clean));
+            bar.inc(1);
+            answer.map(|judged| (judged, *clean))
+        })
+        .collect();
+    bar.finish_and_clear();
+    let refused: Vec<_> = answers.iter().filter_map(|a| a.as_ref().err()).collect();
+    refused.iter().for_each(|error| println!("refused: {error}"));
+    let judged = |which: bool| -> Vec<&Judged> {
+        answers.iter().flatten().filter(|(_, clean)| *clean == which).map(|(j, _)| j).collect()
+    };
+    if options.only.is_some() {
+        answers.iter().flatten().for_each(|(judged, _)| println!("{judged:#?}"));
+        return Ok(());
+    }
+    println!("{} sets, {} refused", seeds.len(), refused.len());
+    calibration(&judged(false));
+    found(&judged(false));
+    attained(&judged(false));
+    clean(&judged(true));
+    verdicts(&judged(false));
+    false_names(&judged(false));
+    Ok(())
+}
+
+fn claims<'j>(sets: &[&'j Judged]) -> Vec<&'j Claimed> {
+    sets.iter().flat_map(|j| &j.claims).filter(|c| c.worth != Worth::OfACurve).collect()
+}
+
+fn calibration(sets: &[&Judged]) {
+    let claims = claims(sets);
+    println!("\n| stated probability | claims | mean stated | true | named | of them true |");
+    println!("|---|---|---|---|---|---|");
+    let mut error = 0.0;
+    for bin in BINS.windows(2) {
+        let own: Vec<_> =
+            claims.iter().filter(|c| (bin[0]..bin[1]).contains(&c.probability)).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let n = own.len() as f64;
+        let stated = own.iter().map(|c| c.probability).sum::<f64>() / n;
+        let right = own.iter().filter(|c| c.worth == Worth::True).count() as f64 / n;
+        error += n * (stated - right).abs() / claims.len() as f64;
+        let named: Vec<_> = own.iter().filter(|c| c.named).collect();
+        let named_right = named.iter().filter(|c| c.worth == Worth::True).count();
+        println!(
+            "| {:.2} to {:.2} | {} | {stated:.3} | {right:.3} | {} | {named_right} |",
+            bin[0],
+            bin[1].min(1.0),
+            own.len(),
+            named.len()
+        );
+    }
+    let curves = sets.iter().flat_map(|j| &j.claims).filter(|c| c.worth == Worth::OfACurve);
+    println!("expected calibration error {error:.4}; {} claims on curves left out", curves.count());
+}
+
+fn found(sets: &[&Judged]) {
+    println!("\n| size in noise floors | effects | named | named or told |");
+    println!("|---|---|---|---|");
+    let truths: Vec<_> = sets.iter().flat_map(|j| &j.truths).collect();
+    for bin in SIZES.windows(2) {
+        let own: Vec<_> = truths.iter().filter(|t| (bin[0]..bin[1]).contains(&t.floors)).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let share =
+            |good: usize| format!("{good} ({:.1} %)", 100.0 * good as f64 / own.len() as f64);
+        println!(
+            "| {} to {} | {} | {} | {} |",
+            bin[0],
+            bin[1],
+            own.len(),
+            share(own.iter().filter(|t| t.named).count()),
+            share(own.iter().filter(|t| t.named || t.told).count())
+        );
+    }
+}
+
+fn attained(sets: &[&Judged]) {
+    let mut ratios: Vec<f64> = sets.iter().filter_map(|j| j.ratio).collect();
+    ratios.sort_by(f64::total_cmp);
+    if let Some(last) = ratios.last() {
+        let at = |share: f64| ratios[((ratios.len() - 1) as f64 * share) as usize];
+        println!(
+            "\nhold-out RMS over attainable, {} sets: median {:.3}, nine tenths below {:.3}, worst {last:.3}",
+            ratios.len(),
+            at(0.5),
+            at(0.9)
+        );
+    }
+    let mut scales: Vec<f64> = sets.iter().map(|j| j.scale).collect();
+    scales.sort_by(f64::total_cmp);
+    if !scales.is_empty() {
+        let at = |share: f64| scales[((scales.len() - 1) as f64 * share) as usize];
+        println!(
+            "noise scale over the true one: a tenth below {:.3}, median {:.3}, nine tenths below {:.3}",
+            at(0.1),
+            at(0.5),
+            at(0.9)
+        );
+    }
+}
+
+fn clean(sets: &[&Judged]) {
+    let named = sets.iter().filter(|j| j.claims.iter().any(|c| c.named)).count();
+    let verdict = sets.iter().filter(|j| j.verdict == Verdict::Clean).count();
+    println!("\n{} clean arms: {named} with a name, {verdict} called clean", sets.len());
+    for j in sets.iter().filter(|j| j.claims.iter().any(|c| c.named)) {
+        println!("  {} ({} rows): {:?}", j.seed, j.rows, j.claims);
+    }
+}
+
+fn verdicts(sets: &[&Judged]) {
+    for (what, unlisted) in [("without", false), ("with", true)] {
+        let own: Vec<_> = sets.iter().filter(|j| j.unlisted.is_some() == unlisted).collect();
+        let count = |v: Verdict| own.iter().filter(|j| j.verdict == v).count();
+        println!(
+            "{} sets {what} an unlisted effect: clean {}, explained {}, unexplained {}",
+            own.len(),
+            count(Verdict::Clean),
+            count(Verdict::Explained),
+            count(Verdict::Unexplained)
+        );
+    }
+}
+
+/// What is named where it is not, most frequent first.
+fn false_names(sets: &[&Judged]) {
+    let mut names: Vec<(&str, usize, Vec<u64>)> = Vec::new();
+    for j in sets {
+        for c in j.claims.iter().filter(|c| c.named && c.worth == Worth::False) {
+            match names.iter_mut().find(|n| n.0 == c.place.0) {
+                Some(n) => {
+                    n.1 += 1;
+                    n.2.push(j.seed);
+                }
+                None => names.push((&c.place.0, 1, vec![j.seed])),
+            }
+        }
+    }
+    names.sort_by_key(|n| std::cmp::Reverse(n.1));
+    println!("\nfalse names (cargo xtask study dirty --only SEED):");
+    for (name, count, seeds) in names {
+        println!("  {name}: {count}, in {:?}", &seeds[..seeds.len().min(6)]);
+    }
+}
