@@ -70,3 +70,9 @@ pub fn median(values: &[f64]) -> f64 {
         n => (sorted[n / 2 - 1] + sorted[n / 2]) / 2.0,
     }
 }
+
+/// Robust standard deviation of values about zero.
+#[must_use]
+pub fn mad_scale(values: &[f64]) -> f64 {
+    1.4826 * median(&values.iter().map(|v| v.abs()).collect::<Vec<_>>())
+}

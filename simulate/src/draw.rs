@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use truearm::JointKind;
 
-use crate::arm::{Arm, Moment};
+use crate::body::Moment;
 use crate::{Joint, Robot};
 
 const HOLDOUT: usize = 40;
@@ -61,24 +61,4 @@ fn pose(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<f64> {
         }
     };
     robot.joints.iter().map(joint).collect()
-}
-
-/// Whether gravity loads a joint by design. What a vertical axis carries
-/// because floor and axes lean a little no robot file can tell, and a spring
-/// there would be in the measurements but not in any model.
-pub(crate) fn loaded(joint: usize, robot: &Robot, arm: &Arm, poses: &[Moment]) -> bool {
-    let stated = Arm {
-        links: robot.joints.iter().map(|j| j.link).collect(),
-        masses: robot.masses.clone(),
-        gravity: robot.gravity.unwrap_or_default(),
-        tool: robot.tool,
-        ..arm.clone()
-    };
-    let (mut all, mut unknown) = (0.0, 0.0);
-    for moment in poses {
-        let torque = arm.torque(moment, joint);
-        all += torque.powi(2);
-        unknown += (torque - stated.torque(moment, joint)).powi(2);
-    }
-    unknown < 0.2_f64.powi(2) * all
 }

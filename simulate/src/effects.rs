@@ -7,8 +7,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use truearm::JointKind;
 
-use crate::arm::{Arm, Moment, Shape};
-use crate::draw::loaded;
+use crate::body::{Body, Moment, Shape, loaded};
 use crate::{Robot, vector};
 
 /// An effect and how large it is, in the unit of its kind.
@@ -133,7 +132,7 @@ impl Kind {
 
 impl Defect {
     /// What it does to an arm that no load bends.
-    pub(crate) fn displace(&self, shape: &mut Shape, arm: &Arm, moment: &Moment) {
+    pub(crate) fn displace(&self, shape: &mut Shape, body: &Body, moment: &Moment) {
         let size = self.size;
         let q = |j: usize| moment.q[j];
         match self.kind {
@@ -143,7 +142,7 @@ impl Defect {
                 shape.joints[joint] += (size * sin).atan2(1.0 - size * cos);
             }
             Kind::GearTransmissionError { joint, phases } => {
-                let input = arm.gear_ratios[joint] * q(joint);
+                let input = body.gear_ratios[joint] * q(joint);
                 let wave = (2.0 * input + phases[0]).sin() + 0.25 * (4.0 * input + phases[1]).sin();
                 shape.joints[joint] += size * wave;
             }
@@ -173,24 +172,30 @@ impl Defect {
     }
 
     /// How it gives way to the loads on the arm as it stands now.
-    pub(crate) fn yield_to_load(&self, next: &mut Shape, now: &Shape, arm: &Arm, moment: &Moment) {
+    pub(crate) fn yield_to_load(
+        &self,
+        next: &mut Shape,
+        now: &Shape,
+        body: &Body,
+        moment: &Moment,
+    ) {
         let size = self.size;
         match self.kind {
             Kind::JointCompliance { joint } => {
                 next.joints[joint] +=
-                    size * arm.load(now, moment.payload, |s| &mut s.joints[joint]);
+                    size * body.load(now, moment.payload, |s| &mut s.joints[joint]);
             }
             Kind::JointStiffening { joint } => {
-                let load = arm.load(now, moment.payload, |s| &mut s.joints[joint]);
+                let load = body.load(now, moment.payload, |s| &mut s.joints[joint]);
                 next.joints[joint] += size * load * load.abs();
             }
             Kind::BaseCompliance { ratio } => {
                 for (axis, size) in [size, size * ratio].into_iter().enumerate() {
-                    next.tilt[axis] = size * arm.load(now, moment.payload, |s| &mut s.tilt[axis]);
+                    next.tilt[axis] = size * body.load(now, moment.payload, |s| &mut s.tilt[axis]);
                 }
             }
             Kind::Backlash { joint, friction } => {
-                let torque = arm.torque(moment, joint);
+                let torque = body.torque(moment, joint);
                 // Gravity pulls the link through the gap if it can; otherwise
                 // the link lags behind the motion.
                 let side = if torque.abs() > friction {
@@ -201,7 +206,7 @@ impl Defect {
                 next.joints[joint] += size * side;
             }
             Kind::LinkBending { joint, axis } => {
-                let load = arm.load(now, moment.payload, |s| &mut s.bend[joint][axis]);
+                let load = body.load(now, moment.payload, |s| &mut s.bend[joint][axis]);
                 next.bend[joint][axis] = size * load * load.abs();
             }
             _ => {}
@@ -213,15 +218,21 @@ impl Defect {
 ///
 /// # Panics
 /// With a name that is not one.
-pub fn drawn(name: &str, robot: &Robot, arm: &Arm, poses: &[Moment], rng: &mut ChaCha8Rng) -> Kind {
+pub fn drawn(
+    name: &str,
+    robot: &Robot,
+    body: &Body,
+    poses: &[Moment],
+    rng: &mut ChaCha8Rng,
+) -> Kind {
     let revolute: Vec<usize> =
-        (0..arm.kinds.len()).filter(|j| arm.kinds[*j] == JointKind::Revolute).collect();
+        (0..body.kinds.len()).filter(|j| body.kinds[*j] == JointKind::Revolute).collect();
     let joint = revolute[rng.random_range(0..revolute.len())];
     let phase = rng.random_range(0.0..std::f64::consts::TAU);
     match name {
         "joint-compliance" | "joint-stiffening" => {
             let loaded: Vec<usize> =
-                revolute.into_iter().filter(|j| loaded(*j, robot, arm, poses)).collect();
+                revolute.into_iter().filter(|j| loaded(*j, robot, body, poses)).collect();
             let joint = loaded[rng.random_range(0..loaded.len())];
             match name {
                 "joint-stiffening" => Kind::JointStiffening { joint },
@@ -241,10 +252,10 @@ pub fn drawn(name: &str, robot: &Robot, arm: &Arm, poses: &[Moment], rng: &mut C
             }
         },
         "backlash" => {
-            let largest = poses.iter().map(|m| arm.torque(m, joint).abs()).fold(0.0_f64, f64::max);
+            let largest = poses.iter().map(|m| body.torque(m, joint).abs()).fold(0.0_f64, f64::max);
             // Friction is made for the load; what an unloaded joint carries by
             // accident never overcomes it.
-            let range = if loaded(joint, robot, arm, poses) { 0.2..1.2 } else { 2.0..4.0 };
+            let range = if loaded(joint, robot, body, poses) { 0.2..1.2 } else { 2.0..4.0 };
             Kind::Backlash { joint, friction: largest * rng.random_range(range) }
         }
         "thermal-expansion" => Kind::ThermalExpansion,

@@ -5,6 +5,7 @@
 #![allow(missing_docs, reason = "for the studies and tests of this repository only")]
 
 pub mod arm;
+pub mod body;
 pub mod dirty;
 pub mod draw;
 pub mod effects;
@@ -12,7 +13,7 @@ pub mod effects;
 pub mod oracle;
 pub mod robots;
 
-use arm::Moment;
+use body::Moment;
 use nalgebra::{Rotation3, Vector3};
 use rand::{Rng, RngExt};
 use truearm::JointKind;

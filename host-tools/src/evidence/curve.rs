@@ -5,28 +5,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::prior::SIZES;
-use super::subset::Subsets;
 
 /// Log evidence at each of [`SIZES`].
 pub(super) type Curve = [f64; SIZES.len()];
-
-impl Subsets {
-    /// Log evidence at every prior size of a group with eigenvalues `values` of
-    /// its S and `t` in their axes, added to a model that explains so much.
-    pub(super) fn curve(&self, values: &[f64], t: &[f64], explained: f64, log_det: f64) -> Curve {
-        SIZES.map(|size| {
-            let d2 = size * size;
-            let (mut det, mut more) = (1.0, 0.0);
-            for (w, t) in values.iter().zip(t) {
-                let b = 1.0 + d2 * w;
-                det *= b;
-                more += d2 * t * t / b;
-            }
-            let rest = self.s - explained - more;
-            -0.5 * (log_det + det.ln()) + self.noise.log_evidence(rest)
-        })
-    }
-}
 
 /// Eigenvalues of a positive matrix, and a vector in its axes.
 pub(super) fn rotated(matrix: DMatrix<f64>, vector: &DVector<f64>) -> (Vec<f64>, Vec<f64>) {

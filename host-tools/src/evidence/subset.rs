@@ -214,6 +214,22 @@ impl Subsets {
         each.collect()
     }
 
+    /// Log evidence at every prior size of a group with eigenvalues `values` of
+    /// its S and `t` in their axes, added to a model that explains so much.
+    pub(super) fn curve(&self, values: &[f64], t: &[f64], explained: f64, log_det: f64) -> Curve {
+        SIZES.map(|size| {
+            let d2 = size * size;
+            let (mut det, mut more) = (1.0, 0.0);
+            for (w, t) in values.iter().zip(t) {
+                let b = 1.0 + d2 * w;
+                det *= b;
+                more += d2 * t * t / b;
+            }
+            let rest = self.s - explained - more;
+            -0.5 * (log_det + det.ln()) + self.noise.log_evidence(rest)
+        })
+    }
+
     /// Pairs of members whose coefficients are correlated most, at most so many.
     #[must_use]
     pub fn coupled(&self, subset: &Subset, most: usize) -> Vec<[usize; 2]> {

@@ -96,6 +96,14 @@ impl Moving for Motion<'_> {
     }
 }
 
+impl<'a> Problem<'a> {
+    /// Linearises at a state; its terms are held unless the problem has as many.
+    #[must_use]
+    pub fn linearise(&self, state: &State) -> Linearised<'a> {
+        Linearised::new(self, state)
+    }
+}
+
 impl<'a> Linearised<'a> {
     /// Of a problem; the state's terms are held unless the problem has as many.
     #[must_use]

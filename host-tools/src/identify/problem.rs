@@ -6,7 +6,6 @@ use nalgebra::DVector;
 use truearm::{Link, MdhParameters};
 
 use super::conditions::Conditions;
-use super::linearised::Linearised;
 use super::unknowns::{State, Unknown, Unknowns};
 use crate::model::{Measurements, Robot, Values};
 use crate::observations::{self, kind};
@@ -100,12 +99,6 @@ impl<'a> Problem<'a> {
             }
         }
         x
-    }
-
-    /// Linearises at a state; its terms are held unless the problem has as many.
-    #[must_use]
-    pub fn linearise(&self, state: &State) -> Linearised<'a> {
-        Linearised::new(self, state)
     }
 }
 

@@ -4,12 +4,12 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truearm::Pose;
 
-use super::robust::mad_scale;
 use super::unknowns::State;
 use crate::error::{Error, Kind, Result};
 use crate::model::arm::chain;
 use crate::model::{Measurements, Row};
 use crate::observations::kind;
+use crate::statistics::mad_scale;
 use crate::statistics::median;
 
 /// Rigid transform that carries `from` onto `to`: minimises

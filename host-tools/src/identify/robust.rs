@@ -11,12 +11,12 @@ use rayon::prelude::*;
 use super::fit::{Fit, Freedom, fit};
 use super::linearised::Linearised;
 use super::problem::Problem;
-use super::suspects;
+use super::suspects::{self, MOST_FLAGGED};
 use super::unknowns::State;
 use crate::error::{Error, Result};
 use crate::model::Values;
 use crate::observations::{Residual, kind};
-use crate::statistics::median;
+use crate::statistics::mad_scale;
 use crate::tikhonov::covariance;
 
 /// How flags are raised.
@@ -49,8 +49,6 @@ impl Default for Flags {
     }
 }
 
-/// More flagged rows than this share are no outliers but a wrong model.
-pub(super) const MOST_FLAGGED: f64 = 0.25;
 /// With this share flagged nobody can say which rows are the others.
 const MAJORITY: f64 = 0.5;
 
@@ -77,12 +75,6 @@ pub struct RobustFit {
     /// Standard deviation of a normalised residual: 1 when the model is good to
     /// the noise, more when structure is left. Never below 1.
     pub scale: f64,
-}
-
-/// Robust standard deviation of values about zero.
-#[must_use]
-pub fn mad_scale(values: &[f64]) -> f64 {
-    1.4826 * median(&values.iter().map(|v| v.abs()).collect::<Vec<_>>())
 }
 
 /// Fits the given rows in the prior scaling, flagging gross errors. `start` is

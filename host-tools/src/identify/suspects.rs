@@ -5,11 +5,13 @@ use rayon::prelude::*;
 
 use super::fit::{Freedom, fit};
 use super::problem::Problem;
-use super::robust::{MOST_FLAGGED, mad_scale};
 use super::unknowns::State;
 use crate::error::Result;
 use crate::model::Values;
+use crate::statistics::mad_scale;
 
+/// More flagged rows than this share are no outliers but a wrong model.
+pub(super) const MOST_FLAGGED: f64 = 0.25;
 /// Residuals in sigmas where nothing stands out, over their scale.
 const PLAIN: f64 = 5.0;
 /// The same of a row that is suspected.

@@ -9,7 +9,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::Robot;
-use crate::arm::Moment;
+use crate::body::Moment;
 
 /// Columns of a session's file beside joints and points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,7 +8,8 @@ use truearm::{JointKind, Link, MdhParameters, Pose};
 use truearm_host::identify::fit::{Freedom, fit};
 use truearm_host::identify::{Problem, Scaling, State};
 use truearm_host::model::Robot;
-use truearm_simulate::arm::{Arm, Moment};
+use truearm_simulate::arm::Arm;
+use truearm_simulate::body::{Body, Moment};
 use truearm_simulate::draw::moments;
 use truearm_simulate::effects::{Defect, Kind, drawn};
 use truearm_simulate::{csv, normal, rigid, robots, vector};
@@ -31,13 +32,15 @@ fn real(robot: &Robot, down: Vector3<f64>, rng: &mut ChaCha8Rng) -> (Arm, f64) {
     let lean = Rotation3::from_scaled_axis(vector(rng).normalize() * 0.05_f64.to_radians());
     let masses = robot.links.iter().map(|l| (l.mass * rng.random_range(0.92..1.08), l.com));
     let arm = Arm {
-        kinds: robot.joints.iter().map(|j| j.link.kind).collect(),
-        links,
-        gear_ratios: robot.joints.iter().map(|j| j.gear_ratio.unwrap_or(100.0)).collect(),
-        masses: masses.collect(),
-        gravity: lean * down,
-        station,
-        tool: robot.tool + vector(rng) * 2e-3,
+        body: Body {
+            kinds: robot.joints.iter().map(|j| j.link.kind).collect(),
+            links,
+            gear_ratios: robot.joints.iter().map(|j| j.gear_ratio.unwrap_or(100.0)).collect(),
+            masses: masses.collect(),
+            gravity: lean * down,
+            station,
+            tool: robot.tool + vector(rng) * 2e-3,
+        },
         defects: Vec::new(),
     };
     (arm, scale)

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use truearm::JointKind;
 use truearm_host::effects;
 use truearm_host::model::{Measurements, Robot};
-use truearm_simulate::arm::Moment;
+use truearm_simulate::body::Moment;
 use truearm_simulate::effects::Kind;
 use truearm_simulate::{at_rest, vector};
 

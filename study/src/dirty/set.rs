@@ -8,11 +8,12 @@ use rand_chacha::ChaCha8Rng;
 use truearm_host::files::csv_text;
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::units::{joint_column, joint_to_file};
-use truearm_simulate::arm::{Arm, Moment};
+use truearm_simulate::arm::Arm;
+use truearm_simulate::body::{Body, Moment};
 use truearm_simulate::dirty::effects::{Hidden, draw};
 use truearm_simulate::dirty::noise::Noise;
 use truearm_simulate::dirty::{Columns, moments};
-use truearm_simulate::{normal, oracle, robots, vector};
+use truearm_simulate::{normal, rigid, robots, vector};
 
 use crate::simulated::{parse, robot, stated};
 
@@ -118,12 +119,8 @@ fn real(nominal: &Robot, rng: &mut ChaCha8Rng) -> Arm {
     let scale = 0.5 * 6.0_f64.powf(rng.random_range(0.0..1.0));
     let mut off = |p: [f64; 5]| p.map(|x| x + normal(rng) * 1e-3 * scale);
     let links = nominal.nominal().iter().map(|l| off(l.parameters.to_array())).collect();
-    let turn = Rotation3::from_scaled_axis(vector(rng) * 2.0);
-    let mut station = oracle::identity();
-    for i in 0..3 {
-        (0..3).for_each(|j| station[i][j] = turn[(i, j)]);
-        station[i][3] = rng.random_range(-3.0..3.0);
-    }
+    let turn = vector(rng) * 2.0;
+    let station = rigid(&turn, &Vector3::from_fn(|_, _| rng.random_range(-3.0..3.0)));
     // Masses are known to a tenth; where none are stated, they pull all the same.
     let given = nominal.links.iter().map(|l| (l.mass, l.com));
     let mut masses: Vec<_> = given.collect();
@@ -132,13 +129,15 @@ fn real(nominal: &Robot, rng: &mut ChaCha8Rng) -> Arm {
     let masses = masses.collect();
     let lean = Rotation3::from_scaled_axis(vector(rng).normalize() * 0.05_f64.to_radians());
     Arm {
-        kinds: nominal.joints.iter().map(|j| j.link.kind).collect(),
-        links,
-        gear_ratios: nominal.joints.iter().map(|j| j.gear_ratio.unwrap_or(100.0)).collect(),
-        masses,
-        gravity: lean * Vector3::new(0.0, 0.0, -9.81),
-        station,
-        tool: nominal.tool + vector(rng) * 3e-3,
+        body: Body {
+            kinds: nominal.joints.iter().map(|j| j.link.kind).collect(),
+            links,
+            gear_ratios: nominal.joints.iter().map(|j| j.gear_ratio.unwrap_or(100.0)).collect(),
+            masses,
+            gravity: lean * Vector3::new(0.0, 0.0, -9.81),
+            station,
+            tool: nominal.tool + vector(rng) * 3e-3,
+        },
         defects: Vec::new(),
     }
 }

@@ -5,7 +5,8 @@ use truearm_host::identify::registration::register;
 use truearm_host::identify::robust::{Flags, robust_fit};
 use truearm_host::identify::{Problem, Scaling, State};
 use truearm_host::model::Measurements;
-use truearm_simulate::arm::{Arm, Moment};
+use truearm_simulate::arm::Arm;
+use truearm_simulate::body::Moment;
 use truearm_simulate::effects::Defect;
 
 use super::set::DirtySet;

@@ -6,6 +6,7 @@ use truearm::{MdhParameters, Pose};
 use truearm_host::identify::State;
 use truearm_host::model::Robot;
 use truearm_simulate::arm::Arm as Simulated;
+use truearm_simulate::body::Body;
 use truearm_simulate::effects::{Defect, Kind};
 use truearm_simulate::{at_rest, normal, oracle};
 
@@ -66,13 +67,15 @@ impl Arm {
         });
         let robot = &self.robot;
         Simulated {
-            kinds: robot.joints.iter().map(|j| j.link.kind).collect(),
-            links: self.truth.links.iter().map(|l| l.parameters.to_array()).collect(),
-            gear_ratios: robot.joints.iter().map(|j| j.gear_ratio.unwrap_or(1.0)).collect(),
-            masses: robot.links.iter().map(|l| (l.mass, l.com)).collect(),
-            gravity: robot.gravity.unwrap_or_default(),
-            station,
-            tool: self.truth.markers[0],
+            body: Body {
+                kinds: robot.joints.iter().map(|j| j.link.kind).collect(),
+                links: self.truth.links.iter().map(|l| l.parameters.to_array()).collect(),
+                gear_ratios: robot.joints.iter().map(|j| j.gear_ratio.unwrap_or(1.0)).collect(),
+                masses: robot.links.iter().map(|l| (l.mass, l.com)).collect(),
+                gravity: robot.gravity.unwrap_or_default(),
+                station,
+                tool: self.truth.markers[0],
+            },
             defects: defects.collect(),
         }
     }

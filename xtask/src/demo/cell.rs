@@ -13,6 +13,7 @@ use truearm_host::model::{Model, Robot};
 
 use crate::run::Result;
 use truearm_simulate::arm::Arm;
+use truearm_simulate::body::Body;
 use truearm_simulate::effects::{Defect, Kind};
 use truearm_simulate::oracle::{self, Matrix};
 use truearm_simulate::{at_rest, csv, rigid};
@@ -94,13 +95,13 @@ impl Cell {
         let model = calibrate(&robot, &arm, &mut dice)?;
         let residual = Pose::from_rotation_vector(model.frame_translation, model.frame_rotation);
         let to_commanded = residual.compose(&model.stations[0].1.inverse());
-        let nominal = Arm {
+        let body = Body {
             links: robot.nominal().iter().map(|link| link.parameters.to_array()).collect(),
             station: oracle::identity(),
             tool: model.markers[0].1,
-            defects: Vec::new(),
-            ..arm.clone()
+            ..arm.body.clone()
         };
+        let nominal = Arm { body, defects: Vec::new() };
         Ok(Self { model, arm, to_commanded, nominal, dice })
     }
 
@@ -148,7 +149,8 @@ impl Cell {
 
     /// An arm of the same build with these links, base and tool point.
     pub fn arm_with(&self, links: Vec<[f64; 5]>, base: Matrix<f64>, tool: Vector3<f64>) -> Arm {
-        Arm { links, station: base, tool, ..self.nominal.clone() }
+        let body = Body { links, station: base, tool, ..self.nominal.body.clone() };
+        Arm { body, ..self.nominal.clone() }
     }
 
     /// Where the tracker sees it.
@@ -186,13 +188,15 @@ fn real(robot: &Robot, dice: &mut ChaCha8Rng) -> Arm {
     let mut made = |p: [f64; 5]| p.map(|x| x + normal(dice) * 1e-3);
     let links = nominal.iter().map(|link| made(link.parameters.to_array())).collect();
     Arm {
-        kinds: nominal.iter().map(|link| link.kind).collect(),
-        links,
-        gear_ratios: vec![100.0; nominal.len()],
-        masses: vec![(0.0, Vector3::zeros()); nominal.len()],
-        gravity: Vector3::zeros(),
-        station: rigid(&vector(dice), &(vector(dice) * 2.0)),
-        tool: robot.tool + vector(dice) * 1e-3,
+        body: Body {
+            kinds: nominal.iter().map(|link| link.kind).collect(),
+            links,
+            gear_ratios: vec![100.0; nominal.len()],
+            masses: vec![(0.0, Vector3::zeros()); nominal.len()],
+            gravity: Vector3::zeros(),
+            station: rigid(&vector(dice), &(vector(dice) * 2.0)),
+            tool: robot.tool + vector(dice) * 1e-3,
+        },
         defects: Vec::new(),
     }
 }
