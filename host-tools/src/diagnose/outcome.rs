@@ -119,7 +119,8 @@ pub struct Outcome {
     pub gap: Vec<GapRow>,
     /// 3-D RMS of a perfect model by the stated standard deviations, mm.
     pub noise_floor_mm: f64,
-    /// Chi-square over degrees of freedom of the final model.
+    /// Chi-square over degrees of freedom of the final model, by the noise that
+    /// was found.
     pub reduced_chi_square: f64,
     /// The same of geometry alone.
     pub geometry_reduced_chi_square: f64,

@@ -82,6 +82,14 @@ impl Measurements {
         Self { rows: rows.collect(), ..self.clone() }
     }
 
+    /// The same rows with all standard deviations so many times as large.
+    #[must_use]
+    pub fn with_noise(&self, scale: f64) -> Self {
+        let mut out = self.clone();
+        out.rows.iter_mut().for_each(|row| row.sigma *= scale);
+        out
+    }
+
     /// What orders a row in the session: its time, its number, or its place in
     /// the file.
     #[must_use]
