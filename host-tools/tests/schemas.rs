@@ -60,6 +60,7 @@ fn reports_are_valid() {
     let limits = ["-120:120"; 6].join(",");
     let plan = format!("plan robot.toml --poses 14 --candidates 100 --out p.csv --limits {limits}");
     let mut names: Vec<String> = [
+        "import measurements.csv --out imported/measurements.csv",
         "identify robot.toml measurements.csv --validate measurements.csv --out .",
         "diagnose robot.toml measurements.csv",
         "evaluate model.toml measurements.csv",

@@ -1,10 +1,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use truearm_host::Result;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::report::DiagnoseReport;
+use truearm_host::{Error, Result};
 
 use super::identify::residuals;
 use super::progress::Bar;
@@ -43,6 +43,9 @@ impl Diagnose {
         let robot = Robot::read(&self.robot)?;
         let data = Measurements::read(&self.data, &robot)?;
         let holdout = self.holdout.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
+        if let Some(holdout) = &holdout {
+            apart(&data, holdout)?;
+        }
         let options = DiagnoseOptions {
             highest_order: self.highest_order.clamp(3.0, 2000.0),
             most_terms: self.most_terms,
@@ -63,4 +66,20 @@ impl Diagnose {
             || residuals(&data, &found.rows),
         )
     }
+}
+
+/// Poses that were fitted are no hold-out.
+fn apart(data: &Measurements, holdout: &Measurements) -> Result<()> {
+    let shared = data.shared(holdout);
+    if shared == 0 {
+        return Ok(());
+    }
+    let (file, training) = (holdout.path.display(), data.path.display());
+    Err(Error::usage(
+        format!(
+            "--holdout {file}: {shared} of {} rows are fitted in {training}",
+            holdout.rows.len()
+        ),
+        "give poses that were not fitted; without --holdout the gap is shown by cross-validation",
+    ))
 }

@@ -1,12 +1,15 @@
 //! The command line: one file a subcommand, each a thin layer over the library.
 
 mod compare;
+mod completions;
 mod console;
 mod diagnose;
 mod diff;
 mod evaluate;
 mod identify;
+mod import;
 mod inspect;
+mod man;
 mod pack;
 mod plan;
 mod progress;
@@ -18,7 +21,7 @@ mod workspace;
 use std::path::Path;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::blob::explain;
 use truearm_host::files::write;
@@ -30,7 +33,7 @@ use console::{End, Said, warn};
 
 /// Identify the true geometry of a robot arm from tracker measurements.
 #[derive(Parser)]
-#[command(version, arg_required_else_help = true, after_help = console::TABLE)]
+#[command(name = "truearm", version, arg_required_else_help = true, after_help = console::TABLE)]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,
@@ -38,6 +41,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Verb {
+    Import(import::Import),
     Identify(identify::Identify),
     Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
@@ -48,6 +52,8 @@ enum Verb {
     Unpack(unpack::Unpack),
     Plan(plan::Plan),
     Verify(verify::Verify),
+    Completions(completions::Completions),
+    Man(man::Manual),
 }
 
 /// Runs the verb of the command line; the exit status.
@@ -61,6 +67,7 @@ pub fn run() -> ExitCode {
 impl Cli {
     fn run(self) -> Result<Said> {
         match self.verb {
+            Verb::Import(verb) => verb.run(),
             Verb::Identify(verb) => verb.run(),
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
@@ -71,6 +78,8 @@ impl Cli {
             Verb::Unpack(verb) => verb.run(),
             Verb::Plan(verb) => verb.run(),
             Verb::Verify(verb) => verb.run(),
+            Verb::Completions(verb) => verb.run(Self::command()),
+            Verb::Man(verb) => verb.run(Self::command()),
         }
     }
 }

@@ -18,9 +18,11 @@ pub struct Pack {
     /// The file to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// What to write; ihex, uf2 and elf carry the address of the slot
-    #[arg(long, value_enum, default_value_t = Format::Bin)]
-    format: Format,
+    /// What to write; ihex, uf2 and elf carry the address of the slot. If not
+    /// given, the name says it (.hex, .ihex, .uf2, .elf, .c, .h, .rs), and bin
+    /// is written under any other
+    #[arg(long, value_enum)]
+    format: Option<Format>,
     /// The slot the blob is for: its address and room, from the linker script
     #[arg(long, value_enum)]
     slot: Option<Slot>,
@@ -57,6 +59,21 @@ enum Format {
     Rust,
     /// ELF for 32-bit Arm
     Elf,
+}
+
+impl Format {
+    /// What a file of this name holds.
+    fn of_name(path: &Path) -> Self {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("hex" | "ihex" | "ihx") => Self::Ihex,
+            Some("uf2") => Self::Uf2,
+            Some("elf") => Self::Elf,
+            Some("c" | "h") => Self::C,
+            Some("rs") => Self::Rust,
+            _ => Self::Bin,
+        }
+    }
 }
 
 /// The two places for parameters.
@@ -115,7 +132,7 @@ impl Pack {
                 "say for which slot with --slot a or --slot b",
             )
         });
-        Ok(match self.format {
+        Ok(match self.format.unwrap_or_else(|| Format::of_name(&self.out)) {
             Format::Bin => bytes.to_vec(),
             Format::C => image::c(bytes, &blob).into_bytes(),
             Format::Rust => image::rust(bytes, &blob).into_bytes(),

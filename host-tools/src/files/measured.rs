@@ -23,8 +23,7 @@ impl MeasuredColumns {
             let missing = found.iter().find(|(_, at)| at.is_none());
             // Without a column `kind` every row is of the first.
             if let (0, None, Some((column, _))) = (place, kind, missing) {
-                let message = format!("missing column {}", column.name);
-                return Err(header.fail(message, column.missing));
+                return Err(header.missing(column.name, column.missing));
             }
             of.push(found.into_iter().map(|(_, at)| at).collect());
         }

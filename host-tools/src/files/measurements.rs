@@ -40,6 +40,7 @@ impl Measurements {
         joints: Option<&str>,
     ) -> Result<Self> {
         let source = Source { path, text };
+        source.refuse_toml()?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .flexible(true)
@@ -61,11 +62,15 @@ impl Measurements {
                 ));
             }
             let cells = Cells { source, line, start, names: &names, record: &record };
+            if rows.is_empty() && cells.unit_row()? {
+                continue;
+            }
             rows.push(columns.row(&cells, robot, &mut labels)?);
         }
         if rows.is_empty() {
             return Err(source.whole("no data rows", "add measurements"));
         }
+        labels.refuse_twins(&source)?;
         let mut data = Self {
             path: path.to_owned(),
             rows,

@@ -22,6 +22,14 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
+/// Reads a text file of truearm's own, UTF-8.
+///
+/// # Errors
+/// What the system says, and text that is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String> {
+    read(path)
+}
+
 /// Reads a text file, without the byte-order mark some programs put in front.
 pub(crate) fn read(path: &Path) -> Result<String> {
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
@@ -31,7 +39,7 @@ pub(crate) fn read(path: &Path) -> Result<String> {
             path,
             crate::error::Place::line(line.count() + 1),
             "not UTF-8 text",
-            "save the file as UTF-8",
+            "save the file as UTF-8; `truearm import` reads tables of any encoding, .xlsx and .ods",
         )
     })?;
     Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
@@ -50,6 +58,20 @@ pub fn csv_text<'a>(
     }
     let bytes = writer.into_inner().unwrap_or_else(|e| unreachable!("memory takes all: {e}"));
     String::from_utf8(bytes).unwrap_or_else(|e| unreachable!("of texts: {e}"))
+}
+
+/// A temporary file with the permissions of the one it replaces, or with those
+/// that every new file gets: the library's own are for secrets.
+#[cfg_attr(not(unix), allow(unused_variables, unused_mut))]
+fn temporary(path: &Path) -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let usual = || std::fs::Permissions::from_mode(0o666);
+        builder.permissions(std::fs::metadata(path).map_or_else(|_| usual(), |m| m.permissions()));
+    }
+    builder
 }
 
 /// Writes a file whole or not at all: into a temporary file beside it, which
@@ -71,7 +93,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
         _ => Path::new("."),
     };
     std::fs::create_dir_all(folder).map_err(error)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(error)?;
+    let mut file = temporary(path).tempfile_in(folder).map_err(error)?;
     file.write_all(bytes).map_err(error)?;
     file.as_file().sync_all().map_err(error)?;
     file.persist(path).map_err(|e| error(e.error))?;

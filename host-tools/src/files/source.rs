@@ -7,6 +7,50 @@ use serde::de::DeserializeOwned;
 
 use crate::error::{Error, Place, Result};
 
+/// What to do about one file in the place of the other.
+const SWAPPED: &str = "are the arguments swapped? The arm (robot.toml or model.toml) stands before \
+                       the measurements";
+
+/// Keys of robot.toml, for those that resemble one.
+const KEYS: [&str; 26] = [
+    "name",
+    "serial",
+    "measurement_sigma_mm",
+    "gravity_m_s2",
+    "reference_temperature_c",
+    "joints",
+    "base",
+    "tool",
+    "links",
+    "payload",
+    "kind",
+    "alpha_deg",
+    "a_mm",
+    "d_mm",
+    "d_offset_mm",
+    "theta_offset_deg",
+    "beta_deg",
+    "limits_deg",
+    "limits_mm",
+    "gear_ratio",
+    "xyz_mm",
+    "rpy_deg",
+    "mass_kg",
+    "com_mm",
+    "corrections",
+    "markers",
+];
+
+/// The name among `known` that is most like a word, if it is near enough to be
+/// a slip of the keyboard, a word short, or another unit.
+pub(super) fn resembling<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let word = word.to_lowercase();
+    let like = |name: &str| strsim::jaro_winkler(&word, name);
+    // 0.85 takes `alfa_deg`, `gear_ration`, `alpha`, `d_m`; not `colour`.
+    let near = known.map(|name| (name, like(name))).filter(|(_, like)| *like >= 0.85);
+    near.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(name, _)| name)
+}
+
 /// Name and text of a file.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
@@ -31,6 +75,32 @@ impl Source<'_> {
         Error::file(self.path, Place::default(), message, help)
     }
 
+    /// Refuses a table where a TOML file belongs.
+    pub fn refuse_table(&self) -> Result<()> {
+        let lines = self.text.lines().map(str::trim);
+        let mut lines = lines.filter(|l| !l.is_empty() && !l.starts_with('#'));
+        let table = |line: &str| {
+            let toml = line.contains('=') || line.starts_with('[');
+            !toml && line.split([',', ';', '\t']).count() >= 3
+        };
+        match (lines.next(), lines.next()) {
+            (Some(a), Some(b)) if table(a) && table(b) => {
+                Err(self.whole("a table, not a TOML file", SWAPPED))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses a TOML file where a table belongs.
+    pub fn refuse_toml(&self) -> Result<()> {
+        const BEGIN: [&str; 5] = ["[[", "[tool]", "[base]", "joints = [", "joints=["];
+        let toml = |line: &str| BEGIN.iter().any(|begin| line.trim().starts_with(begin));
+        if !self.text.lines().any(toml) {
+            return Ok(());
+        }
+        Err(self.whole("a TOML file, not a table of measurements", SWAPPED))
+    }
+
     /// The line of a byte, counted from 1.
     pub fn line(&self, offset: usize) -> usize {
         Place::offset(self.text, offset).line.unwrap_or(0)
@@ -44,15 +114,25 @@ impl Source<'_> {
 
     /// Reads TOML into `F`; unknown keys become warnings.
     pub fn toml<F: DeserializeOwned>(&self, help: &str, warnings: &mut Vec<String>) -> Result<F> {
-        let fail = |e: toml::de::Error| match e.span() {
+        let fail = |e: toml::de::Error, help: &str| match e.span() {
             Some(span) => self.at(span, e.message(), help),
             None => self.whole(e.message(), help),
         };
-        let deserializer = toml::Deserializer::parse(self.text).map_err(fail)?;
-        serde_ignored::deserialize(deserializer, |key| {
-            warnings.push(format!("{}: unknown key `{key}` ignored", self.path.display()));
+        let deserializer = toml::Deserializer::parse(self.text).map_err(|e| fail(e, help))?;
+        let mut unknown = Vec::new();
+        let read = serde_ignored::deserialize(deserializer, |key| {
+            // Spans are kept in a struct of their own, which no user wrote.
+            let key = key.to_string().replace(".$__serde_spanned_private_value", "");
+            let like = resembling(key.rsplit('.').next().unwrap_or(&key), KEYS.iter().copied());
+            let like = like.map_or(String::new(), |like| format!("; is `{like}` meant?"));
+            unknown.push(format!("unknown key `{key}` ignored{like}"));
+        });
+        warnings.extend(unknown.iter().map(|line| format!("{}: {line}", self.path.display())));
+        // A key that is missing may be there under another name.
+        read.map_err(|e| match &unknown[..] {
+            [] => fail(e, help),
+            _ => fail(e, &format!("{}; {help}", unknown.join("; "))),
         })
-        .map_err(fail)
     }
 
     /// The bytes of a cell, without blanks around it, of the CSV record that

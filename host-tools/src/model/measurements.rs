@@ -98,6 +98,18 @@ impl Measurements {
         of.time.or(of.order).unwrap_or(row as f64)
     }
 
+    /// How many rows of `other` are rows of these too: the same joints, the same
+    /// measured values.
+    #[must_use]
+    pub fn shared(&self, other: &Self) -> usize {
+        let key = |row: &Row| {
+            let bits = row.q.iter().chain(row.measured.iter()).map(|v| v.to_bits());
+            bits.collect::<Vec<u64>>()
+        };
+        let own: std::collections::HashSet<Vec<u64>> = self.rows.iter().map(key).collect();
+        other.rows.iter().filter(|row| own.contains(&key(row))).count()
+    }
+
     /// Smallest and largest value of each joint.
     #[must_use]
     pub fn covered(&self) -> Vec<[f64; 2]> {

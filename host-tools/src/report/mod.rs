@@ -8,6 +8,7 @@ mod compare;
 mod diagnose;
 mod evaluate;
 mod identify;
+mod import;
 mod plan;
 pub mod schema;
 mod verify;
@@ -16,6 +17,7 @@ pub use compare::CompareReport;
 pub use diagnose::DiagnoseReport;
 pub use evaluate::EvaluateReport;
 pub use identify::IdentifyReport;
+pub use import::ImportReport;
 pub use plan::{PlanReport, SeparatedAlternative, SeparationReport};
 pub use verify::VerifyReport;
 

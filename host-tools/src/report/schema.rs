@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 
 use super::{
-    CompareReport, DiagnoseReport, EvaluateReport, IdentifyReport, PlanReport, SeparationReport,
-    VerifyReport,
+    CompareReport, DiagnoseReport, EvaluateReport, IdentifyReport, ImportReport, PlanReport,
+    SeparationReport, VerifyReport,
 };
 
 /// Name and text of every schema, as they stand in `docs/schemas`.
@@ -15,6 +15,7 @@ pub fn all() -> Vec<(&'static str, String)> {
         (DiagnoseReport::SCHEMA, of::<DiagnoseReport>()),
         (EvaluateReport::SCHEMA, of::<EvaluateReport>()),
         (CompareReport::SCHEMA, of::<CompareReport>()),
+        (ImportReport::SCHEMA, of::<ImportReport>()),
         (PlanReport::SCHEMA, of::<PlanReport>()),
         (SeparationReport::SCHEMA, of::<SeparationReport>()),
         (VerifyReport::SCHEMA, of::<VerifyReport>()),

@@ -14,7 +14,7 @@ pub use test_poses::test_poses;
 use nalgebra::Vector3;
 use truearm::Pose;
 
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, Kind, Place, Result};
 use crate::identify::registration::rigid_transform;
 use crate::identify::{Conditions, Predictor, State};
 use crate::model::ModelTerm;
@@ -38,6 +38,7 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     let markers = markers(model, commanded)?;
     let targets = targets(model, commanded, &markers);
     let frames = frames(model, data, &targets, refit)?;
+    in_tracker_frame(commanded, &frames, model)?;
     let to_robot = |row: &crate::model::Row| {
         frames[row.station].inverse().transform_point(&row.measured.point())
     };
@@ -150,6 +151,39 @@ fn markers(model: &Model, commanded: &Commanded) -> Result<Vec<Vector3<f64>>> {
         })
     };
     commanded.data.markers.iter().map(find).collect()
+}
+
+/// Refuses commanded points that are in the tracker's frame: there they agree
+/// with what was measured, and in the robot's they do not.
+fn in_tracker_frame(commanded: &Commanded, frames: &[Pose<f64>], model: &Model) -> Result<()> {
+    let base = model.robot.base.pose();
+    let distances = |to: &dyn Fn(&crate::model::Row) -> Vector3<f64>, from: &Pose<f64>| {
+        let rows = commanded.data.rows.iter().zip(&commanded.points);
+        let mut all: Vec<f64> =
+            rows.map(|(r, p)| (to(r) - from.transform_point(p)).norm()).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied().unwrap_or(0.0)
+    };
+    let measured = |row: &crate::model::Row| row.measured.point();
+    let robot =
+        |row: &crate::model::Row| frames[row.station].inverse().transform_point(&measured(row));
+    let as_told = distances(&robot, &Pose::identity());
+    let as_seen = distances(&measured, &base);
+    // No arm misses by a decimetre, and none is right in both frames by chance.
+    if as_told > 0.1 && as_seen < 0.1 * as_told {
+        let (told, seen) = (as_told * 1e3, as_seen * 1e3);
+        return Err(Error::file(
+            &commanded.data.path,
+            Place::default(),
+            format!(
+                "commanded points are {told:.0} mm from the measured ones in the robot's frame, \
+                 {seen:.2} mm in the tracker's"
+            ),
+            "give cmd_x_mm, cmd_y_mm, cmd_z_mm as the controller was told, in the robot's frame; \
+             what the tracker measured stays in the tracker's",
+        ));
+    }
+    Ok(())
 }
 
 /// Where the target was told to be, in the commanded frame, m.

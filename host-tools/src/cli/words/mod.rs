@@ -4,6 +4,7 @@ mod compare;
 mod diagnose;
 mod evaluate;
 mod identify;
+mod import;
 mod plan;
 mod verify;
 
@@ -11,6 +12,7 @@ pub use compare::compare;
 pub use diagnose::diagnosis;
 pub use evaluate::validation;
 pub use identify::identification;
+pub use import::import;
 pub use plan::{planned, separated};
 pub use verify::verification;
 

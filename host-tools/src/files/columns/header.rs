@@ -1,5 +1,6 @@
 use crate::error::{Error, Result};
-use crate::files::source::Source;
+use crate::files::source::{Source, resembling};
+use crate::headings::suggestion;
 use crate::model::Robot;
 use crate::units::joint_column;
 
@@ -17,8 +18,16 @@ impl<'a> Header<'a> {
             return Err(source.whole("the file is empty", "it needs a header line and rows"));
         }
         if names.len() == 1 && names[0].contains(';') {
-            let help = "separate them by commas, with decimal points";
+            let help = "separate them by commas, with decimal points; `truearm import` does it";
             return Err(header.fail("cells are separated by `;`", help));
+        }
+        if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+            let help = format!(
+                "write the names of the columns above them, or `truearm import {} --out \
+                 measurements.csv`",
+                source.path.display()
+            );
+            return Err(header.fail("no header: the first line is numbers", help));
         }
         match (0..names.len()).find(|i| names[..*i].contains(&names[*i])) {
             Some(i) => {
@@ -31,6 +40,26 @@ impl<'a> Header<'a> {
 
     pub fn fail(&self, message: impl Into<String>, help: impl Into<String>) -> Error {
         self.source.in_line(1, 0, message, help)
+    }
+
+    /// A column that is needed is not there: what is, what may be meant, and who
+    /// makes it.
+    pub fn missing(&self, name: &str, help: &str) -> Error {
+        let stem = |name: &str| name.split('_').next().unwrap_or_default().to_owned();
+        let meant = self.names.iter().find(|found| {
+            *found != name && suggestion(found).is_some_and(|s| stem(&s) == stem(name))
+        });
+        let names = self.names.iter().map(String::as_str);
+        let meant = meant.map(String::as_str).or_else(|| resembling(name, names));
+        let meant = meant.map_or(String::new(), |found| format!("; {name} may be \"{found}\""));
+        let found: Vec<String> = self.names.iter().map(|n| format!("\"{n}\"")).collect();
+        let help = format!(
+            "{help}; found {}{meant}; `truearm import {} --out measurements.csv` makes the columns of \
+             any table",
+            found.join(", "),
+            self.source.path.display()
+        );
+        self.fail(format!("missing column {name}"), help)
     }
 
     fn fail_in(&self, column: usize, message: String, help: &str) -> Error {
@@ -61,7 +90,7 @@ impl<'a> Header<'a> {
                 let (joint, file) = (j + 1, robot.path.display());
                 let help =
                     format!("joint {joint} of {file} is {kind:?} and the robot has {n} joints");
-                header.fail(format!("missing column {name}"), help)
+                header.missing(&name, &help)
             };
             q.push(self.take(&name).ok_or_else(|| missing(self))?);
         }

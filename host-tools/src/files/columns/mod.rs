@@ -2,6 +2,7 @@
 
 mod cells;
 mod header;
+mod sense;
 
 use truearm::JointKind;
 
@@ -13,6 +14,10 @@ use crate::units::{from_mm, joint_from_file};
 pub(super) use cells::Cells;
 pub(super) use header::Header;
 
+/// More mm no measurement is uncertain by.
+const MOST_SIGMA: f64 = 10.0;
+/// Farther than any rail goes, mm.
+const MOST_MM: f64 = 1e5;
 /// More degrees no encoder reads.
 const MOST_DEGREES: f64 = 1e5;
 
@@ -44,6 +49,22 @@ struct Optional {
 pub(super) struct Labels {
     pub stations: Vec<String>,
     pub markers: Vec<String>,
+}
+
+impl Labels {
+    /// Labels that differ in case only would be two stations.
+    pub fn refuse_twins(&self, source: &Source) -> Result<()> {
+        for (what, labels) in [("station", &self.stations), ("marker", &self.markers)] {
+            for (i, label) in labels.iter().enumerate() {
+                let like = |l: &&String| l.to_lowercase() == label.to_lowercase();
+                let Some(twin) = labels[..i].iter().find(like) else { continue };
+                let help = format!("write a {what} alike everywhere, or give two other names");
+                let message = format!("{what} \"{twin}\" and \"{label}\" differ in case only");
+                return Err(source.whole(message, help));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Index of a label in a growing list.
@@ -98,8 +119,8 @@ impl Columns {
             pose: 0,
             series: Some(text(o.series)).filter(|s| !s.is_empty()).map(str::to_owned),
             time: cells.optional(o.time)?,
-            temperature: cells.optional(o.temperature)?,
-            payload: cells.optional(o.payload)?,
+            temperature: sense::temperature(cells, o.temperature)?,
+            payload: sense::payload(cells, o.payload)?,
             order: cells.optional(o.order)?,
             orientation: self.orientation(cells)?,
             directions: self.directions(cells)?,
@@ -114,6 +135,10 @@ impl Columns {
                 let help = "give the joint angle in degrees";
                 return Err(cells.fail(*column, format!("{value} degrees"), help));
             }
+            if kind == JointKind::Prismatic && value.abs() > MOST_MM {
+                let help = "give the joint value in mm";
+                return Err(cells.fail(*column, format!("{value} mm"), help));
+            }
             Ok(joint_from_file(kind, value))
         };
         self.q.iter().zip(&robot.joints).map(value).collect()
@@ -122,8 +147,8 @@ impl Columns {
     fn sigma(&self, cells: &Cells) -> Result<Option<f64>> {
         let Some(column) = self.optional.sigma else { return Ok(None) };
         match cells.optional(Some(column))? {
-            Some(mm) if mm <= 0.0 => {
-                let help = "give one positive standard deviation in mm";
+            Some(mm) if mm <= 0.0 || mm > MOST_SIGMA => {
+                let help = "give one positive standard deviation in mm, such as 0.03";
                 Err(cells.fail(column, format!("sigma {mm}"), help))
             }
             sigma => Ok(sigma.map(from_mm)),

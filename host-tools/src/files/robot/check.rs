@@ -62,7 +62,8 @@ impl Checker<'_> {
             return Err(self.source.at(span, format!("{key} = {value}"), help));
         }
         let half_turns = value.abs() / std::f64::consts::FRAC_PI_2;
-        if value != 0.0 && (half_turns - half_turns.round()).abs() < 1e-3 && half_turns < 4.5 {
+        // What rounds to no turn at all is the rounding of some converter.
+        if half_turns > 0.5 && (half_turns - half_turns.round()).abs() < 1e-3 && half_turns < 4.5 {
             let line = self.source.line(span.start);
             self.warn(format!(
                 "line {line}: {key} = {value} looks like radians; degrees are expected"

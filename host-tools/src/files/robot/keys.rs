@@ -10,8 +10,8 @@ pub(super) struct RobotFile {
     pub measurement_sigma_mm: Option<Spanned<f64>>,
     #[serde(rename = "repeatability_mm")]
     _repeatability_mm: Option<f64>,
-    pub gravity_m_s2: Option<[f64; 3]>,
-    pub reference_temperature_c: Option<f64>,
+    pub gravity_m_s2: Option<Spanned<[f64; 3]>>,
+    pub reference_temperature_c: Option<Spanned<f64>>,
     #[serde(default)]
     pub joints: Vec<Spanned<JointFile>>,
     pub base: Option<PlacementFile>,
@@ -32,7 +32,7 @@ pub(super) struct JointFile {
     pub beta_deg: Option<Spanned<f64>>,
     pub limits_deg: Option<Spanned<[f64; 2]>>,
     pub limits_mm: Option<Spanned<[f64; 2]>>,
-    pub gear_ratio: Option<f64>,
+    pub gear_ratio: Option<Spanned<f64>>,
 }
 
 /// `[base]` or `[tool]`.
@@ -44,11 +44,11 @@ pub(super) struct PlacementFile {
 
 #[derive(Deserialize)]
 pub(super) struct LinkFile {
-    pub mass_kg: f64,
-    pub com_mm: [f64; 3],
+    pub mass_kg: Spanned<f64>,
+    pub com_mm: Spanned<[f64; 3]>,
 }
 
 #[derive(Deserialize)]
 pub(super) struct PayloadFile {
-    pub com_mm: [f64; 3],
+    pub com_mm: Spanned<[f64; 3]>,
 }

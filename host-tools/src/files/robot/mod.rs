@@ -1,16 +1,16 @@
 mod check;
 mod keys;
+mod meaning;
 
 use std::path::Path;
 
-use nalgebra::Vector3;
 use toml::Spanned;
 use truearm::JointKind;
 
 use super::source::Source;
 use crate::error::Result;
 use crate::model::{Joint, LinkMass, Placement, Robot};
-use crate::units::{from_mm, joint_from_file, point_from_mm};
+use crate::units::{from_mm, joint_from_file};
 use check::Checker;
 use keys::{JointFile, PlacementFile, RobotFile};
 
@@ -36,6 +36,7 @@ impl Robot {
     /// As for [`Robot::read`].
     pub fn parse(path: &Path, text: &str) -> Result<Self> {
         let source = Source { path, text };
+        source.refuse_table()?;
         let mut warnings = Vec::new();
         let file: RobotFile = source.toml(HELP, &mut warnings)?;
         let mut check = Checker { source, warnings };
@@ -45,25 +46,26 @@ impl Robot {
             file.joints.iter().map(|j| check.joint(j)).collect::<Result<_>>()?;
         let base = check.placement("base", file.base.as_ref())?;
         let tool = check.placement("tool", file.tool.as_ref())?;
-        let links = file
-            .links
-            .iter()
-            .map(|l| LinkMass { mass: l.mass_kg, com: point_from_mm(l.com_mm) })
-            .collect();
+        let links = file.links.iter().map(|l| check.link(l)).collect::<Result<_>>()?;
+        check.limits_in_radians(&file, &joints)?;
+        let gravity = file.gravity_m_s2.as_ref().map(|g| check.gravity(g)).transpose()?;
+        let temperature =
+            file.reference_temperature_c.as_ref().map(|t| check.temperature(t)).transpose()?;
+        let payload = file.payload.as_ref().map(|p| check.centre("payload.com_mm", &p.com_mm));
         let stem = path.file_stem().map_or("robot".into(), |s| s.to_string_lossy().into_owned());
         Ok(Self {
             path: path.to_owned(),
             name: file.name.unwrap_or(stem),
             serial: file.serial.unwrap_or_default(),
             sigma,
-            gravity: file.gravity_m_s2.map(|g| base.pose().rotation.tr_mul(&Vector3::from(g))),
-            reference_temperature: file.reference_temperature_c.unwrap_or(ROOM),
+            gravity: gravity.map(|g| base.pose().rotation.tr_mul(&g)),
+            reference_temperature: temperature.unwrap_or(ROOM),
             links: check.masses(links, joints.len()),
             joints,
             base,
             tool: tool.xyz,
             tool_rpy: tool.rpy,
-            payload: file.payload.map_or(tool.xyz, |p| point_from_mm(p.com_mm)),
+            payload: payload.transpose()?.unwrap_or(tool.xyz),
             warnings: check.warnings,
         })
     }
@@ -97,8 +99,7 @@ impl Checker<'_> {
         let mut placement = Placement::default();
         let Some(file) = file else { return Ok(placement) };
         if let Some(xyz) = &file.xyz_mm {
-            self.finite(xyz.span(), &format!("{table}.xyz_mm"), xyz.get_ref())?;
-            placement.xyz = point_from_mm(*xyz.get_ref());
+            placement.xyz = self.centre(&format!("{table}.xyz_mm"), xyz)?;
         }
         if let Some(rpy) = &file.rpy_deg {
             let key = format!("{table}.rpy_deg");
@@ -128,7 +129,8 @@ impl Checker<'_> {
             d,
             beta: j.beta_deg.as_ref().map_or(Ok(0.0), |b| self.angle("beta_deg", b))?,
         };
-        Ok(Joint { link: truearm::Link { kind, parameters }, limits, gear_ratio: j.gear_ratio })
+        let gear_ratio = j.gear_ratio.as_ref().map(|ratio| self.gear_ratio(ratio)).transpose()?;
+        Ok(Joint { link: truearm::Link { kind, parameters }, limits, gear_ratio })
     }
 
     /// The length along the joint's axis that does not move, m.

@@ -1,0 +1,158 @@
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use truearm_host::files::{read_text, write};
+use truearm_host::headings::Unit;
+use truearm_host::import::{FileConfig, ImportOptions, JoinAsked, import};
+use truearm_host::model::Robot;
+use truearm_host::report::{ImportReport, to_json};
+use truearm_host::{Error, Result};
+
+use super::{Said, warn, words};
+
+/// Turn measurement files as they come (CSV, TSV, columns, .xlsx, .ods; any
+/// encoding, decimal commas) into measurements.csv, and write import.toml beside
+/// it: what every column was taken for, and why.
+#[derive(Args)]
+pub struct Import {
+    /// Tables of joints and measured points, one file or several
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The nominal arm, robot.toml: its limits, reach and lengths settle units
+    #[arg(long, value_name = "FILE")]
+    robot: Option<PathBuf>,
+    /// What an earlier import settled, import.toml
+    #[arg(long, value_name = "FILE", conflicts_with_all = [
+        "angles", "lengths", "columns", "orientation", "join", "encoding", "delimiter", "decimal",
+        "header", "sheet",
+    ])]
+    config: Option<PathBuf>,
+    /// The measurements.csv to write
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Unit of the joints that turn
+    #[arg(long, value_enum)]
+    angles: Option<Angles>,
+    /// Unit of the points, and of joints that slide
+    #[arg(long, value_enum)]
+    lengths: Option<Lengths>,
+    /// What columns mean: q1=J1,x="Pos X",station=2:Stand or q=1-6,xyz=7-9
+    #[arg(long, value_name = "NAME=COLUMN,...", value_delimiter = ',')]
+    columns: Vec<String>,
+    /// How the target's orientation is given: none, xyzw, wxyz, rpy-deg,
+    /// rpy-rad, vector-deg, vector-rad, matrix
+    #[arg(long, value_name = "FORM")]
+    orientation: Option<String>,
+    /// How several files belong together: order, stack, or the heading of a key
+    #[arg(long, value_name = "HOW")]
+    join: Option<String>,
+    /// Encoding of text files: utf-8, windows-1252, utf-16le, ...
+    #[arg(long, value_name = "NAME")]
+    encoding: Option<String>,
+    /// What stands between cells: comma, semicolon, tab, bar, blanks
+    #[arg(long, value_name = "SIGN")]
+    delimiter: Option<String>,
+    /// The decimal sign: point or comma
+    #[arg(long, value_name = "SIGN")]
+    decimal: Option<String>,
+    /// Line of the headings, 0 if there are none
+    #[arg(long, value_name = "LINE")]
+    header: Option<usize>,
+    /// Sheet of a spreadsheet
+    #[arg(long, value_name = "NAME")]
+    sheet: Option<String>,
+    /// Leave rows out that lack a joint or a coordinate
+    #[arg(long)]
+    skip_incomplete: bool,
+    /// Write over an import.toml that says something else
+    #[arg(long)]
+    force: bool,
+    /// Print JSON instead of words
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Angles {
+    Deg,
+    Rad,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Lengths {
+    Mm,
+    M,
+    Cm,
+    Um,
+    Inch,
+}
+
+impl Import {
+    pub fn run(self) -> Result<Said> {
+        let robot = self.robot.as_deref().map(Robot::read).transpose()?;
+        let text = self.config.as_deref().map(read_text).transpose()?;
+        let config = self.config.as_deref().zip(text.as_deref());
+        let done = import(&self.files, robot.as_ref(), config, &self.options())?;
+        let beside = self.out.with_file_name("import.toml");
+        let wrote = match &self.config {
+            Some(path) => path.clone(),
+            None => {
+                self.keep(&beside, &done.config)?;
+                beside
+            }
+        };
+        write(&self.out, done.csv.as_bytes())?;
+        if self.config.is_none() {
+            write(&wrote, done.config.as_bytes())?;
+        }
+        let show = |path: &Path| path.display().to_string();
+        let report = ImportReport::new(done, show(&self.out), show(&wrote));
+        warn(&report.warnings);
+        Ok(if self.json { to_json(&report) } else { words::import(&report) }.into())
+    }
+
+    /// An import.toml that somebody edited is not written over.
+    fn keep(&self, path: &Path, text: &str) -> Result<()> {
+        let old = std::fs::read_to_string(path).ok().filter(|old| old != text && !self.force);
+        match old {
+            Some(_) => Err(Error::usage(
+                format!("{} says something else than would be written", path.display()),
+                format!("use it with --config {}, or write over it with --force", path.display()),
+            )),
+            None => Ok(()),
+        }
+    }
+
+    fn options(&self) -> ImportOptions {
+        ImportOptions {
+            written: FileConfig {
+                encoding: self.encoding.clone(),
+                delimiter: self.delimiter.clone(),
+                decimal: self.decimal.clone(),
+                sheet: self.sheet.clone(),
+                header_line: self.header,
+                ..FileConfig::default()
+            },
+            angles: self.angles.map(|angles| match angles {
+                Angles::Deg => Unit::Deg,
+                Angles::Rad => Unit::Rad,
+            }),
+            lengths: self.lengths.map(|lengths| match lengths {
+                Lengths::Mm => Unit::Mm,
+                Lengths::M => Unit::M,
+                Lengths::Cm => Unit::Cm,
+                Lengths::Um => Unit::Um,
+                Lengths::Inch => Unit::Inch,
+            }),
+            columns: self.columns.clone(),
+            orientation: self.orientation.clone(),
+            join: match self.join.as_deref() {
+                None => JoinAsked::Find,
+                Some("order") => JoinAsked::Order,
+                Some("stack") => JoinAsked::Stack,
+                Some(key) => JoinAsked::Key(key.to_owned()),
+            },
+            skip_incomplete: self.skip_incomplete,
+        }
+    }
+}

@@ -1,0 +1,32 @@
+use truearm_host::report::ImportReport;
+
+use super::count;
+
+/// What was read, what the columns were taken for, what was written.
+pub fn import(report: &ImportReport) -> String {
+    let mut text = String::new();
+    for file in &report.files {
+        let why = file.because.join("; ");
+        text += &format!("{}: {}; {why}\n", file.written.file, count(file.rows, "row"));
+    }
+    if let Some(join) = &report.join {
+        text += &format!("joined {join}\n");
+    }
+    let several = report.files.len() > 1;
+    for c in &report.columns {
+        let file = if several { format!("file {}, ", c.file) } else { String::new() };
+        let name = if c.name.is_empty() { String::new() } else { format!(" \"{}\"", c.name) };
+        let unit = c.unit.as_ref().map_or(String::new(), |unit| format!(", {unit}"));
+        text +=
+            &format!("{}: {file}column {}{name}{unit}, because {}\n", c.to, c.column, c.because);
+    }
+    if !report.left_out.is_empty() {
+        text += &format!("left out: {}\n", report.left_out.join(", "));
+    }
+    let repeats = report.rows - report.poses;
+    text += &format!("{} of {}", count(report.rows, "row"), count(report.poses, "pose"));
+    if repeats > 0 {
+        text += &format!(", {} repeated", count(repeats, "row"));
+    }
+    text + &format!("\nwrote {}; {} says how it was read\n", report.out, report.config)
+}

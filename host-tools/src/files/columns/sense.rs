@@ -1,0 +1,34 @@
+//! Values of a row that are numbers and make no sense.
+
+use super::cells::Cells;
+use crate::error::Result;
+
+/// Degrees Celsius beyond which nobody measures an arm.
+const TEMPERATURES: std::ops::RangeInclusive<f64> = -60.0..=120.0;
+/// Heavier than what any arm carries, kg.
+const HEAVIEST: f64 = 5_000.0;
+
+/// Degrees Celsius.
+pub(super) fn temperature(cells: &Cells, column: Option<usize>) -> Result<Option<f64>> {
+    match (cells.optional(column)?, column) {
+        (Some(value), Some(column)) if !TEMPERATURES.contains(&value) => {
+            let kelvin =
+                if (200.0..400.0).contains(&value) { "; these look like kelvin" } else { "" };
+            let help = format!("give degrees Celsius{kelvin}");
+            Err(cells.fail(column, format!("{value} degrees Celsius"), &help))
+        }
+        (value, _) => Ok(value),
+    }
+}
+
+/// kg
+pub(super) fn payload(cells: &Cells, column: Option<usize>) -> Result<Option<f64>> {
+    match (cells.optional(column)?, column) {
+        (Some(value), Some(column)) if !(0.0..=HEAVIEST).contains(&value) => Err(cells.fail(
+            column,
+            format!("payload of {value} kg"),
+            "give a mass in kg, 0 or more",
+        )),
+        (value, _) => Ok(value),
+    }
+}

@@ -1,0 +1,106 @@
+//! A heading as words and a unit.
+
+use super::unit::Unit;
+
+/// A heading taken apart.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Heading {
+    /// As it stands in the file; empty in a table without headings.
+    pub text: String,
+    /// Its words in lower case, numbers apart from letters, without the unit.
+    pub words: Vec<String>,
+    /// Its unit, if it says one.
+    pub unit: Option<Unit>,
+}
+
+/// Units of a letter are read as such behind a separator only: `x_m`.
+const LETTERS: [&str; 6] = ["m", "s", "c", "k", "g", "f"];
+
+impl Heading {
+    /// Takes `text` apart: `q1_deg`, `J1 [rad]`, `Pos X (mm)`, `actual_q_0`.
+    #[must_use]
+    pub fn new(text: &str) -> Self {
+        let (rest, bracketed) = bracketed(text);
+        let mut words = words(&rest);
+        let mut unit = bracketed;
+        if unit.is_none() && words.len() > 1 {
+            let last = words.last().map(String::as_str).unwrap_or_default();
+            let found = Unit::of_word(last).filter(|u| *u != Unit::Plain);
+            let letter = LETTERS.contains(&last);
+            let number = words[words.len() - 2].chars().all(|c| c.is_ascii_digit());
+            // `joint_1_s` is no time, and `wrist_1_c` no temperature.
+            if let Some(found) = found.filter(|_| !letter || !number || last == "m") {
+                unit = Some(found);
+                words.pop();
+            }
+        }
+        Self { text: text.trim().to_owned(), words, unit }
+    }
+}
+
+/// The text without a unit in brackets, and the unit.
+fn bracketed(text: &str) -> (String, Option<Unit>) {
+    for (open, close) in [('[', ']'), ('(', ')'), ('{', '}'), ('<', '>')] {
+        let Some(begin) = text.find(open) else { continue };
+        let Some(length) = text[begin..].find(close) else { continue };
+        let inside = &text[begin + open.len_utf8()..begin + length];
+        if let Some(unit) = Unit::of_word(inside) {
+            let rest = [&text[..begin], &text[begin + length + close.len_utf8()..]].concat();
+            return (rest, Some(unit));
+        }
+    }
+    match text.rsplit_once('/').and_then(|(rest, unit)| Some((rest, Unit::of_word(unit)?))) {
+        Some((rest, unit)) => (rest.to_owned(), Some(unit)),
+        None => (text.to_owned(), None),
+    }
+}
+
+/// In lower case: cut at everything that is neither letter nor digit, between
+/// letters and digits, and before a capital that follows a word.
+fn words(text: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut before = ' ';
+    for c in text.chars() {
+        let length = words.last().map_or(0, |w| w.chars().count());
+        let turns = before.is_numeric() != c.is_numeric();
+        let camel = length > 1 && before.is_lowercase() && c.is_uppercase();
+        if !c.is_alphanumeric() && c != '°' && c != 'µ' || length > 0 && (turns || camel) {
+            words.push(String::new());
+        }
+        if let Some(word) = words.last_mut().filter(|_| c.is_alphanumeric() || "°µ".contains(c)) {
+            word.extend(c.to_lowercase());
+        }
+        before = c;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headings_are_taken_apart() {
+        for (text, expected, unit) in [
+            ("q1_deg", vec!["q", "1"], Some(Unit::Deg)),
+            ("J1 [rad]", vec!["j", "1"], Some(Unit::Rad)),
+            ("Pos X (mm)", vec!["pos", "x"], Some(Unit::Mm)),
+            ("actual_q_0", vec!["actual", "q", "0"], None),
+            ("JointAngle3", vec!["joint", "angle", "3"], None),
+            ("x_m", vec!["x"], Some(Unit::M)),
+            ("X", vec!["x"], None),
+            ("m", vec!["m"], None),
+            ("X/mm", vec!["x"], Some(Unit::Mm)),
+            ("Temperatur [°C]", vec!["temperatur"], Some(Unit::C)),
+            ("A1 (°)", vec!["a", "1"], Some(Unit::Deg)),
+            ("time_s", vec!["time"], Some(Unit::S)),
+            ("q3_m", vec!["q", "3"], Some(Unit::M)),
+            ("wrist_1_c", vec!["wrist", "1", "c"], None),
+        ] {
+            let heading = Heading::new(text);
+            assert_eq!(heading.words, expected, "{text}");
+            assert_eq!(heading.unit, unit, "{text}");
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Tables and what their columns mean, to the text of a measurements.csv.
+
+use std::collections::BTreeMap;
+
+use super::config::{Config, Join, Pick};
+use super::join::RowRef;
+use super::number::{plain, seconds};
+use super::table::Table;
+use super::turn::{Form, quaternion};
+use crate::error::{Error, Result};
+use crate::files::csv_text;
+use crate::headings::{Quantity, Unit};
+use crate::model::near::Reach;
+
+/// Decimals of angles and lengths: 2e-9 rad and 10 nm, finer than any encoder
+/// or tracker.
+const ANGLE: usize = 7;
+const LENGTH: usize = 5;
+const OTHER: usize = 9;
+/// Rows whose joints agree within this, in degrees or mm, are one pose, as for
+/// the reader of measurements.csv.
+const SAME: f64 = 0.01;
+
+/// What became of the tables.
+pub(super) struct Converted {
+    pub csv: String,
+    pub rows: usize,
+    pub poses: usize,
+    /// Lines left out because cells are missing.
+    pub incomplete: Vec<usize>,
+}
+
+/// One column of measurements.csv.
+struct Output<'a> {
+    name: String,
+    pick: &'a Pick,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// A number that must be there.
+    Needed,
+    /// A number, or nothing.
+    Optional,
+    Label,
+    Time,
+}
+
+/// Converts all rows.
+///
+/// # Errors
+/// Names file, line and column of what is missing or no number.
+pub(super) fn convert(
+    tables: &[Table],
+    config: &Config,
+    rows: &[RowRef],
+    skip_incomplete: bool,
+) -> Result<Converted> {
+    let outputs = outputs(config);
+    let form = form(&config.columns);
+    let stacked = config.join == Join::Stack && !config.columns.contains_key("series");
+    let mut header: Vec<String> = outputs.iter().map(|o| o.name.clone()).collect();
+    header.extend(stacked.then(|| "series".to_owned()));
+    header.extend(
+        form.iter().flat_map(|_| Form::Quaternion.columns().iter().map(|c| (*c).to_owned())),
+    );
+    let start = start(tables, config, rows);
+    let (mut lines, mut joints, mut incomplete) = (Vec::new(), Vec::new(), Vec::new());
+    for row in rows {
+        let reader = Reader { tables, row, start };
+        let cells = outputs.iter().map(|o| reader.cell(o)).collect::<Result<Vec<String>>>();
+        let cells = match cells {
+            Err(_) if skip_incomplete && outputs.iter().any(|o| reader.missing(o)) => {
+                incomplete.push(reader.line(outputs[0].pick));
+                continue;
+            }
+            other => other?,
+        };
+        let mut cells = cells;
+        cells.extend(stacked.then(|| stem(&tables[row.stacked.unwrap_or(0)])));
+        if let Some(form) = form {
+            cells.extend(reader.orientation(form, &config.columns)?);
+        }
+        let count = config.joints().len();
+        joints.push(cells[..count].iter().filter_map(|c| c.parse().ok()).collect::<Vec<f64>>());
+        lines.push(cells);
+    }
+    let count = lines.len();
+    let reach = Reach::uniform(config.joints().len(), SAME);
+    let poses = reach.number(joints.iter().map(Vec::as_slice)).1;
+    let csv = csv_text(header.iter().map(String::as_str), lines);
+    Ok(Converted { csv, rows: count, poses, incomplete })
+}
+
+fn stem(table: &Table) -> String {
+    table.path.file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned())
+}
+
+/// The columns in their order, orientation apart.
+fn outputs(config: &Config) -> Vec<Output<'_>> {
+    let output = |(to, pick): (&String, &'_ Pick)| {
+        let (name, kind) = match to.as_str() {
+            "x" | "y" | "z" => (format!("{to}_mm"), Kind::Needed),
+            "station" | "marker" | "series" => (to.clone(), Kind::Label),
+            "order" => (to.clone(), Kind::Optional),
+            "time" => ("time_s".to_owned(), Kind::Time),
+            "temperature" => ("temperature_c".to_owned(), Kind::Optional),
+            "payload" => ("payload_kg".to_owned(), Kind::Optional),
+            "sigma" => ("sigma_mm".to_owned(), Kind::Optional),
+            _ if to.starts_with("dir") => (to.clone(), Kind::Optional),
+            _ => {
+                let length = pick.unit.quantity() == Quantity::Length;
+                (format!("{to}_{}", if length { "mm" } else { "deg" }), Kind::Needed)
+            }
+        };
+        (name, kind)
+    };
+    let orientation = |to: &str| Form::ALL.iter().any(|form| form.columns().contains(&to));
+    let columns = config.ordered().into_iter().filter(|(to, _)| !orientation(to));
+    columns
+        .map(|(to, pick)| {
+            let (name, kind) = output((to, pick));
+            Output { name, pick, kind }
+        })
+        .collect()
+}
+
+/// The form whose columns are all there.
+fn form(columns: &BTreeMap<String, Pick>) -> Option<Form> {
+    Form::ALL.into_iter().find(|f| f.columns().iter().all(|c| columns.contains_key(*c)))
+}
+
+/// The first time, if times are dates: seconds then count from it.
+fn start(tables: &[Table], config: &Config, rows: &[RowRef]) -> f64 {
+    let Some(pick) = config.columns.get("time") else { return 0.0 };
+    let times: Vec<f64> =
+        rows.iter().filter_map(|row| Reader { tables, row, start: 0.0 }.time(pick)).collect();
+    let text = rows.first().is_some_and(|row| {
+        let (file, at) = row.at(pick.file);
+        tables[file].number(at, pick.column).is_none()
+    });
+    let least = times.iter().copied().fold(f64::INFINITY, f64::min);
+    // More seconds than a session has: a date.
+    if least.is_finite() && (text || least > 1e8) { least } else { 0.0 }
+}
+
+/// One row being read.
+struct Reader<'a> {
+    tables: &'a [Table],
+    row: &'a RowRef,
+    start: f64,
+}
+
+impl Reader<'_> {
+    fn text(&self, pick: &Pick) -> &str {
+        let (file, at) = self.row.at(pick.file);
+        self.tables[file].text(at, pick.column)
+    }
+
+    fn line(&self, pick: &Pick) -> usize {
+        let (file, at) = self.row.at(pick.file);
+        self.tables[file].rows[at].number
+    }
+
+    fn fail(&self, pick: &Pick, message: String, help: &str) -> Error {
+        let (file, at) = self.row.at(pick.file);
+        self.tables[file].fail(at, pick.column, message, help)
+    }
+
+    fn missing(&self, output: &Output) -> bool {
+        let number = || {
+            let (file, at) = self.row.at(output.pick.file);
+            self.tables[file].number(at, output.pick.column)
+        };
+        output.kind == Kind::Needed && number().is_none()
+    }
+
+    /// In the unit of the files; `None` of an empty cell.
+    fn number(&self, pick: &Pick) -> Result<Option<f64>> {
+        let (file, at) = self.row.at(pick.file);
+        let table = &self.tables[file];
+        match table.number(at, pick.column) {
+            Some(value) => Ok(Some(pick.unit.to_file(value))),
+            None if self.text(pick).is_empty() => Ok(None),
+            None => {
+                let message = format!("\"{}\" is not a number", self.text(pick));
+                let help = "mend or delete the row; --skip-incomplete leaves such rows out; --decimal point \
+                            or comma says how numbers are written";
+                Err(self.fail(pick, message, help))
+            }
+        }
+    }
+
+    fn time(&self, pick: &Pick) -> Option<f64> {
+        let (file, at) = self.row.at(pick.file);
+        let number = self.tables[file].number(at, pick.column).map(|v| pick.unit.to_file(v));
+        number.or_else(|| seconds(self.text(pick)))
+    }
+
+    fn cell(&self, output: &Output) -> Result<String> {
+        let pick = output.pick;
+        if output.kind == Kind::Label {
+            return Ok(self.text(pick).to_owned());
+        }
+        if output.kind == Kind::Time {
+            let time = self.time(pick);
+            if time.is_none() && !self.text(pick).is_empty() {
+                let message = format!("\"{}\" is no time", self.text(pick));
+                return Err(self.fail(
+                    pick,
+                    message,
+                    "give seconds, 12:03:55 or 2021-03-05 12:03:55",
+                ));
+            }
+            return Ok(time.map_or(String::new(), |t| plain(t - self.start, 6)));
+        }
+        let decimals = match pick.unit.quantity() {
+            Quantity::Angle => ANGLE,
+            Quantity::Length => LENGTH,
+            _ => OTHER,
+        };
+        match self.number(pick)? {
+            Some(value) => Ok(plain(value, decimals)),
+            None if output.kind == Kind::Optional => Ok(String::new()),
+            None => {
+                let help = "fill it in or delete the row; --skip-incomplete leaves such rows out";
+                Err(self.fail(pick, "empty cell".to_owned(), help))
+            }
+        }
+    }
+
+    /// Quaternion x, y, z, w; empty where any part is.
+    fn orientation(&self, form: Form, columns: &BTreeMap<String, Pick>) -> Result<Vec<String>> {
+        let picks: Vec<&Pick> = form.columns().iter().filter_map(|c| columns.get(*c)).collect();
+        let values = picks.iter().map(|pick| self.number(pick)).collect::<Result<Vec<_>>>()?;
+        let Some(values) = values.into_iter().collect::<Option<Vec<f64>>>() else {
+            return Ok(vec![String::new(); 4]);
+        };
+        let scale = |(value, pick): (f64, &&Pick)| {
+            if pick.unit.quantity() == Quantity::Angle { value.to_radians() } else { value }
+        };
+        let values: Vec<f64> = values.into_iter().zip(&picks).map(scale).collect();
+        match form.rotation(&values) {
+            Some(rotation) => Ok(quaternion(&rotation).iter().map(|v| plain(*v, OTHER)).collect()),
+            None => {
+                let help = "a quaternion has length 1, a rotation matrix orthogonal rows of length 1; \
+                            --orientation none leaves it out";
+                Err(self.fail(picks[0], format!("{values:?} is no orientation"), help))
+            }
+        }
+    }
+}
+
+/// The unit of labels and plain numbers in a report.
+pub(super) fn unit_word(unit: Unit) -> Option<&'static str> {
+    (unit != Unit::Plain).then(|| unit.word())
+}

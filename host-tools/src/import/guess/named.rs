@@ -1,0 +1,214 @@
+//! Joints and point by the names of the columns.
+
+use std::collections::BTreeMap;
+
+use super::clues::{Clues, Found, Place};
+use crate::error::{Error, Result};
+use crate::headings::{Named, Role};
+use crate::import::table::Table;
+
+/// Columns that share a family of names.
+pub(super) struct Group {
+    pub file: usize,
+    family: String,
+    pub preference: i32,
+    /// By the number in the role.
+    pub columns: BTreeMap<usize, usize>,
+}
+
+/// Groups of numeric columns whose role has a number by `of`.
+pub(super) fn groups(clues: &Clues, of: impl Fn(Role) -> Option<usize>) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (file, table) in clues.tables.iter().enumerate() {
+        for (column, heading) in table.headings.iter().enumerate() {
+            let Some(named) = Named::of(heading) else { continue };
+            let Some(number) = of(named.role).filter(|_| table.numeric(column)) else { continue };
+            let unit = heading.unit.map_or("", |u| u.word());
+            let family = format!("{} {unit}", named.family);
+            let known = groups.iter_mut().find(|g| g.file == file && g.family == family);
+            match known {
+                Some(group) => drop(group.columns.entry(number).or_insert(column)),
+                None => groups.push(Group {
+                    file,
+                    family,
+                    preference: named.preference,
+                    columns: BTreeMap::from([(number, column)]),
+                }),
+            }
+        }
+    }
+    // Joints that slide have another unit than those that turn.
+    merged(groups)
+}
+
+/// Groups that differ in their unit only and share no number are one.
+fn merged(groups: Vec<Group>) -> Vec<Group> {
+    let mut out: Vec<Group> = Vec::new();
+    for group in groups {
+        let stem =
+            |g: &Group| g.family.rsplit_once(' ').map_or(String::new(), |(s, _)| s.to_owned());
+        let like = |o: &&mut Group| {
+            o.file == group.file
+                && stem(o) == stem(&group)
+                && o.columns.keys().all(|k| !group.columns.contains_key(k))
+        };
+        match out.iter_mut().find(like) {
+            Some(known) => known.columns.extend(group.columns),
+            None => out.push(group),
+        }
+    }
+    out
+}
+
+impl Group {
+    /// Its numbers follow each other from 0 or 1.
+    fn contiguous(&self) -> bool {
+        let first = self.columns.keys().next().copied().unwrap_or(9);
+        first <= 1 && self.columns.keys().enumerate().all(|(i, k)| *k == first + i)
+    }
+
+    /// `q0..q3` beside other joints are a quaternion.
+    fn euler_parameters(&self) -> bool {
+        self.family.trim() == "q" && self.columns.keys().copied().eq(0..4)
+    }
+
+    pub fn places(&self, clues: &Clues) -> Vec<Place> {
+        let table = &clues.tables[self.file];
+        let place = |column: &usize| Place {
+            file: self.file,
+            column: *column,
+            because: format!("it is called \"{}\"", table.headings[*column].text),
+        };
+        self.columns.values().map(place).collect()
+    }
+
+    fn list(&self, clues: &Clues) -> String {
+        let table = &clues.tables[self.file];
+        let names: Vec<&str> =
+            self.columns.values().map(|c| table.headings[*c].text.as_str()).collect();
+        names.join(", ")
+    }
+}
+
+fn joint(role: Role) -> Option<usize> {
+    if let Role::Joint(number) = role { Some(number) } else { None }
+}
+
+fn axis(role: Role) -> Option<usize> {
+    if let Role::Axis(axis) = role { Some(axis) } else { None }
+}
+
+/// Groups that can be the arm's joints.
+fn joint_groups(clues: &Clues) -> Vec<Group> {
+    let mut all: Vec<Group> = groups(clues, joint).into_iter().filter(Group::contiguous).collect();
+    let n = clues.robot.map(|r| r.joints.len());
+    all.retain(|g| n.map_or(g.columns.len() >= 2, |n| g.columns.len() == n));
+    if all.iter().any(|g| !g.euler_parameters()) {
+        all.retain(|g| !g.euler_parameters());
+    }
+    all
+}
+
+fn point_groups(clues: &Clues) -> Vec<Group> {
+    groups(clues, axis).into_iter().filter(|g| g.columns.len() == 3).collect()
+}
+
+/// Whether every file has joints and a point by name.
+pub(super) fn all_complete(clues: &Clues) -> bool {
+    let files = |groups: &[Group]| {
+        (0..clues.tables.len())
+            .all(|file| groups.iter().any(|g| g.file == file && g.preference >= -1))
+    };
+    files(&joint_groups(clues)) && files(&point_groups(clues))
+}
+
+/// The one most likely what was measured; `None` without any.
+fn best<'a>(
+    clues: &Clues,
+    groups: &'a [Group],
+    what: &str,
+    flag: &str,
+) -> Result<Option<&'a Group>> {
+    let most = groups.iter().map(|g| g.preference).max().unwrap_or(0);
+    let mut likely = groups.iter().filter(|g| g.preference == most);
+    let Some(first) = likely.next() else { return Ok(None) };
+    // The same in another unit, or in another file of the same kind.
+    let stem = |g: &Group| g.family.rsplit_once(' ').map(|(s, _)| s.to_owned());
+    let other = likely.find(|g| stem(g) != stem(first));
+    if let Some(other) = other.filter(|o| o.file == first.file || clues.tables.len() == 1) {
+        return Err(Error::usage(
+            format!("which columns are {what}: {}; or {}?", first.list(clues), other.list(clues)),
+            format!("say it with {flag}"),
+        ));
+    }
+    if first.preference <= -8 {
+        return Err(Error::usage(
+            format!(
+                "{} are not what was measured, and nothing else looks like {what}",
+                first.list(clues)
+            ),
+            format!("name the measured columns with {flag}, these if they are meant"),
+        ));
+    }
+    Ok(Some(first))
+}
+
+/// Flags that name the joints and the point.
+const JOINTS_FLAG: &str = "--columns q1=HEADING,q2=HEADING,... (or numbers of columns, q=1-6)";
+const POINT_FLAG: &str = "--columns x=HEADING,y=HEADING,z=HEADING (or numbers of columns, xyz=7-9)";
+
+/// By name, or as given; `None` where the arrangement must tell.
+///
+/// # Errors
+/// Names that fit twice, and names that do not suffice in a table that has some.
+pub(super) fn joints_and_point(
+    clues: &Clues,
+    given: &BTreeMap<String, Place>,
+) -> Result<Option<Found>> {
+    let asked: Vec<Place> = (1..).map_while(|j| given.get(&format!("q{j}")).cloned()).collect();
+    let asked_point: Vec<Place> =
+        ["x", "y", "z"].iter().filter_map(|a| given.get(*a).cloned()).collect();
+    let (all_joints, all_points) = (joint_groups(clues), point_groups(clues));
+    let joints = match asked.is_empty() {
+        false => Some(asked),
+        true => best(clues, &all_joints, "the joints", JOINTS_FLAG)?.map(|g| g.places(clues)),
+    };
+    let point = match asked_point.len() {
+        3 => Some(asked_point),
+        _ => best(clues, &all_points, "the measured point", POINT_FLAG)?.map(|g| g.places(clues)),
+    };
+    if let (Some(robot), Some(joints)) = (clues.robot, &joints) {
+        let (n, found) = (robot.joints.len(), joints.len());
+        if n != found {
+            let message = format!("{found} joints, but {} has {n}", robot.path.display());
+            return Err(Error::usage(message, format!("name them all: {JOINTS_FLAG}")));
+        }
+    }
+    match (joints, point) {
+        (Some(joints), Some(point)) => Ok(Some(Found { joints, point })),
+        (None, None) => Ok(None),
+        (joints, _) => {
+            let (what, flag) = if joints.is_none() {
+                ("joints", JOINTS_FLAG)
+            } else {
+                ("measured point", POINT_FLAG)
+            };
+            let numbers = groups(clues, joint).iter().map(|g| g.columns.len()).max();
+            let lists: Vec<String> = clues.tables.iter().map(Table::list).collect();
+            let more = match (numbers, clues.robot, what) {
+                (Some(count), Some(robot), "joints") => {
+                    format!(
+                        " ({count} columns look like joints, {} has {})",
+                        robot.path.display(),
+                        robot.joints.len()
+                    )
+                }
+                _ => String::new(),
+            };
+            Err(Error::usage(
+                format!("no {what} found among {}{more}", lists.join("; ")),
+                format!("name them: {flag}"),
+            ))
+        }
+    }
+}
