@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn forms_agree() {
         for (roll, pitch, yaw) in
-            [(0.3, -0.4, 2.9), (-3.0, 1.2, 0.1), (0.0, 0.0, 3.14159), (1.0, 1.5, -2.0)]
+            [(0.3, -0.4, 2.9), (-3.0, 1.2, 0.1), (0.0, 0.0, 3.1), (1.0, 1.5, -2.0)]
         {
             let turn = Rotation3::from_euler_angles(roll, pitch, yaw);
             let q = UnitQuaternion::from_rotation_matrix(&turn);
