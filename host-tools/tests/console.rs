@@ -111,7 +111,7 @@ fn a_device_is_written_to_and_not_replaced() {
     // A link stays one.
     std::os::unix::fs::symlink("target.bin", folder.path().join("link.bin")).unwrap();
     fs::write(folder.path().join("target.bin"), "old").unwrap();
-    truearm(&folder, "pack model.toml --out link.bin", Stdio::null(), Stdio::null());
+    truearm(&folder, "pack model.toml --out link.bin --force", Stdio::null(), Stdio::null());
     assert!(folder.path().join("link.bin").is_symlink());
     let [written, packed] =
         ["target.bin", "a.bin"].map(|n| fs::read(folder.path().join(n)).unwrap());

@@ -63,7 +63,7 @@ fn the_format_is_in_the_name() {
         ("p", "bin"),
     ];
     for (name, format) in format {
-        for line in [format!("--out {name}"), format!("--out explicit --format {format}")] {
+        for line in [format!("--out {name}"), format!("--force --out explicit --format {format}")] {
             let line = format!("truearm pack model.toml --slot a {line}");
             assert_eq!(run(&folder, &line).0, 0, "{line}");
         }
@@ -149,4 +149,64 @@ fn files_that_cannot_judge() {
     );
     let (status, _, said) = run(&folder, "truearm verify model.toml seen.csv");
     assert_eq!(status, 0, "robot and tracker in one place: {said}");
+}
+
+/// Another robot's model and what others wrote stay, unless they are meant.
+#[test]
+fn what_is_not_ours_stays() {
+    let folder = folder();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    let identify = "truearm identify robot.toml measurements.csv --out .";
+    assert_eq!(run(&folder, identify).0, 0, "the same again");
+    assert_eq!(run(&folder, "truearm pack model.toml --out p.bin").0, 0);
+    let robot = String::from_utf8(read("robot.toml")).unwrap();
+    write("other.toml", &robot.replace("name = \"", "name = \"other "));
+    let other = "truearm identify other.toml measurements.csv --out";
+    assert_eq!(run(&folder, &format!("{other} other")).0, 0);
+    write("mine.bin", "mine");
+    for (line, file, says) in [
+        (format!("{other} ."), "model.toml", "model.toml is of another robot: 6R"),
+        (
+            "truearm pack other/model.toml --out p.bin".to_owned(),
+            "p.bin",
+            "of another robot: with the id",
+        ),
+        (
+            "truearm pack model.toml --out mine.bin".to_owned(),
+            "mine.bin",
+            "not of truearm's making",
+        ),
+        (
+            "truearm unpack p.bin --out robot.toml".to_owned(),
+            "robot.toml",
+            "not of truearm's making",
+        ),
+    ] {
+        let before = read(file);
+        let (status, _, said) = run(&folder, &line);
+        assert!(status == 2 && said.contains(says) && said.contains("--force"), "{line}: {said}");
+        assert!(read(file) == before, "{line} wrote over {file}");
+        assert_eq!(run(&folder, &format!("{line} --force")).0, 0, "{line}");
+        assert!(read(file) != before, "{line} --force did not write {file}");
+    }
+    write("report.json", "{}");
+    let (status, _, said) = run(&folder, "truearm identify other.toml measurements.csv --out .");
+    assert!(status == 2 && said.contains("report.json is there"), "{said}");
+}
+
+#[test]
+fn quiet_and_verbose() {
+    let folder = folder();
+    let line = "truearm identify robot.toml measurements.csv";
+    let (status, out, err) = run(&folder, line);
+    assert!(status == 0 && !out.is_empty() && !err.contains("truearm 0"), "{err}");
+    let (status, out, err) = run(&folder, &format!("{line} --quiet"));
+    assert_eq!((status, out.as_str(), err.as_str()), (0, "", ""));
+    let (_, out, _) = run(&folder, &format!("{line} -q --json"));
+    assert!(out.starts_with('{'), "{out}");
+    let (_, _, err) = run(&folder, &format!("{line} -v"));
+    assert!(err.contains(concat!("truearm ", env!("CARGO_PKG_VERSION"), ": ")), "{err}");
+    let (status, _, err) = run(&folder, "truearm -q identify none.toml measurements.csv");
+    assert!(status == 1 && err.contains("none.toml"), "{err}");
 }

@@ -6,6 +6,8 @@
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use truearm_host::{Error, Kind, Result};
@@ -18,6 +20,24 @@ Exit status:
   2  wrong usage
   3  found wrong: verify, an error beyond the tolerance
   4  cannot be decided: verify, the tolerance is within the uncertainty";
+
+/// Whether nothing is said but errors: set once, before the verb runs.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// As the command line asks.
+pub fn set_quiet(quiet: bool) {
+    QUIET.store(quiet, Ordering::Relaxed);
+}
+
+fn quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Version and time, for who asked.
+pub fn took(time: Duration) {
+    let version = env!("CARGO_PKG_VERSION");
+    let _ = writeln!(io::stderr(), "truearm {version}: {:.2} s", time.as_secs_f64());
+}
 
 /// How a verb ended.
 pub enum End {
@@ -48,6 +68,9 @@ impl From<String> for Said {
 /// Remarks go to standard error, so that `--json` stays clean. Nobody need
 /// read them.
 pub fn warn(warnings: &[String]) {
+    if quiet() {
+        return;
+    }
     for warning in warnings {
         let _ = writeln!(io::stderr(), "warning: {warning}");
     }
@@ -56,6 +79,10 @@ pub fn warn(warnings: &[String]) {
 /// Prints what there is to say; the exit status.
 pub fn finish(done: Result<Said>) -> ExitCode {
     let end = done.and_then(|said| {
+        // JSON was asked for, and is no talk.
+        if quiet() && !said.text.starts_with('{') {
+            return Ok(said.end);
+        }
         let mut out = io::stdout().lock();
         printed(out.write_all(said.text.as_bytes()).and_then(|()| out.flush()))?;
         Ok(said.end)

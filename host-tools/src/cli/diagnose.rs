@@ -24,6 +24,9 @@ pub struct Diagnose {
     /// Write model.toml, report.json and residuals.csv into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write over files that truearm did not write, or of another robot
+    #[arg(long)]
+    force: bool,
     /// Print report.json instead of the summary
     #[arg(long)]
     json: bool,
@@ -61,7 +64,7 @@ impl Diagnose {
             &report,
             || words::diagnosis(&report.outcome),
             self.json,
-            self.out.as_deref(),
+            (self.out.as_deref(), self.force),
             &found.model,
             || residuals(&data, &found.rows),
         )

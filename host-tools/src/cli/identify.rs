@@ -29,6 +29,9 @@ pub struct Identify {
     /// Write model.toml, report.json and residuals.csv into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write over files that truearm did not write, or of another robot
+    #[arg(long)]
+    force: bool,
     /// Print report.json instead of the table
     #[arg(long)]
     json: bool,
@@ -73,7 +76,7 @@ impl Identify {
             &report,
             || words::identification(&report),
             self.json,
-            self.out.as_deref(),
+            (self.out.as_deref(), self.force),
             &found.model,
             || residuals(&data, &found.rows),
         )

@@ -10,6 +10,7 @@ mod identify;
 mod import;
 mod inspect;
 mod man;
+mod own;
 mod pack;
 mod plan;
 mod progress;
@@ -20,6 +21,7 @@ mod workspace;
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Instant;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use truearm::blob::{AcceptanceError, Blob};
@@ -37,6 +39,12 @@ use console::{End, Said, warn};
 struct Cli {
     #[command(subcommand)]
     verb: Verb,
+    /// Say nothing but errors, and JSON where it is asked for
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// Say on standard error how long it took, and with which version
+    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    verbose: bool,
 }
 
 #[derive(Subcommand)]
@@ -59,7 +67,15 @@ enum Verb {
 /// Runs the verb of the command line; the exit status.
 pub fn run() -> ExitCode {
     match Cli::try_parse() {
-        Ok(cli) => console::finish(cli.run()),
+        Ok(cli) => {
+            let (start, verbose) = (Instant::now(), cli.verbose);
+            console::set_quiet(cli.quiet);
+            let status = console::finish(cli.run());
+            if verbose {
+                console::took(start.elapsed());
+            }
+            status
+        }
         Err(error) => console::usage(&error),
     }
 }
@@ -102,13 +118,14 @@ fn deliver(
     report: &impl serde::Serialize,
     words: impl FnOnce() -> String,
     as_json: bool,
-    folder: Option<&Path>,
+    (folder, force): (Option<&Path>, bool),
     model: &Model,
     residuals: impl FnOnce() -> String,
 ) -> Result<Said> {
     let json = to_json(report);
     let mut wrote = String::new();
     if let Some(folder) = folder {
+        own::in_folder(folder, model, force)?;
         write(&folder.join("model.toml"), model.to_toml().as_bytes())?;
         write(&folder.join("report.json"), json.as_bytes())?;
         write(&folder.join("residuals.csv"), residuals().as_bytes())?;

@@ -8,7 +8,7 @@ use truearm_host::files::{read_key, write};
 use truearm_host::model::Model;
 use truearm_host::{Error, Kind, Result};
 
-use super::{Said, refused};
+use super::{Said, own, refused};
 
 /// Pack a model into a parameter blob for the controller.
 #[derive(Args)]
@@ -42,6 +42,9 @@ pub struct Pack {
     /// With an authentication tag under this key: 32 bytes or 64 hexadecimal digits
     #[arg(long, value_name = "FILE")]
     key: Option<PathBuf>,
+    /// Write over files that truearm did not write, or of another robot
+    #[arg(long)]
+    force: bool,
 }
 
 /// File formats.
@@ -95,13 +98,21 @@ impl Pack {
         let options = PackOptions { sequence: self.sequence, covariance: self.covariance, key };
         let bytes = pack_with(&model, &options)?;
         let slot = self.region(bytes.len())?;
-        write(&self.out, &self.encoded(&bytes, slot.as_ref())?)?;
+        let encoded = self.encoded(&bytes, slot.as_ref())?;
+        if self.format() == Format::Bin {
+            own::blob_file(&self.out, &model, self.force)?;
+        }
+        write(&self.out, &encoded)?;
         let mut text =
             format!("wrote {}: {} bytes of parameters\n", self.out.display(), bytes.len());
         if let Some(MemoryRegion { name, origin, length }) = &slot {
             text += &format!("slot {name} at {origin:#010x}, {length} bytes\n");
         }
         Ok((text + &report(&model)).into())
+    }
+
+    fn format(&self) -> Format {
+        self.format.unwrap_or_else(|| Format::of_name(&self.out))
     }
 
     /// Where the blob goes, if that was asked for.
@@ -132,7 +143,7 @@ impl Pack {
                 "say for which slot with --slot a or --slot b",
             )
         });
-        Ok(match self.format.unwrap_or_else(|| Format::of_name(&self.out)) {
+        Ok(match self.format() {
             Format::Bin => bytes.to_vec(),
             Format::C => image::c(bytes, &blob).into_bytes(),
             Format::Rust => image::rust(bytes, &blob).into_bytes(),

@@ -5,7 +5,7 @@ use truearm_host::Result;
 use truearm_host::blob::{Name, not_carried, unpack};
 use truearm_host::files::write;
 
-use super::{Said, read_blob};
+use super::{Said, own, read_blob};
 
 /// Make a model.toml of a parameter blob; packing it gives the same bytes.
 #[derive(Args)]
@@ -21,6 +21,9 @@ pub struct Unpack {
     /// Its serial number
     #[arg(long, requires = "name", default_value = "")]
     serial: String,
+    /// Write over files that truearm did not write, or of another robot
+    #[arg(long)]
+    force: bool,
 }
 
 impl Unpack {
@@ -28,6 +31,7 @@ impl Unpack {
         let bytes = read_blob(&self.blob)?;
         let name = self.name.map(|name| Name { name, serial: self.serial });
         let model = unpack(&bytes, &self.blob, name)?;
+        own::model_file(&self.out, &model, self.force)?;
         write(&self.out, model.to_toml().as_bytes())?;
         let mut text = format!("wrote {}\n", self.out.display());
         text += "a blob does not carry, and the file therefore lacks:\n";
