@@ -210,20 +210,20 @@ fn unpack_then_pack_gives_the_same_bytes() {
     blobs.push((std::fs::read(data("golden/layout-3-covariance.blob")).unwrap(), "--covariance"));
     for (k, (blob, more)) in blobs.iter().enumerate() {
         std::fs::write(folder.path().join("a.bin"), blob).unwrap();
-        let said = run(&folder, "unpack a.bin --out back.toml");
+        let said = run(&folder, "unpack a.bin --out back.toml --force");
         assert!(said.contains("name and serial of the robot"), "{said}");
         assert!(said.contains("tracker stations"), "{said}");
         assert_eq!(said.contains("the key of the authentication tag"), more.contains("--key"));
-        run(&folder, &format!("pack back.toml --out b.bin {more}"));
+        run(&folder, &format!("pack back.toml --out b.bin --force {more}"));
         let again = std::fs::read(folder.path().join("b.bin")).unwrap();
         assert!(again == *blob, "blob {k}");
     }
     // With its name the model needs no id, and is that of identify again.
     std::fs::write(folder.path().join("a.bin"), &blobs[0].0).unwrap();
-    let said = run(&folder, "unpack a.bin --out back.toml --name arm --serial 0042");
+    let said = run(&folder, "unpack a.bin --out back.toml --name arm --serial 0042 --force");
     assert!(!said.contains("name and serial of the robot"), "{said}");
     assert!(Model::read(&folder.path().join("back.toml")).unwrap().robot_id.is_none());
-    run(&folder, "pack back.toml --out b.bin");
+    run(&folder, "pack back.toml --out b.bin --force");
     assert_eq!(std::fs::read(folder.path().join("b.bin")).unwrap(), blobs[0].0);
     let message = fail(&folder, "unpack a.bin --out back.toml --name somebody");
     assert!(message.contains("is not that of \"somebody\" \"\""), "{message}");

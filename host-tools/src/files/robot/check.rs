@@ -2,6 +2,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
+use super::sense::Sense;
 use crate::error::Result;
 use crate::files::source::Source;
 use crate::units::from_mm;
@@ -10,6 +11,8 @@ use crate::units::from_mm;
 pub(super) struct Checker<'a> {
     pub source: Source<'a>,
     pub warnings: Vec<String>,
+    /// What values may be.
+    pub sense: &'static Sense,
 }
 
 impl Checker<'_> {

@@ -5,6 +5,8 @@ use toml::Spanned;
 
 #[derive(Deserialize)]
 pub(super) struct RobotFile {
+    /// A model.toml names its schema.
+    pub schema: Option<String>,
     pub name: Option<String>,
     pub serial: Option<String>,
     pub measurement_sigma_mm: Option<Spanned<f64>>,

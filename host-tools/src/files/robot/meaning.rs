@@ -10,12 +10,6 @@ use crate::error::Result;
 use crate::model::{Joint, LinkMass};
 use crate::units::point_from_mm;
 
-/// Gravity anywhere on Earth is between 9.76 and 9.84 m/s^2.
-const GRAVITY: std::ops::RangeInclusive<f64> = 9.7..=9.9;
-/// Degrees Celsius beyond which nobody measures an arm.
-const TEMPERATURE: std::ops::RangeInclusive<f64> = -60.0..=120.0;
-/// Heavier than any link of any arm, kg.
-const HEAVIEST: f64 = 5_000.0;
 /// Limits in radians are within a turn and a bit.
 const TURN: f64 = 6.4;
 
@@ -32,7 +26,7 @@ impl Checker<'_> {
 
     pub fn link(&self, link: &LinkFile) -> Result<LinkMass> {
         let mass = *link.mass_kg.get_ref();
-        if !(mass > 0.0 && mass <= HEAVIEST) {
+        if !self.sense.mass.contains(&mass) {
             let help =
                 "give the mass of the link in kg, or leave [[links]] out if masses are unknown";
             return Err(self.source.at(link.mass_kg.span(), format!("mass_kg = {mass}"), help));
@@ -54,7 +48,7 @@ impl Checker<'_> {
     pub fn gravity(&self, gravity: &Spanned<[f64; 3]>) -> Result<Vector3<f64>> {
         let g = Vector3::from(*gravity.get_ref());
         self.finite(gravity.span(), "gravity_m_s2", gravity.get_ref())?;
-        if GRAVITY.contains(&g.norm()) {
+        if self.sense.gravity.contains(&g.norm()) {
             return Ok(g);
         }
         let message = format!("gravity_m_s2 of {:.3} m/s^2", g.norm());
@@ -66,7 +60,7 @@ impl Checker<'_> {
     /// Degrees Celsius.
     pub fn temperature(&self, temperature: &Spanned<f64>) -> Result<f64> {
         let value = *temperature.get_ref();
-        if TEMPERATURE.contains(&value) {
+        if self.sense.temperature.contains(&value) {
             return Ok(value);
         }
         let help = if (200.0..400.0).contains(&value) {
@@ -85,7 +79,7 @@ impl Checker<'_> {
         let small = limits.iter().all(|l| l.get_ref().iter().all(|x| x.abs() <= TURN));
         let moves = limits.iter().find(|l| l.get_ref()[0] < l.get_ref()[1]);
         match moves {
-            Some(first) if limits.len() > 1 && small => {
+            Some(first) if self.sense.limits && limits.len() > 1 && small => {
                 let [low, high] = *first.get_ref();
                 let message =
                     format!("limits_deg = [{low}, {high}]: the limits of all joints are radians");

@@ -1,6 +1,7 @@
 mod check;
 mod keys;
 mod meaning;
+mod sense;
 
 use std::path::Path;
 
@@ -13,6 +14,7 @@ use crate::model::{Joint, LinkMass, Placement, Robot};
 use crate::units::{from_mm, joint_from_file};
 use check::Checker;
 use keys::{JointFile, PlacementFile, RobotFile};
+use sense::Sense;
 
 /// What to do about a file that does not have the right keys.
 pub(super) const HELP: &str = "see the README for the keys of this file";
@@ -39,7 +41,7 @@ impl Robot {
         source.refuse_table()?;
         let mut warnings = Vec::new();
         let file: RobotFile = source.toml(HELP, &mut warnings)?;
-        let mut check = Checker { source, warnings };
+        let mut check = Checker { source, warnings, sense: Sense::of(&file) };
         check.count(file.joints.len())?;
         let sigma = check.sigma(file.measurement_sigma_mm.as_ref())?;
         let joints: Vec<Joint> =
