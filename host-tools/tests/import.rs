@@ -130,6 +130,30 @@ fn one_table_in_many_shapes() {
     }
 }
 
+/// A measurements.csv is a table like any other: 1,495 rows of a UR10, with the
+/// points it was sent to beside those that were measured.
+#[test]
+fn our_own_tables() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/ur10-ipa");
+    let arm = Robot::read(&folder.join("robot.toml")).unwrap();
+    let path = folder.join("series-b/measurements.csv");
+    let found =
+        import(std::slice::from_ref(&path), Some(&arm), None, &ImportOptions::default()).unwrap();
+    let (ours, plain) = (
+        Measurements::parse(Path::new("m.csv"), &found.csv, &arm).unwrap(),
+        Measurements::read(&path, &arm).unwrap(),
+    );
+    assert_eq!(ours.poses, plain.poses);
+    for (row, expected) in ours.rows.iter().zip(&plain.rows) {
+        assert_eq!(
+            (&row.q, row.measured, row.station),
+            (&expected.q, expected.measured, expected.station)
+        );
+        assert_eq!((row.temperature, row.order), (expected.temperature, expected.order));
+    }
+    assert_eq!(found.left_out, ["goal_x_mm", "goal_y_mm", "goal_z_mm"]);
+}
+
 /// A tracker's export in the shape of Leica's and SpatialAnalyzer's, and the
 /// joints of the controller: other order, other labels.
 fn controller_and_tracker() -> Files {

@@ -81,8 +81,10 @@ const MEASURED: [&str; 12] = [
     "act", "actual", "meas", "measured", "ist", "tracker", "leica", "lt", "laser", "smr", "faro",
     "gemessen",
 ];
-const OTHER: [&str; 29] = [
+const OTHER: [&str; 31] = [
     "cmd",
+    "goal",
+    "planned",
     "command",
     "commanded",
     "nominal",
@@ -283,6 +285,7 @@ mod tests {
         }
         let preference = |text: &str| Named::of(&Heading::new(text)).map(|n| n.preference);
         assert!(preference("X nominal") < preference("X"));
+        assert!(preference("goal_x_mm") < preference("x_mm"));
         assert!(preference("X") < preference("X actual"));
     }
 }
