@@ -25,7 +25,7 @@ pub use nalgebra;
 
 pub use arm::{Arm, ArmParameters, MAX_JOINTS, State};
 pub use compensate::{Compensator, Settings, Task, Tick};
-pub use effects::{Approach, Tables};
+pub use effects::{Approach, Curves};
 pub use kinematics::{Chain, JointKind, Link, LinkParameter, MdhParameters, Pose};
 pub use position::RealPosition;
 pub use scalar::Scalar;

@@ -11,7 +11,7 @@ use truearm::blob::{
     encode_with, encoded_len, factor_len, robot_id,
 };
 use truearm::effects::{Effect, MAX_TERMS, Term};
-use truearm::{Approach, Arm, Pose, State, Tables};
+use truearm::{Approach, Arm, Curves, Pose, State};
 
 fn blob() -> Vec<u8> {
     let mut bytes = vec![0; encoded_len(3, MAX_TERMS)];
@@ -80,7 +80,7 @@ fn bad_values_are_named() {
     );
     assert_eq!(refused(joint(1), &[2]), unknown("joint 1 kind"));
     assert_eq!(refused(joint(1) + 1, &[0xff]), unknown("joint 1 presence"));
-    assert_eq!(refused(28, &[0x10]), unknown("flags"));
+    assert_eq!(refused(28, &[0x20]), unknown("flags"));
     assert_eq!(refused(31, &[1]), unknown("reserved"));
     // Without masses nothing may look like one.
     assert_eq!(refused(28, &[0]), "gravity x is outside its plausible range");
@@ -291,14 +291,6 @@ fn a_last_sequence_number_is_not_written() {
     assert!(encode(&p, &mut [0; 1024]).is_ok());
 }
 
-/// A format without room for tables must not lose them.
-#[test]
-fn tables_are_not_dropped_in_silence() {
-    let mut p = parameters();
-    p.tables = truearm::Tables::of(&[0; 512]).unwrap();
-    assert_eq!(encode(&p, &mut [0; 2048]), Err(EncodeError::Tables));
-}
-
 #[test]
 fn errors_say_their_source() {
     use std::error::Error;
@@ -435,7 +427,7 @@ fn rounding_to_binary32_moves_the_tool_by_a_tenth_of_a_micrometre() {
             base_rotation: [(); 3].map(|()| small()).into(),
             tool: nalgebra::Vector3::new(0.06, -0.025, 0.11),
             terms: heapless::Vec::new(),
-            tables: Tables::NONE,
+            curves: Curves::NONE,
             masses: None,
             limits: [None; 6],
             covered: [None; 6],

@@ -3,6 +3,8 @@
 #[path = "common/blobs.rs"]
 mod blobs;
 
+#[cfg(feature = "curves")]
+use blobs::{curved, tagged_curved};
 use blobs::{full, tagged};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -12,6 +14,19 @@ use truearm::blob::Blob;
 /// the checksum stands.
 fn structural(bit: usize) -> bool {
     bit / 8 < 12 || bit / 8 == 28
+}
+
+/// Blobs of every part that there is.
+fn blobs_of_all_parts() -> Vec<Vec<u8>> {
+    [
+        full(),
+        tagged(),
+        #[cfg(feature = "curves")]
+        curved(),
+        #[cfg(feature = "curves")]
+        tagged_curved(),
+    ]
+    .to_vec()
 }
 
 fn flip(bytes: &mut [u8], bit: usize) {
@@ -28,7 +43,7 @@ fn slots(blob: &[u8]) -> [Vec<u8>; 3] {
 
 #[test]
 fn every_single_bit_flip_is_refused() {
-    for blob in [full(), tagged()] {
+    for blob in blobs_of_all_parts() {
         for mut slot in slots(&blob) {
             for bit in 0..blob.len() * 8 {
                 flip(&mut slot, bit);
@@ -42,7 +57,7 @@ fn every_single_bit_flip_is_refused() {
 /// All pairs with a bit that moves the checksum, one by one.
 #[test]
 fn every_pair_with_a_structural_bit_is_refused() {
-    let blob = full();
+    let blob = blobs_of_all_parts().pop().unwrap_or_default();
     let bits = blob.len() * 8;
     for mut slot in slots(&blob) {
         for first in (0..bits).filter(|b| structural(*b)) {
@@ -66,7 +81,7 @@ fn every_pair_with_a_structural_bit_is_refused() {
 #[test]
 fn every_other_pair_is_refused() {
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI);
-    for mut blob in [full(), tagged()] {
+    for mut blob in blobs_of_all_parts() {
         let body = blob.len() - 4;
         let clean = crc.checksum(&blob[..body]);
         let change = |blob: &[u8]| {
@@ -102,7 +117,7 @@ fn every_other_pair_is_refused() {
 
 #[test]
 fn bursts_up_to_32_bits_are_refused() {
-    let blob = full();
+    let blob = blobs_of_all_parts().pop().unwrap_or_default();
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     for mut slot in slots(&blob) {
         for _ in 0..200_000 {

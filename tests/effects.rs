@@ -13,7 +13,7 @@ use truearm::effects::{
     ActsOn, Effect, Load, Masses, NeedsLoad, Order, Term, TermInputs, deflection,
 };
 use truearm::kinematics::Deflection;
-use truearm::{Arm, ArmParameters, Chain, JointKind, Link, MdhParameters, Pose, State, Tables};
+use truearm::{Arm, ArmParameters, Chain, Curves, JointKind, Link, MdhParameters, Pose, State};
 
 const TOOL: [f64; 3] = [0.05, -0.03, 0.12];
 
@@ -268,7 +268,7 @@ fn parameters(terms: &[Term<f64>]) -> ArmParameters<'static, f64, 6> {
         base_rotation: Vector3::new(0.0, 1e-3, 0.0),
         tool: Vector3::from(TOOL),
         terms: heapless::Vec::from_slice(terms).unwrap(),
-        tables: Tables::NONE,
+        curves: Curves::NONE,
         masses: Some(masses(&mut ChaCha8Rng::seed_from_u64(8))),
         reference_temperature: 21.0,
         limits: [None; 6],

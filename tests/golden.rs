@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::Vector3;
 use truearm::blob::{Blob, LAYOUT, encode_with, encoded_len, factor_len, robot_id};
 use truearm::effects::{Effect, MAX_TERMS, Masses, Term};
-use truearm::{ArmParameters, Link, MdhParameters, Tables};
+use truearm::{ArmParameters, Curves, Link, MdhParameters};
 
 fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/golden").join(name)
@@ -24,7 +24,8 @@ impl<const N: usize> Golden<N> {
     fn bytes(&self) -> Vec<u8> {
         let factor = self.factor.as_deref();
         let numbers = factor.map_or(0, <[f32]>::len);
-        let mut bytes = vec![0; encoded_len(N, self.parameters.terms.len()) + 4 * numbers];
+        let size = encoded_len(N, self.parameters.terms.len()) + 4 * numbers;
+        let mut bytes = vec![0; size + self.parameters.curves.as_bytes().len()];
         encode_with(&self.parameters, factor, &mut bytes).unwrap();
         bytes
     }
@@ -58,6 +59,8 @@ fn golden_blobs_mean_what_they_meant() {
     layout_3_full().holds();
     layout_3_covariance().holds();
     layout_3_stiffening().holds();
+    #[cfg(feature = "curves")]
+    layout_3_curves().holds();
 }
 
 #[test]
@@ -67,6 +70,8 @@ fn write_missing_golden_blobs() {
     layout_3_full().write_if_missing();
     layout_3_covariance().write_if_missing();
     layout_3_stiffening().write_if_missing();
+    #[cfg(feature = "curves")]
+    layout_3_curves().write_if_missing();
 }
 
 /// The example of FORMAT.md.
@@ -99,6 +104,32 @@ fn layout_3_stiffening() -> Golden<1> {
     Golden { name, layout: 3, parameters, factor: None }
 }
 
+/// Three joints with everything that format 1.2 has: two curves and a covariance.
+#[cfg(feature = "curves")]
+fn layout_3_curves() -> Golden<3> {
+    use truearm::blob::{curve_len, encode_curve};
+    let node = |k: i32| (k * k * 37 % 65_536 - 32_768) as i16;
+    let tables: [Vec<i16>; 2] = [(0..32).map(node).collect(), (32..288).map(node).collect()];
+    let mut bytes = vec![0; curve_len(32) + curve_len(256)];
+    let (first, second) = bytes.split_at_mut(curve_len(32));
+    encode_curve(0, 1.5e-8, 2e-5, &tables[0], first).unwrap();
+    encode_curve(2, 2.5e-8, 3e-5, &tables[1], second).unwrap();
+    let curves = Curves::of(bytes.leak()).unwrap();
+    let factor = Some((1..=factor_len(3, MAX_TERMS)).map(|k| k as f32 / 8192.0).collect());
+    let parameters = ArmParameters { curves, ..parameters() };
+    Golden { name: "layout-3-curves.blob", layout: 3, parameters, factor }
+}
+
+/// Never the rest without them.
+#[cfg(not(feature = "curves"))]
+#[test]
+fn a_reader_without_curves_refuses_them() {
+    let file = std::fs::read(path("layout-3-curves.blob")).unwrap();
+    let refused = Blob::check(&file).unwrap_err().to_string();
+    assert_eq!(refused, "flags has a value without a meaning in this layout");
+    assert!(Curves::of(&[0; 76]).is_err());
+}
+
 /// FORMAT.md shows these bytes.
 #[test]
 fn the_example_of_the_format_is_a_golden_blob() {
@@ -123,7 +154,7 @@ fn least() -> ArmParameters<'static, f32, 1> {
         base_rotation: Vector3::zeros(),
         tool: Vector3::new(0.1, 0.0, 0.0),
         terms: heapless::Vec::new(),
-        tables: Tables::NONE,
+        curves: Curves::NONE,
         masses: None,
         reference_temperature: 20.0,
         limits: [Some([-3.0, 3.0])],
@@ -179,7 +210,7 @@ fn parameters() -> ArmParameters<'static, f32, 3> {
         rms_before: 1.1e-3,
         rms_after: 4.4e-4,
         terms: every_effect(),
-        tables: Tables::NONE,
+        curves: Curves::NONE,
         masses: Some(Masses {
             gravity: Vector3::new(0.5, -0.1, -9.8),
             mass: [7.0, 12.5, 0.25],

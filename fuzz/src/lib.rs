@@ -41,7 +41,7 @@ fn use_as<const N: usize>(blob: &Blob) {
     let parameters: ArmParameters<f32, N> = blob.parameters().expect("an arm of these joints");
     let pose = Arm::new(&parameters).real_pose(&[0.5; N]);
     assert!(pose.translation.iter().all(|value| value.is_finite()), "{pose:?}");
-    let mut bytes = [0; 2048];
+    let mut bytes = vec![0; blob.size()];
     let written = encode(&parameters, &mut bytes);
     if parameters.sequence == u32::MAX {
         assert_eq!(written, Err(EncodeError::LastSequence));

@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bent<T, const N: usize> {
     pub deflection: Deflection<T, N>,
-    /// Of each joint's periodic terms by that joint.
+    /// Of each joint's periodic terms and its curve by that joint.
     slopes: [T; N],
 }
 
@@ -50,7 +50,7 @@ impl<T: Scalar, const N: usize> Arm<'_, T, N> {
     /// What all terms do near joint values whose sines are known. `offset`, of
     /// the joints from `command`, becomes what takes back at each joint its
     /// `share` of what bends it smoothly, so that the rigid chain stands where
-    /// `rigid` wants it; there the periodic terms are taken.
+    /// `rigid` wants it; there the periodic terms and the curves are taken.
     #[inline(never)]
     pub(crate) fn bend(
         &self,
@@ -69,6 +69,9 @@ impl<T: Scalar, const N: usize> Arm<'_, T, N> {
             *joint += *offset;
         }
         bent.slopes = self.folded.add_waves(&joints, &mut bent.deflection.joints);
+        if !self.curves.is_empty() {
+            self.curves.add(&joints, &mut bent.deflection.joints, &mut bent.slopes);
+        }
     }
 
     /// Two axes and the point of the tool of the rigid identified arm at angles

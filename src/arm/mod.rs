@@ -10,7 +10,7 @@ pub(crate) use bent::Bent;
 pub use parameters::{ArmParameters, MAX_JOINTS};
 
 use crate::effects::{
-    Approach, FoldedTerms, GravityModel, Load, MAX_TERMS, Tables, Term, TermInputs,
+    Approach, Curves, FoldedTerms, GravityModel, Load, MAX_TERMS, Term, TermInputs,
 };
 use crate::kinematics::{Chain, Deflection, Link, Pose, Turns};
 use crate::scalar::Scalar;
@@ -61,7 +61,7 @@ pub struct Arm<'t, T, const N: usize> {
     covered: [Option<[T; 2]>; N],
     limits: [Option<[T; 2]>; N],
     terms: Vec<Term<T>, MAX_TERMS>,
-    tables: Tables<'t>,
+    curves: Curves<'t>,
     folded: FoldedTerms<T, N>,
     /// Only where a term depends on gravity: whether to compute loads is
     /// decided here and not in every tick.
@@ -93,7 +93,7 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
             covered: p.covered,
             limits: p.limits,
             terms: p.terms.clone(),
-            tables: p.tables,
+            curves: p.curves,
             folded,
             gravity,
             reference_temperature: p.reference_temperature,
@@ -141,10 +141,16 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         &self.terms
     }
 
-    /// The tables that terms refer to.
+    /// The smooth errors of its joint angles.
     #[must_use]
-    pub fn tables(&self) -> Tables<'t> {
-        self.tables
+    pub fn curves(&self) -> Curves<'t> {
+        self.curves
+    }
+
+    /// Whether it is anything but rigid.
+    #[inline]
+    pub(crate) fn bends(&self) -> bool {
+        !(self.terms.is_empty() && self.curves.is_empty())
     }
 
     /// The arm at its reference temperature, without payload, approach unknown:
@@ -175,12 +181,11 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     #[must_use]
     pub fn real_pose_in(&self, q: &[T; N], state: &State<T, N>) -> Pose<T> {
         // One walk for both: a second one would be 600 bytes of text.
-        let deflection =
-            if self.terms.is_empty() { Deflection::none() } else { self.deflection(q, state) };
+        let deflection = if self.bends() { self.deflection(q, state) } else { Deflection::none() };
         self.real.forward_deflected(q, &deflection)
     }
 
-    /// How far all terms together deflect the arm. Gravity loads are those of the
+    /// How far all terms and curves together deflect the arm. Gravity loads are those of the
     /// nominal chain: a correction of a millimetre changes a torque by less
     /// than a link's mass is known.
     #[must_use]
@@ -191,7 +196,11 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     /// The same, where the inputs are known.
     #[inline]
     pub(crate) fn deflection_at(&self, inputs: &TermInputs<T, N>) -> Deflection<T, N> {
-        self.folded.deflection(inputs)
+        let mut out = self.folded.deflection(inputs);
+        if !self.curves.is_empty() {
+            self.curves.add(&inputs.q, &mut out.joints, &mut [T::ZERO; N]);
+        }
+        out
     }
 
     /// What the terms depend on at joint values `q` in a state of the arm.

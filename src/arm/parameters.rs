@@ -3,14 +3,14 @@
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use crate::effects::{MAX_TERMS, Masses, Tables, Term};
+use crate::effects::{Curves, MAX_TERMS, Masses, Term};
 use crate::kinematics::{Link, MdhParameters};
 
 /// Most joints of an arm: what a blob has numbers for.
 pub const MAX_JOINTS: usize = 16;
 
 /// Everything a controller has to know of an identified arm of N joints, SI
-/// units; what a parameter blob carries. Its tables stay where the blob is, for
+/// units; what a parameter blob carries. Its curves stay where the blob is, for
 /// `'t`: `'static` where that is memory-mapped flash.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -37,8 +37,8 @@ pub struct ArmParameters<'t, T, const N: usize> {
     pub tool: Vector3<T>,
     /// What the arm does beyond rigid geometry.
     pub terms: Vec<Term<T>, MAX_TERMS>,
-    /// Tables that terms refer to.
-    pub tables: Tables<'t>,
+    /// Smooth errors of joint angles over a turn.
+    pub curves: Curves<'t>,
     /// Gravity in the nominal base frame and the masses it pulls at. Without
     /// them a term that depends on gravity does nothing.
     pub masses: Option<Masses<T, N>>,

@@ -1,14 +1,15 @@
+use super::curves;
 use super::error::{DecodeError, FieldName, Flaw, Record};
 use super::fields;
 use super::layout::{
-    CHECKSUM, FLAG_COVARIANCE, FLAG_MASSES, FLAG_ORIENTATION, FLAG_TAG, FLAGS, HAS_COVERED,
-    HAS_LIMITS, HEADER, LAYOUT, MAGIC, RECORD, TAG, TERM, checksum, encoded_len, factor_len,
+    CHECKSUM, FLAG_COVARIANCE, FLAG_MASSES, FLAG_TAG, FLAGS, HAS_COVERED, HAS_LIMITS, HEADER,
+    KNOWN_FLAGS, LAYOUT, MAGIC, RECORD, TAG, TERM, checksum, encoded_len, factor_len,
     uncertain_parameters,
 };
 use super::reader::Reader;
 use super::term;
 use crate::arm::MAX_JOINTS;
-use crate::effects::MAX_TERMS;
+use crate::effects::{Curves, MAX_TERMS};
 use crate::kinematics::JointKind;
 
 /// A blob of which every byte has been checked, still in place.
@@ -31,6 +32,7 @@ pub struct Blob<'a> {
     pub(super) terms: &'a [u8],
     /// Factor of the covariance; empty without.
     pub(super) factor: &'a [u8],
+    pub(super) curves: Curves<'a>,
     pub(super) tag: Option<&'a [u8; TAG]>,
     /// All that the tag speaks for.
     pub(super) signed: &'a [u8],
@@ -96,29 +98,32 @@ impl<'a> Blob<'a> {
         let factor_size =
             if flags & FLAG_COVARIANCE != 0 { 4 * factor_len(count, term_count) } else { 0 };
         let tag_size = if flags & FLAG_TAG != 0 { TAG } else { 0 };
-        let expected = encoded_len(count, term_count) + factor_size + tag_size;
+        let without_curves = encoded_len(count, term_count) + factor_size + tag_size;
+        let expected = without_curves + curves::size(flags, stored, without_curves);
         let mut reader = Reader(body.get(HEADER..).unwrap_or(&[]));
         let contradiction = DecodeError::Length { stored, expected };
         if stored as usize != expected {
             return Err(contradiction);
         }
         let records = reader.slice(count * RECORD).ok_or(contradiction)?;
-        let terms = reader.slice(term_count * TERM).ok_or(contradiction)?;
+        let term_records = reader.slice(term_count * TERM).ok_or(contradiction)?;
         let factor = reader.slice(factor_size).ok_or(contradiction)?;
+        let curves = reader.slice(expected - without_curves).ok_or(contradiction)?;
         let tag = if tag_size == 0 { None } else { reader.take() };
         let signed = body.get(..body.len() - tag_size).ok_or(contradiction)?;
-        let blob = Self { header, records, terms, factor, tag, signed };
         fields::check(Record::Header, header, masses, 0)?;
         for (record, index) in records.chunks_exact(RECORD).zip(0..) {
             check_record(index, record, masses)?;
         }
-        for (record, index) in term::each(terms).zip(0..) {
+        for (record, index) in term::each(term_records).zip(0..) {
             term::check(index, record, joints, masses)?;
         }
         if !factor.is_empty() {
             check_factor(factor, uncertain_parameters(count, term_count))?;
         }
-        Ok(blob)
+        let cut = |size| DecodeError::Length { stored, expected: without_curves + size };
+        let curves = curves::check(curves, |joint| turns(records, joint), cut)?;
+        Ok(Self { header, records, terms: term_records, factor, curves, tag, signed })
     }
 }
 
@@ -130,7 +135,7 @@ fn check_flags(header: &[u8; HEADER]) -> Result<bool, DecodeError> {
     };
     let [flags, reserved @ ..] =
         header.get(FLAGS..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0xff; 4]);
-    if flags & !(FLAG_ORIENTATION | FLAG_MASSES | FLAG_COVARIANCE | FLAG_TAG) != 0 {
+    if flags & !KNOWN_FLAGS != 0 {
         return unknown("flags");
     }
     if reserved != [0; 3] {
@@ -155,6 +160,12 @@ fn check_record(joint: u8, record: &[u8], masses: bool) -> Result<(), DecodeErro
         return Err(unknown("reserved"));
     }
     fields::check(Record::Joint(joint), record, masses, presence)
+}
+
+/// Whether there is such a joint, and it turns.
+fn turns(records: &[u8], joint: u8) -> bool {
+    let [kind, ..] = head_of(records.get(usize::from(joint) * RECORD..).unwrap_or(&[]));
+    kind_of(kind) == Some(JointKind::Revolute)
 }
 
 /// A lower triangle by columns; no diagonal entry is negative.

@@ -39,7 +39,7 @@ pub enum CovarianceError {
         /// Of the arm's parameters.
         arm: u32,
     },
-    /// The same robot and number, but not the same joints, corrections or terms.
+    /// The same robot and number, but not the same joints, corrections, terms or curves.
     OtherParameters,
 }
 
@@ -96,7 +96,9 @@ impl<'a> Covariance<'a> {
         });
         let terms = term::each(blob.terms).map(term::from_bytes);
         let same_terms = terms.eq(arm.terms().iter().copied().map(Some));
-        if blob.joints() == N && same_links && same_terms {
+        let (own, other) = (blob.curves(), arm.curves());
+        let same_curves = own.is_empty() && other.is_empty() || own == other;
+        if blob.joints() == N && same_links && same_terms && same_curves {
             Ok(())
         } else {
             Err(CovarianceError::OtherParameters)
@@ -104,7 +106,8 @@ impl<'a> Covariance<'a> {
     }
 
     /// One standard deviation of where the tool point is, along x, y, z of the
-    /// nominal base, m: `sqrt(diag(J L L' J'))`, first order in the errors.
+    /// nominal base, m: `sqrt(diag(J L L' J'))`, first order in the errors; on top the
+    /// band of each curve, an independent error of its joint's angle.
     ///
     /// `arm` is the arm of this blob. Its own tool point was identified together
     /// with the geometry and counts with its covariance; another one (given by
@@ -163,6 +166,15 @@ impl<'a> Covariance<'a> {
             }
             for (variance, sum) in variance.iter_mut().zip([sum.x, sum.y, sum.z]) {
                 *variance += sum * sum;
+            }
+        }
+        // Where the joint really is differs from the curve's by an angle of its own.
+        for curve in arm.curves().iter() {
+            if let Some(link) = jacobian.links.get(usize::from(curve.joint())) {
+                let off = link.theta * T::from_f32(curve.band());
+                for (variance, off) in variance.iter_mut().zip([off.x, off.y, off.z]) {
+                    *variance += off * off;
+                }
             }
         }
         Ok(variance.map(T::sqrt))

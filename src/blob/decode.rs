@@ -11,7 +11,7 @@ use super::layout::{
 };
 use super::term;
 use crate::arm::ArmParameters;
-use crate::effects::{Masses, Tables};
+use crate::effects::{Curves, Masses};
 use crate::kinematics::{JointKind, Link, MdhParameters};
 use crate::scalar::Scalar;
 
@@ -59,6 +59,12 @@ impl<'a> Blob<'a> {
         self.tag.is_some()
     }
 
+    /// Smooth errors of joint angles.
+    #[must_use]
+    pub fn curves(&self) -> Curves<'a> {
+        self.curves
+    }
+
     /// Covariance of the parameters, if it carries one.
     #[must_use]
     pub fn covariance(&self) -> Option<Covariance<'a>> {
@@ -100,7 +106,7 @@ impl<'a> Blob<'a> {
             rms_before: real(&fields::RMS_BEFORE, header),
             rms_after: real(&fields::RMS_AFTER, header),
             terms: Vec::new(),
-            tables: Tables::NONE,
+            curves: self.curves,
             masses: None,
             reference_temperature: real(&fields::REFERENCE_TEMPERATURE, header),
             orientation_identified: flags & FLAG_ORIENTATION != 0,

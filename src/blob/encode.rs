@@ -6,9 +6,9 @@ use super::check::Blob;
 use super::error::DecodeError;
 use super::fields;
 use super::layout::{
-    CHECKSUM, CREATED, FLAG_COVARIANCE, FLAG_MASSES, FLAG_ORIENTATION, FLAGS, HAS_COVERED,
-    HAS_LIMITS, HEADER, LAYOUT, LENGTH, MAGIC, RECORD, ROBOT_ID, SEQUENCE, TERM, checksum,
-    encoded_len, factor_len,
+    CHECKSUM, CREATED, FLAG_COVARIANCE, FLAG_CURVES, FLAG_MASSES, FLAG_ORIENTATION, FLAGS,
+    HAS_COVERED, HAS_LIMITS, HEADER, LAYOUT, LENGTH, MAGIC, RECORD, ROBOT_ID, SEQUENCE, TERM,
+    checksum, encoded_len, factor_len,
 };
 use super::term;
 use crate::arm::{ArmParameters, MAX_JOINTS};
@@ -35,8 +35,6 @@ pub enum EncodeError {
         /// Numbers given.
         got: usize,
     },
-    /// Format 1.0 has no room for tables.
-    Tables,
     /// The last sequence number there is, see
     /// [`AcceptanceError::LastSequence`](super::AcceptanceError::LastSequence).
     LastSequence,
@@ -53,7 +51,6 @@ impl fmt::Display for EncodeError {
             Self::Factor { needed, got } => {
                 write!(f, "a covariance factor of {got} numbers where {needed} are needed")
             }
-            Self::Tables => f.write_str("tables, for which this format has no room"),
             Self::LastSequence => {
                 write!(f, "sequence {} is the last there is: none could follow it", u32::MAX)
             }
@@ -123,14 +120,13 @@ pub fn encode_with<T: Scalar, const N: usize>(
             return Err(EncodeError::Factor { needed, got });
         }
     }
-    let needed = encoded_len(N, p.terms.len()) + 4 * factor.map_or(0, <[f32]>::len);
+    let curves = p.curves.as_bytes();
+    let numbers = factor.map_or(0, <[f32]>::len);
+    let needed = encoded_len(N, p.terms.len()) + 4 * numbers + curves.len();
     let got = out.len();
     let out = out.get_mut(..needed).ok_or(EncodeError::NoRoom { needed, got })?;
     if N == 0 || N > MAX_JOINTS {
         return Err(EncodeError::Refused(DecodeError::JointCount(N.min(255) as u8)));
-    }
-    if !p.tables.is_empty() {
-        return Err(EncodeError::Tables);
     }
     if p.sequence == u32::MAX {
         return Err(EncodeError::LastSequence);
@@ -141,6 +137,9 @@ pub fn encode_with<T: Scalar, const N: usize>(
     }
     if factor.is_some() {
         flags |= FLAG_COVARIANCE;
+    }
+    if !p.curves.is_empty() {
+        flags |= FLAG_CURVES;
     }
     let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
     let masses = p.masses.unwrap_or(Masses {
@@ -159,9 +158,13 @@ pub fn encode_with<T: Scalar, const N: usize>(
     for ((term, index), place) in p.terms.iter().zip(0..).zip(places) {
         *place = term::to_bytes(index, term)?;
     }
+    let (places, rest) = rest.split_at_mut_checked(4 * numbers).unwrap_or_default();
     let numbers = factor.unwrap_or(&[]).iter();
-    for (place, number) in rest.as_chunks_mut().0.iter_mut().zip(numbers) {
+    for (place, number) in places.as_chunks_mut().0.iter_mut().zip(numbers) {
         *place = number.to_le_bytes();
+    }
+    if !p.curves.is_empty() {
+        put(Some(rest), curves);
     }
     let (body, tail) = out.split_at_mut_checked(needed - CHECKSUM).unwrap_or_default();
     put(Some(tail), &checksum(body).to_le_bytes());

@@ -18,6 +18,8 @@ pub enum Record {
     Term(u8),
     /// Number of the covariance's factor, counted from 0.
     Factor(u16),
+    /// A curve, counted from 0.
+    Curve(u8),
 }
 
 /// The name of a field, as in the byte map.
@@ -38,6 +40,7 @@ impl fmt::Display for FieldName {
             Record::Header => (),
             Record::Joint(index) => write!(f, "joint {} ", u16::from(index) + 1)?,
             Record::Term(index) => write!(f, "term {} ", u16::from(index) + 1)?,
+            Record::Curve(index) => write!(f, "curve {} ", u16::from(index) + 1)?,
             Record::Factor(index) => write!(f, "number {} of ", u32::from(index) + 1)?,
         }
         f.write_str(self.group)?;

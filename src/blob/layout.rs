@@ -6,7 +6,7 @@ use super::crc32c::Crc32c;
 
 /// First four bytes of every blob.
 pub const MAGIC: [u8; 4] = *b"TARM";
-/// The layout this version writes and reads: formats 1.0 and 1.1.
+/// The layout this version writes and reads: formats 1.0 to 1.2.
 pub const LAYOUT: u16 = 3;
 /// Bytes of an authentication tag.
 pub const TAG: usize = 32;
@@ -27,11 +27,18 @@ pub(super) const FLAG_ORIENTATION: u8 = 1;
 pub(super) const FLAG_MASSES: u8 = 2;
 pub(super) const FLAG_COVARIANCE: u8 = 4;
 pub(super) const FLAG_TAG: u8 = 8;
+pub(super) const FLAG_CURVES: u8 = 16;
+/// Without the feature no reader knows of curves, as firmware of format 1.1.
+pub(super) const KNOWN_FLAGS: u8 = {
+    let known = FLAG_ORIENTATION | FLAG_MASSES | FLAG_COVARIANCE | FLAG_TAG;
+    if cfg!(feature = "curves") { known | FLAG_CURVES } else { known }
+};
 pub(super) const HAS_LIMITS: u8 = 1;
 pub(super) const HAS_COVERED: u8 = 2;
 
-/// Bytes of a blob for this many joints and terms, without covariance and
-/// without tag, which takes [`TAG`] more.
+/// Bytes of a blob for this many joints and terms, without covariance, without
+/// curves, of which each takes [`super::curve_len`] more, and without tag, which takes
+/// [`TAG`] more.
 #[must_use]
 pub const fn encoded_len(joints: usize, terms: usize) -> usize {
     HEADER + RECORD * joints + TERM * terms + CHECKSUM

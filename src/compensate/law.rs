@@ -62,7 +62,7 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         out.system.set(&out.columns, &self.rule);
         out.identified.set_turned(&out.nominal, &self.beyond_nominal);
         out.along = Twist::zero();
-        let bends = !arm.terms().is_empty();
+        let bends = arm.bends();
         if bends {
             arm.grow(state, &mut out.bent);
         }
@@ -90,7 +90,7 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         state: &State<T, N>,
         work: &mut Correction<T, N>,
     ) -> Twist<T> {
-        let bends = !arm.terms().is_empty();
+        let bends = arm.bends();
         work.nominal.set(arm.nominal().joints(), joints);
         work.identified.set_turned(&work.nominal, &self.beyond_nominal);
         let mut stands = [T::ZERO; N];

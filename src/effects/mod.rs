@@ -3,7 +3,7 @@
 //! A model is a list of [`Term`]s. Every term is linear in its coefficient and
 //! deflects a joint, the base or a length a little; its derivative is a known
 //! [`Term::basis`] times a geometric column. Identification and controller
-//! share this code.
+//! share this code. Beside them stand [`Curves`], which are too large to be terms.
 //!
 //! A file an effect: its descriptor (name, place, components, unit, what it
 //! needs), its basis, and what it folds into for the tick. To add one, write
@@ -17,7 +17,6 @@ mod descriptor;
 mod folded;
 mod inputs;
 mod statics;
-mod tables;
 mod term;
 mod wave;
 
@@ -27,6 +26,7 @@ mod encoder_eccentricity;
 mod gear_transmission_error;
 mod joint_compliance;
 mod joint_coupling;
+mod joint_error_curve;
 mod joint_gain;
 mod joint_periodic_error;
 mod joint_stiffening;
@@ -37,9 +37,10 @@ use heapless::Vec;
 pub use approach::Approach;
 pub use descriptor::{ActsOn, NeedsLoad, Order};
 pub use inputs::TermInputs;
+pub use joint_error_curve::{Curve, Curves};
+pub(crate) use joint_error_curve::{EXPONENTS, HEAD as CURVE_HEAD, first as first_curve};
 pub(crate) use statics::GravityModel;
 pub use statics::{Load, Masses};
-pub use tables::Tables;
 pub use term::{Term, deflection};
 
 use crate::kinematics::{Deflection, JointKind};

@@ -81,6 +81,10 @@ pub trait Scalar:
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
+    /// The whole number next to `self`, not above it, by its low bits (two's
+    /// complement), and how far `self` is beyond it: 0 to 1, both ends included, but
+    /// for rounding. Without meaning from 2^22 (`f32`) or 2^51 (`f64`) on.
+    fn floor_and_rest(self) -> (u32, Self);
 }
 
 impl Scalar for f32 {
@@ -132,6 +136,14 @@ impl Scalar for f32 {
     fn is_finite(self) -> bool {
         f32::is_finite(self)
     }
+    #[inline]
+    fn floor_and_rest(self) -> (u32, Self) {
+        // Adding and subtracting 1.5 * 2^23 rounds to the nearest integer and
+        // leaves that integer in the low bits.
+        const ROUND: f32 = 12_582_912.0;
+        let shifted = (self - 0.5) + ROUND;
+        (shifted.to_bits(), self - (shifted - ROUND))
+    }
 }
 
 impl Scalar for f64 {
@@ -173,5 +185,12 @@ impl Scalar for f64 {
     #[inline]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
+    }
+    #[inline]
+    fn floor_and_rest(self) -> (u32, Self) {
+        // The same with 1.5 * 2^52.
+        const ROUND: f64 = 6_755_399_441_055_744.0;
+        let shifted = (self - 0.5) + ROUND;
+        (shifted.to_bits() as u32, self - (shifted - ROUND))
     }
 }

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use truearm::check_point::CheckPoint;
 use truearm::effects::{ActsOn, Effect, Masses, Order, Term};
 use truearm::{
-    Approach, Arm, ArmParameters, JointKind, Link, MdhParameters, Scalar, State, Tables,
+    Approach, Arm, ArmParameters, Curves, JointKind, Link, MdhParameters, Scalar, State,
 };
 
 pub fn vector<T: Scalar>(v: [f64; 3]) -> Vector3<T> {
@@ -34,7 +34,7 @@ pub fn stored<T: Scalar, const N: usize>(
         base_rotation: vector([0.0; 3]),
         tool: vector(tool),
         terms: truearm::heapless::Vec::new(),
-        tables: Tables::NONE,
+        curves: Curves::NONE,
         masses: None,
         reference_temperature: T::from_f64(20.0),
         limits: [None; N],

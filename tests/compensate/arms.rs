@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use truearm::blob::Blob;
 use truearm::effects::{Effect, Masses, Term};
 use truearm::{
-    Approach, Arm, ArmParameters, JointKind, Link, MdhParameters, Pose, Scalar, Settings, State,
-    Tables, Task,
+    Approach, Arm, ArmParameters, Curves, JointKind, Link, MdhParameters, Pose, Scalar, Settings,
+    State, Task,
 };
 
 /// Which terms an arm has.
@@ -73,7 +73,7 @@ pub fn parameters<T: Scalar, const N: usize>(
         base_rotation: vector(1e-3),
         tool: vector(0.2),
         terms: heapless::Vec::from_slice(&all[..count]).unwrap(),
-        tables: Tables::NONE,
+        curves: Curves::NONE,
         masses: Some(masses),
         reference_temperature: T::from_f64(20.0),
         limits: [None; N],

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use truearm::blob::{self, DecodeError, EncodeError, Flaw, Key, Record};
 use truearm::effects::{MAX_TERMS, Masses, Term};
-use truearm::{ArmParameters, Tables};
+use truearm::{ArmParameters, Curves};
 
 use crate::error::{Error, Kind, Result};
 use crate::model::ModelTerm;
@@ -223,7 +223,7 @@ fn parameters<const N: usize>(
         // file is only where it was meant to be.
         tool: model.markers.first().map_or_else(Vector3::zeros, |m| m.1),
         terms,
-        tables: Tables::NONE,
+        curves: Curves::NONE,
         masses: masses(robot),
         reference_temperature: robot.reference_temperature,
         limits: joints.map(|j| j.limits),
