@@ -1,6 +1,8 @@
 //! Scoring a model on other data, in the frames of its training or, when asked
 //! for, in frames fitted to that data.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -73,7 +75,8 @@ const MARGIN: f64 = 0.01;
 /// # Errors
 /// A station or marker the training did not have, naming `--reregister`.
 pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Result<Validation> {
-    let conditions = Conditions::new(data, &model.robot);
+    let conditions = Conditions::of_model(data, model);
+    let rigid = Conditions::new(data, &model.robot);
     let state = state_on(model, data, frames)?;
     let residuals = residuals(data, &conditions, &state);
     let left_out = own_evidence(&residuals);
@@ -83,18 +86,18 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
         Stats::of(r)
             .ok_or_else(|| Error::data(Kind::NoRows, "no rows to score", "give a file with rows"))
     };
-    let rms_without = |state: &State| -> Result<f64> {
-        let all = self::residuals(data, &conditions, state);
+    let rms_without = |state: &State, conditions: &Conditions| -> Result<f64> {
+        let all = self::residuals(data, conditions, state);
         let kept: Vec<_> =
             (0..all.len()).filter(|i| !left_out.contains(i)).map(|i| all[i]).collect();
         Ok(stats(&kept)?.rms_mm)
     };
-    let nominal = registered(model, data, model.robot.nominal(), Vec::new())?;
+    let nominal = registered(model, data, rigid.clone(), model.robot.nominal(), Vec::new())?;
     let base_refitted = match frames {
         Reregister::Nothing => {
             let refitted = with_bases(data, &conditions, model, state.markers.clone());
             // Too few rows to fit a base are no reason not to score them.
-            refitted.ok().map(|s| rms_without(&s)).transpose()?
+            refitted.ok().map(|s| rms_without(&s, &conditions)).transpose()?
         }
         _ => None,
     };
@@ -105,7 +108,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
         left_out: left_out.iter().map(|i| i + 1).collect(),
         stats: stats(&kept)?,
         all_rows: stats(&residuals)?,
-        nominal_rms_mm: rms_without(&nominal)?,
+        nominal_rms_mm: rms_without(&nominal, &rigid)?,
         base_refitted_rms_mm: base_refitted,
         joints_not_covered: not_covered(model, data),
     })
@@ -120,9 +123,12 @@ pub fn state_on(model: &Model, data: &Measurements, frames: Reregister) -> Resul
         Reregister::Nothing => trained(model, data),
         Reregister::Base => {
             let markers = known_markers(model, data)?;
-            with_bases(data, &Conditions::new(data, &model.robot), model, markers)
+            with_bases(data, &Conditions::of_model(data, model), model, markers)
         }
-        Reregister::BaseAndTool => registered(model, data, model.links(), arm_terms(model)),
+        Reregister::BaseAndTool => {
+            let conditions = Conditions::of_model(data, model);
+            registered(model, data, conditions, model.links(), arm_terms(model))
+        }
     }
 }
 
@@ -242,12 +248,17 @@ fn arm_terms(model: &Model) -> Vec<ModelTerm> {
 fn registered(
     model: &Model,
     data: &Measurements,
+    conditions: Conditions,
     links: Vec<Link<f64>>,
     terms: Vec<ModelTerm>,
 ) -> Result<State> {
     let tool = model.markers.first().map_or(model.robot.tool, |m| m.1);
     let start = State { terms, ..register(data, &links, tool)? };
-    let problem = Problem { nominal: links, ..Problem::new(data, &model.robot, Scaling::Prior) };
+    let problem = Problem {
+        nominal: links,
+        conditions: Arc::new(conditions),
+        ..Problem::new(data, &model.robot, Scaling::Prior)
+    };
     let mut rows: Vec<usize> = (0..data.rows.len()).collect();
     let mut state = fit(&problem, &rows, None, &start, Freedom::Frames)?.state;
     let out = own_evidence(&residuals(data, &problem.conditions, &state));

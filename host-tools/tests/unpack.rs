@@ -8,8 +8,8 @@ use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::blob::Blob;
-use truearm_host::blob::pack;
 use truearm_host::blob::unpack;
+use truearm_host::blob::{PackOptions, pack_with};
 use truearm_host::model::Model;
 
 static CRC32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
@@ -51,7 +51,12 @@ fn every_valid_blob_comes_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.toml");
     let mut changes = 0;
-    for name in ["golden/layout-3-full", "golden/layout-3-least", "firmware/ur10-terms"] {
+    for name in [
+        "golden/layout-3-full",
+        "golden/layout-3-least",
+        "golden/layout-3-curves",
+        "firmware/ur10-terms",
+    ] {
         let file = format!("{}/../tests/data/{name}.blob", env!("CARGO_MANIFEST_DIR"));
         let shipped = std::fs::read(&file).unwrap();
         for round in 0..200 {
@@ -59,7 +64,10 @@ fn every_valid_blob_comes_back() {
             changes += (0..60).filter(|_| change(&mut blob, &mut dice)).count();
             let model = unpack(&blob, Path::new("a.bin"), None).unwrap();
             std::fs::write(&path, model.to_toml()).unwrap();
-            let again = Model::read(&path).and_then(|model| pack(&model, None));
+            let again = Model::read(&path).and_then(|model| {
+                let covariance = model.covariance.is_some();
+                pack_with(&model, &PackOptions { covariance, ..PackOptions::default() })
+            });
             let again = again.unwrap_or_else(|e| panic!("{name}, {round}: {e}; {}", e.help()));
             let differ =
                 (0..blob.len() - 4).step_by(4).filter(|&at| again[at..at + 4] != blob[at..at + 4]);
@@ -68,5 +76,5 @@ fn every_valid_blob_comes_back() {
             assert!(again == blob, "{name}, {round}: {differ:?}");
         }
     }
-    assert!(changes > 10_000, "{changes} changes of 36,000 left a valid blob");
+    assert!(changes > 10_000, "{changes} changes of 48,000 left a valid blob");
 }

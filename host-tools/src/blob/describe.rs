@@ -2,18 +2,18 @@
 
 use nalgebra::Vector3;
 use truearm::blob::{self, Blob};
-use truearm::effects::Term;
-use truearm::{ArmParameters, JointKind};
+use truearm::effects::{Curve, Term};
+use truearm::{ArmParameters, Curves, JointKind};
 
 use crate::model::arm::with_joints;
-use crate::model::{friction, friction_unit, part};
+use crate::model::{ErrorCurve, friction, friction_unit, part};
 
 /// A blob in words, every field with its unit. `given` is how many bytes it was
 /// found in.
 #[must_use]
 pub fn describe(blob: &Blob, given: usize) -> String {
     let mut text = format!(
-        "truearm parameter blob, layout {} (format 1.1), {} bytes, checksum good\n",
+        "truearm parameter blob, layout {} (format 1.2), {} bytes, checksum good\n",
         blob::LAYOUT,
         blob.size()
     );
@@ -113,6 +113,7 @@ fn fields<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
     }
     let kinds = p.nominal.map(|link| link.kind);
     text += &terms(&p.terms, &kinds);
+    text += &curves(p.curves);
     text += &uncertainty(blob, p);
     text
 }
@@ -175,6 +176,28 @@ fn terms(terms: &[Term<f64>], kinds: &[JointKind]) -> String {
         );
         text += &line;
         text.push('\n');
+    }
+    text
+}
+
+/// The curves, a line each.
+fn curves(curves: Curves<'_>) -> String {
+    let mut text = String::new();
+    for (i, curve) in curves.iter().enumerate() {
+        if i == 0 {
+            text += "\ncurve  effect             joint  nodes  largest mrad  RMS mrad  band mrad  step nrad\n";
+        }
+        let of_model = ErrorCurve::of_blob(&curve);
+        let [largest, rms] = of_model.size().map(|rad| rad * 1e3);
+        text += &format!(
+            "{:<6} {:18} {:5}  {:5}  {largest:12.4}  {rms:8.4}  {:9.4}  {:9.4}\n",
+            i + 1,
+            Curve::NAME,
+            curve.joint() + 1,
+            curve.nodes().len(),
+            of_model.band() * 1e3,
+            f64::from(curve.step()) * 1e9
+        );
     }
     text
 }

@@ -4,11 +4,12 @@ use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::blob::Blob;
-use truearm::effects::Term;
-use truearm::{Approach, Arm, ArmParameters, JointKind, LinkParameter, State};
+use truearm::effects::{Curve, Term};
+use truearm::{Approach, Arm, ArmParameters, Curves, JointKind, LinkParameter, State};
 
 use super::describe::{rms, term_columns};
 use crate::error::{Error, Kind, Result};
+use crate::model::ErrorCurve;
 use crate::model::arm::with_joints;
 
 /// Temperatures drawn: so far from the reference temperature, K.
@@ -163,6 +164,7 @@ fn parameters<const N: usize>(a: &ArmParameters<f64, N>, b: &ArmParameters<f64, 
     out.text("flange orientation", [orientation(a), orientation(b)]);
     let kinds = a.nominal.map(|link| link.kind);
     terms(&mut out.text, &a.terms, &b.terms, &kinds);
+    curves(&mut out.text, [a.curves, b.curves]);
     if out.little > 0 {
         out.text += &format!("{} more moved by less than {VISIBLE:e} of these units\n", out.little);
     }
@@ -204,6 +206,37 @@ fn terms(out: &mut String, a: &[Term<f64>], b: &[Term<f64>], kinds: &[JointKind]
     for (y, _) in b.iter().zip(found).filter(|(_, found)| !found) {
         let unit = y.unit(kinds);
         *out += &format!("term {}: new, {:.6e} {unit}\n", name(y), y.coefficient);
+    }
+}
+
+/// By how much curves differ, wherever the joint stands.
+fn curves(out: &mut String, both: [Curves<'_>; 2]) {
+    for joint in 0..truearm::MAX_JOINTS as u8 {
+        let [a, b] = both.map(|curves| curves.of_joint(joint));
+        let name = format!("curve of joint {}", joint + 1);
+        let told = |curve: Curve<'_>| {
+            let of_model = ErrorCurve::of_blob(&curve);
+            let [most, _] = of_model.size();
+            let band = of_model.band() * 1e3;
+            format!(
+                "{} nodes, up to {:.4} mrad, band {band:.4} mrad",
+                curve.nodes().len(),
+                most * 1e3
+            )
+        };
+        *out += &match (a, b) {
+            (Some(a), Some(b)) if a != b => {
+                let off = |k: u32| {
+                    let q = f64::from(k) * std::f64::consts::TAU / 4096.0;
+                    (a.at::<f64>(q) - b.at::<f64>(q)).abs()
+                };
+                let most = (0..4096).map(off).fold(0.0, f64::max) * 1e3;
+                format!("{name}: {} -> {}, {most:.4} mrad apart at most\n", told(a), told(b))
+            }
+            (Some(a), None) => format!("{name}: gone, had {}\n", told(a)),
+            (None, Some(b)) => format!("{name}: new, {}\n", told(b)),
+            _ => String::new(),
+        };
     }
 }
 

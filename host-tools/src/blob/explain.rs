@@ -1,6 +1,6 @@
 //! What a refusal of a blob means to the one who has to do something about it.
 
-use truearm::blob::{AcceptanceError, DecodeError, Flaw, MAGIC};
+use truearm::blob::{AcceptanceError, DecodeError, Flaw, MAGIC, Record};
 
 /// What a refusal means and what to do about it.
 #[must_use]
@@ -54,6 +54,12 @@ fn explain_damage(bytes: &[u8], error: &DecodeError) -> String {
         }
         DecodeError::JointCount(_) | DecodeError::TermCount(_) | DecodeError::Length { .. } => {
             "the header contradicts itself: damaged, or not written by truearm. Pack the model again"
+        }
+        DecodeError::Field(name, flaw)
+            if matches!(name.record, Record::Curve(_)) && *flaw != Flaw::Unknown =>
+        {
+            "the checksum is right, so it was written so. A curve is of a joint that turns, one a joint in their \
+             order, with 32 to 512 nodes of at most 0.05 rad"
         }
         DecodeError::Field(_, flaw) => match flaw {
             Flaw::NeedsMasses => "give gravity_m_s2 and [[links]] in robot.toml and identify again",

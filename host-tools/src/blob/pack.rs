@@ -8,7 +8,7 @@ use truearm::{ArmParameters, Curves};
 use crate::error::{Error, Kind, Result};
 use crate::model::ModelTerm;
 use crate::model::arm::{fixed, with_joints};
-use crate::model::{Model, Placement, Robot};
+use crate::model::{JointTables, Model, Placement, Robot};
 
 /// What the user may choose.
 #[derive(Debug, Clone, Copy, Default)]
@@ -60,9 +60,13 @@ pub fn pack_with(model: &Model, options: &PackOptions) -> Result<Vec<u8>> {
     let joints = model.robot.joints.len();
     let factor = if options.covariance { Some(factor(model, terms.len())?) } else { None };
     let numbers = factor.map_or(0, <[f32]>::len);
-    let mut bytes = vec![0; blob::encoded_len(joints, terms.len()) + 4 * numbers + blob::TAG];
+    let tables = JointTables::new(&model.curves);
+    let curves = tables.curves();
+    let size = blob::encoded_len(joints, terms.len()) + 4 * numbers + curves.as_bytes().len();
+    let mut bytes = vec![0; size + blob::TAG];
     let written = with_joints!(joints, N => {
-        blob::encode_with(&parameters::<N>(model, terms, sequence, created), factor, &mut bytes)
+        let parameters = parameters::<N>(model, terms, curves, [sequence, created]);
+        blob::encode_with(&parameters, factor, &mut bytes)
     });
     let written = written.and_then(|size| match &options.key {
         Some(key) => blob::authenticate(&mut bytes, key),
@@ -202,12 +206,12 @@ fn masses<const N: usize>(robot: &Robot) -> Option<Masses<f64, N>> {
     })
 }
 
-fn parameters<const N: usize>(
+fn parameters<'t, const N: usize>(
     model: &Model,
     terms: heapless::Vec<Term<f64>, MAX_TERMS>,
-    sequence: u32,
-    created: u32,
-) -> ArmParameters<'static, f64, N> {
+    curves: Curves<'t>,
+    [sequence, created]: [u32; 2],
+) -> ArmParameters<'t, f64, N> {
     let robot = &model.robot;
     let joints: [_; N] = fixed(&robot.joints);
     let covered: [_; N] = fixed(&model.covered);
@@ -223,7 +227,7 @@ fn parameters<const N: usize>(
         // file is only where it was meant to be.
         tool: model.markers.first().map_or_else(Vector3::zeros, |m| m.1),
         terms,
-        curves: Curves::NONE,
+        curves,
         masses: masses(robot),
         reference_temperature: robot.reference_temperature,
         limits: joints.map(|j| j.limits),

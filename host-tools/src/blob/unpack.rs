@@ -9,7 +9,7 @@ use truearm::blob::{Blob, robot_id};
 use crate::error::{Error, Kind, Result};
 use crate::model::ModelTerm;
 use crate::model::arm::with_joints;
-use crate::model::{Joint, LinkMass, Model, Placement, Provenance, Robot};
+use crate::model::{ErrorCurve, Joint, LinkMass, Model, Placement, Provenance, Robot};
 
 /// Sigma of a measurement when nothing is known, m, as for a robot.toml that
 /// does not give it.
@@ -87,6 +87,7 @@ fn model<const N: usize>(p: &ArmParameters<f64, N>, path: &Path, name: Option<Na
         uncertainties: Vec::new(),
         covered: p.covered.to_vec(),
         terms: p.terms.iter().copied().map(ModelTerm::Arm).collect(),
+        curves: p.curves.iter().map(|curve| ErrorCurve::of_blob(&curve)).collect(),
         stations: Vec::new(),
         markers: vec![(String::new(), p.tool)],
         frame_translation: p.base_translation,

@@ -4,10 +4,11 @@
 use toml::{Table, Value};
 
 /// What the digest covers.
-const COVERED: [&str; 6] = ["joints", "corrections", "terms", "measurement_terms", "frame", "base"];
+const COVERED: [&str; 7] =
+    ["joints", "corrections", "terms", "measurement_terms", "curves", "frame", "base"];
 /// What may be edited in it: where the arm may go, and how well it is known.
-const FREE: [&str; 6] =
-    ["limits_deg", "limits_mm", "gear_ratio", "sigma", "covered_deg", "covered_mm"];
+const FREE: [&str; 7] =
+    ["limits_deg", "limits_mm", "gear_ratio", "sigma", "covered_deg", "covered_mm", "band_rad"];
 
 /// Of a model.toml: the same for the same values, however they are laid out.
 pub(super) fn digest(text: &str) -> String {

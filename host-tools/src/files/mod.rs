@@ -9,6 +9,7 @@ mod key;
 mod measured;
 mod measurements;
 mod model;
+mod model_curves;
 mod model_terms;
 mod poses;
 mod robot;

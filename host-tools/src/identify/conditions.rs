@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use truearm::{Approach, Pose};
 
 use crate::model::arm::{ArmMasses, RowInputs, chain};
-use crate::model::{Measurements, Robot};
+use crate::model::{ErrorCurve, JointTables, Measurements, Model, Robot};
 
 /// Inputs of every row, and which of them are known at all.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -43,7 +43,8 @@ impl Conditions {
                 masses.as_ref().map(|m| arm.load(m, &row.q, payload)).unwrap_or_default();
             let warmth = row.temperature.map_or(0.0, |t| t - robot.reference_temperature);
             let approach = row.directions.iter().map(|d| Approach::of_motion(f64::from(*d)));
-            RowInputs { torque, moment, approach: approach.collect(), warmth }
+            let (approach, curves) = (approach.collect(), Vec::new());
+            RowInputs { torque, moment, approach, warmth, curves }
         });
         let differ = |f: fn(&crate::model::Row) -> Option<f64>| {
             let mut values = data.rows.iter().filter_map(f);
@@ -63,5 +64,21 @@ impl Conditions {
             time: differ(|r| r.time),
             series,
         }
+    }
+
+    /// Of these measurements of a model's arm, with its curves.
+    #[must_use]
+    pub fn of_model(data: &Measurements, model: &Model) -> Self {
+        Self::new(data, &model.robot).with_curves(data, &model.curves)
+    }
+
+    /// The same with these curves, at the joint values of these measurements.
+    #[must_use]
+    pub fn with_curves(mut self, data: &Measurements, curves: &[ErrorCurve]) -> Self {
+        let tables = JointTables::new(curves);
+        for (inputs, row) in self.rows.iter_mut().zip(&data.rows) {
+            inputs.curves = if curves.is_empty() { Vec::new() } else { tables.bend(&row.q) };
+        }
+        self
     }
 }

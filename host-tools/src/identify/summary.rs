@@ -140,6 +140,7 @@ impl Findings<'_> {
             uncertainties: uncertainties.collect(),
             covered: data.covered().into_iter().map(Some).collect(),
             terms: state.terms.clone(),
+            curves: Vec::new(),
             stations: stations.collect(),
             markers: markers.collect(),
             frame_translation: frame.translation,

@@ -195,6 +195,7 @@ fn model_of(robot: &Robot, data: &Measurements, state: &State) -> Model {
         corrections: link_corrections(state, &robot.nominal()),
         covered: data.covered().into_iter().map(Some).collect(),
         terms: state.terms.clone(),
+        curves: Vec::new(),
         stations: data.stations.iter().cloned().zip(state.bases.iter().copied()).collect(),
         markers: data.markers.iter().cloned().zip(state.markers.iter().copied()).collect(),
         frame_translation: Vector3::zeros(),

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use truearm::effects::{Load, Masses, Term, TermInputs, deflection};
-use truearm::kinematics::LinkColumns;
+use truearm::kinematics::{Deflection, LinkColumns};
 use truearm::{Approach, Chain, Link, Pose};
 
 /// Calls `$body` with the constant `N` equal to the run-time `$n`.
@@ -72,6 +72,8 @@ pub struct RowInputs {
     pub approach: Vec<Approach>,
     /// Temperature above reference, K.
     pub warmth: f64,
+    /// What the curves of a model add to each joint here, rad; empty without.
+    pub curves: Vec<f64>,
 }
 
 impl RowInputs {
@@ -83,6 +85,17 @@ impl RowInputs {
             approach: self.approach.as_slice().try_into().unwrap_or([Approach::Unknown; N]),
             warmth: self.warmth,
         }
+    }
+
+    /// What terms and curves do to an arm.
+    fn deflection<const N: usize>(
+        &self,
+        terms: &[Term<f64>],
+        inputs: &TermInputs<f64, N>,
+    ) -> Deflection<f64, N> {
+        let mut out = deflection(terms, inputs);
+        out.joints.iter_mut().zip(&self.curves).for_each(|(joint, curve)| *joint += curve);
+        out
     }
 }
 
@@ -135,7 +148,7 @@ impl<const N: usize> Kinematics for SizedArm<N> {
     }
 
     fn bent(&self, q: &[f64], terms: &[Term<f64>], inputs: &RowInputs) -> Pose<f64> {
-        let deflection = deflection(terms, &inputs.fixed::<N>(q));
+        let deflection = inputs.deflection(terms, &inputs.fixed::<N>(q));
         self.chain.forward_deflected(&fixed(q), &deflection)
     }
 
@@ -145,8 +158,9 @@ impl<const N: usize> Kinematics for SizedArm<N> {
         terms: &[Term<f64>],
         inputs: &RowInputs,
     ) -> (Derivatives, Vec<Vector3<f64>>) {
-        let inputs = inputs.fixed::<N>(q);
-        let deflection = deflection(terms, &inputs);
+        let row = inputs;
+        let inputs = row.fixed::<N>(q);
+        let deflection = row.deflection(terms, &inputs);
         let j = self.chain.identification_jacobian(&deflection.deflected(&inputs.q));
         // Base compliance turns about the axes of the robot, not the tracker.
         let r = &self.chain.base().rotation;

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 use truearm::{MdhParameters, Pose};
 
 use super::robot::Robot;
-use crate::model::ModelTerm;
+use crate::model::{ErrorCurve, ModelTerm};
 
 /// An identified arm: what `identify` writes, `evaluate` scores, `pack` flashes.
 /// SI units.
@@ -19,6 +19,8 @@ pub struct Model {
     pub covered: Vec<Option<[f64; 2]>>,
     /// Terms beyond geometry.
     pub terms: Vec<ModelTerm>,
+    /// Smooth errors of joint angles, one a joint at most.
+    pub curves: Vec<ErrorCurve>,
     /// Robot base in the frame of each tracker station.
     pub stations: Vec<(String, Pose<f64>)>,
     /// Each marker in the flange frame, m.

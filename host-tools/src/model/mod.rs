@@ -2,6 +2,7 @@
 //! identified arm and its terms. SI units; nothing here reads or writes a file.
 
 pub mod arm;
+mod error_curve;
 mod identified;
 mod measurements;
 pub mod near;
@@ -10,6 +11,7 @@ mod term;
 mod values;
 mod workspace;
 
+pub use error_curve::{CurveFit, ErrorCurve, JointTables};
 pub use identified::{Model, Provenance};
 pub use measurements::{Commanded, KindId, Measurements, Row};
 pub use robot::{Joint, LinkMass, Placement, Robot};

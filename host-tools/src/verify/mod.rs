@@ -257,7 +257,7 @@ fn predicted(
         links: model.links(),
         terms: arm.cloned().collect(),
     };
-    let conditions = Conditions::new(data, &model.robot);
+    let conditions = Conditions::of_model(data, model);
     let real = Predictor::new(&state);
     let error = |(i, row): (usize, &crate::model::Row)| {
         let seen = real.point(row, i, &conditions);

@@ -5,14 +5,19 @@ use truearm::blob::Blob;
 /// What a reader of the source wants to know of the bytes, a line each.
 fn about(blob: &Blob) -> [String; 3] {
     let created = std::time::Duration::from_secs(u64::from(blob.created()));
+    let curves = match blob.curves().iter().count() {
+        0 => String::new(),
+        count => format!("{count} curves, "),
+    };
     [
         "Parameters of one robot arm, packed by truearm; do not edit.".to_owned(),
         format!("robot id {:#018x}, sequence {}", blob.robot_id(), blob.sequence()),
         format!(
-            "created {}, {} joints, {} terms, {} bytes",
+            "created {}, {} joints, {} terms, {}{} bytes",
             humantime::format_rfc3339_seconds(std::time::UNIX_EPOCH + created),
             blob.joints(),
             blob.terms(),
+            curves,
             blob.size()
         ),
     ]

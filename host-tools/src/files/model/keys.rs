@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use crate::files::covariance::CovarianceFile;
+use crate::files::model_curves::CurveFile;
 use crate::files::model_terms::{MeasurementTermFile, TermFile};
 use crate::model::Provenance;
 
@@ -34,6 +35,8 @@ pub(super) struct ModelFile {
     pub terms: Vec<TermFile>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub measurement_terms: Vec<MeasurementTermFile>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<CurveFile>,
     pub stations: Vec<StationFile>,
     pub markers: Vec<MarkerFile>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -59,6 +62,8 @@ pub(super) struct ModelPart {
     pub terms: Vec<Spanned<TermFile>>,
     #[serde(default)]
     pub measurement_terms: Vec<Spanned<MeasurementTermFile>>,
+    #[serde(default)]
+    pub curves: Vec<Spanned<CurveFile>>,
     #[serde(default)]
     pub stations: Vec<Spanned<StationFile>>,
     pub markers: Vec<MarkerFile>,

@@ -8,9 +8,9 @@ use super::keys::{CorrectionFile, ModelPart, StationFile};
 use super::{SCHEMA, frame_from_file, from_file};
 use crate::error::{Error, Result};
 use crate::files::digest::digest;
-use crate::files::model_terms;
 use crate::files::source::Source;
-use crate::model::{Model, ModelTerm, Robot};
+use crate::files::{model_curves, model_terms};
+use crate::model::{ErrorCurve, Model, ModelTerm, Robot};
 use crate::units::{from_mm, point_from_mm};
 
 const HELP: &str = "give a model.toml as written by `truearm identify`";
@@ -45,6 +45,7 @@ impl Model {
                 None => None,
             },
             terms: reader.terms(&part)?,
+            curves: reader.curves(&part)?,
             stations: part
                 .stations
                 .iter()
@@ -137,6 +138,20 @@ impl Part<'_> {
         let pose = Pose { rotation, translation: point_from_mm(*xyz_mm) };
         let pose = if *base == Pose::identity() { pose } else { pose.compose(base) };
         Ok((label.clone(), pose))
+    }
+
+    /// By joint, whatever their order in the file.
+    fn curves(&self, part: &ModelPart) -> Result<Vec<ErrorCurve>> {
+        let kinds: Vec<_> = self.robot.joints.iter().map(|j| j.link.kind).collect();
+        let mut curves = Vec::new();
+        for (i, curve) in part.curves.iter().enumerate() {
+            let read = model_curves::curve(curve.get_ref(), &kinds, &curves);
+            curves.push(read.map_err(|e| {
+                self.source.at(curve.span(), format!("[[curves]] entry {}: {e}", i + 1), HELP)
+            })?);
+        }
+        curves.sort_by_key(ErrorCurve::joint);
+        Ok(curves)
     }
 
     /// Those of the arm, then those of the measurement.

@@ -4,7 +4,7 @@ use truearm::{JointKind, Pose};
 use super::keys::*;
 use super::{SCHEMA, frame_to_file, to_file};
 use crate::files::digest::digest;
-use crate::files::{covariance, model_terms};
+use crate::files::{covariance, model_curves, model_terms};
 use crate::model::{Joint, Model, Placement, Robot};
 use crate::units::{joint_to_file, point_to_mm, to_mm};
 
@@ -12,7 +12,7 @@ use crate::units::{joint_to_file, point_to_mm, to_mm};
 const HEAD: &str = "\
 # An arm identified by truearm. Lengths mm, angles degrees. `corrections` add to
 # the nominal `joints`; `stations` are the robot base in each tracker frame. The
-# digest says that joints, corrections, terms and frame are those of the RMS errors.
+# digest says that joints, corrections, terms, curves and frame are those of the RMS errors.
 ";
 
 impl Model {
@@ -53,6 +53,7 @@ impl Model {
             corrections: (0..robot.joints.len()).map(|i| self.correction(i)).collect(),
             terms,
             measurement_terms,
+            curves: model_curves::to_file(&self.curves),
             stations: self.stations.iter().map(|s| station(s, &base)).collect(),
             markers: markers
                 .map(|(label, point)| MarkerFile {
