@@ -27,14 +27,15 @@ use crate::identify::robust::{Crowd, Flags};
 use crate::identify::{
     Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
-use crate::model::{Measurements, Model, Robot};
+use crate::model::{ErrorCurve, Measurements, Model, Robot};
 use crate::observations::{Residual, kind};
 use crate::statistics::Stats;
 use node::Node;
 use policy::POLICY;
 use question::Question;
-use show::Show;
-use weigh::{Weighed, weigh};
+pub use show::CURVE;
+use show::{HeldOut, Show};
+use weigh::{Weighed, weigh, with_curves};
 
 /// The result.
 #[derive(Debug, Clone)]
@@ -122,11 +123,13 @@ fn diagnosed(
     progress("held-out poses");
     // What is fitted and judged from here on has the noise that was found.
     let heard = data.with_noise(weighed.scale);
-    let problem = Problem::new(&heard, robot, Scaling::Prior);
+    let rigid = Problem::new(&heard, robot, Scaling::Prior);
+    let root = node::geometry(&Question { problem: &rigid, ..question }, &root.fit.fit.state)?;
+    let tables: Vec<ErrorCurve> = weighed.curves.iter().map(|c| c.table.clone()).collect();
+    let problem = with_curves(&rigid, &tables);
     let question = Question { problem: &problem, ..question };
-    let root = node::geometry(&question, &root.fit.fit.state)?;
     let best = node::fitted(&question, weighed.best.added.clone(), &weighed.best.fit.fit.state)?;
-    let show = Show { question: &question, holdout, robot };
+    let show = Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot };
     shown(&show, Found { weighed, best, root, start, not_testable })
 }
 
@@ -144,16 +147,20 @@ struct Found {
 fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let Found { weighed, best, root, start, not_testable } = found;
     let problem = show.question.problem;
-    let nominal = nominal_state(problem, &best.fit.kept, &start)?;
-    let (best, gap) = show.with_held_out_gain(&root, best, &nominal)?;
+    let nominal = nominal_state(show.rigid, &best.fit.kept, &start)?;
+    let shown = match weighed.stages.is_empty() {
+        true => show.with_held_out_gain(&root, best, &nominal)?,
+        false => show.beside_curves(&root, best, &nominal, &weighed.stages)?,
+    };
+    let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
     let (verdict, unnamed) = verdict::verdict(problem, &weighed, &best);
     let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
     let (alternatives, rivals) = alternatives.into_iter().unzip();
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
-    let findings = findings(show, &terms, &best, nominal)?;
+    let findings = findings(show, &terms, &best, nominal, held_out)?;
     let mut identified = findings.summarise();
     identified.figures.warnings.extend(too_many(&best));
-    let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed.names);
+    let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed);
     let outcome = Outcome {
         figures: identified.figures,
         verdict,
@@ -168,7 +175,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         gap,
         alternatives,
         not_testable,
-        whereabouts: tell::sentences(problem, &root, show.question.flags.lambda),
+        whereabouts: tell::sentences(show.rigid, &root, show.question.flags.lambda),
     };
     Ok(Diagnosis {
         model: identified.model,
@@ -198,16 +205,18 @@ fn findings<'a>(
     problem: &'a Problem<'a>,
     best: &Node,
     nominal: State,
+    held_out: HeldOut,
 ) -> Result<Findings<'a>> {
     let q = show.question;
     let blocked = match folds::blocked(problem.data, q.rows) {
-        Some(folds) => Some(show.held_out(best, &folds)?),
-        None => None,
+        Some(folds) if show.tables.is_empty() => Some(show.held_out(best, &folds)?),
+        _ => None,
     };
     Ok(Findings {
         rule: "marginal-likelihood",
         robot: show.robot,
         problem,
+        rigid: show.rigid,
         nominal,
         found: Estimate {
             fit: best.fit.fit.clone(),
@@ -215,7 +224,8 @@ fn findings<'a>(
             lambda: q.flags.lambda,
             choice: None,
         },
-        held_out: show.held_out(best, q.folds)?,
+        curves: show.tables.to_vec(),
+        held_out,
         blocked,
         cross_validation: format!(
             "{} folds of poses, flags redone in each, terms held",

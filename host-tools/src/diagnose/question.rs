@@ -6,6 +6,7 @@ use crate::identify::folds::Fold;
 use crate::identify::robust::Flags;
 
 /// What is asked.
+#[derive(Clone, Copy)]
 pub struct Question<'a> {
     /// Geometry only.
     pub problem: &'a Problem<'a>,

@@ -19,7 +19,7 @@ pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, V
     left.extend(alike.map(|a| a.words()));
     let verdict = if !left.is_empty() || crowded(best) {
         Verdict::Unexplained
-    } else if best.added.is_empty() && best.fit.outliers.is_empty() {
+    } else if best.added.is_empty() && best.fit.outliers.is_empty() && weighed.curves.is_empty() {
         Verdict::Clean
     } else {
         Verdict::Explained

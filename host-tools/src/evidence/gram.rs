@@ -2,6 +2,8 @@
 //! projected off geometry: all that the evidence of any subset needs of the
 //! rows, however many there are.
 
+use std::ops::Range;
+
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::noise::Noise;
@@ -112,6 +114,12 @@ impl Gram {
         self.add_repeats(other.repeats.0, other.repeats.1);
     }
 
+    /// Unknowns of geometry.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.gy.len()
+    }
+
     /// Columns of candidates.
     #[must_use]
     pub fn columns(&self) -> usize {
@@ -122,18 +130,19 @@ impl Gram {
     #[must_use]
     pub fn geometry(&self, precision: &DVector<f64>, scale: f64) -> Geometry {
         let k2 = scale * scale;
-        let data = &self.gg / k2;
-        let mut h = data.clone();
+        let mut h = &self.gg / k2;
         for i in 0..h.nrows() {
             h[(i, i)] += precision[i];
         }
         let unit = h.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
         let scaled = DMatrix::from_fn(h.nrows(), h.ncols(), |i, j| h[(i, j)] / (unit[i] * unit[j]));
         let factor = factor(scaled);
-        // tr(H^-1 G'G / k^2), column by column.
-        let data =
-            DMatrix::from_fn(h.nrows(), h.ncols(), |i, j| data[(i, j)] / (unit[i] * unit[j]));
-        let freedom = factor.solve(&data).trace();
+        // tr(H^-1 G'G / k^2) is what the prior does not decide.
+        let mut inverse = DMatrix::identity(h.nrows(), h.ncols());
+        let _ = factor.l_dirty().solve_lower_triangular_mut(&mut inverse);
+        let own = |i: usize| precision[i] / (unit[i] * unit[i]) * inverse.column(i).norm_squared();
+        let seen = |i: &usize| h[(*i, *i)] > 0.0;
+        let freedom = (0..h.nrows()).filter(seen).map(|i| 1.0 - own(i)).sum();
         Geometry { unit, factor, scale, freedom }
     }
 
@@ -193,6 +202,37 @@ impl Geometry {
     pub fn mean(&self, gram: &Gram, columns: &DVector<f64>) -> DVector<f64> {
         let right = (&gram.gy - &gram.gz * columns) / (self.scale * self.scale);
         self.factor.solve(&right.component_div(&self.unit)).component_div(&self.unit)
+    }
+
+    /// How many unknowns there are.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.unit.len()
+    }
+
+    /// Log evidence of some unknowns that are not held at nothing, all else
+    /// adjusted, at this noise scale: by Savage and Dickey, the posterior over the
+    /// prior density there (Verdinelli and Wasserman, JASA 90 (1995) 614).
+    #[must_use]
+    pub fn worth(&self, precision: &DVector<f64>, mean: &DVector<f64>, of: Range<usize>) -> f64 {
+        let n = of.len();
+        let mut unit = DMatrix::zeros(self.unit.len(), n);
+        of.clone().enumerate().for_each(|(j, i)| unit[(i, j)] = 1.0 / self.unit[i]);
+        let solved = self.factor.solve(&unit);
+        let cov =
+            DMatrix::from_fn(n, n, |i, j| solved[(of.start + i, j)] / self.unit[of.start + i]);
+        let mean = mean.rows(of.start, n).into_owned();
+        let Some(factor) = cov.cholesky() else { return f64::INFINITY };
+        let det: f64 = 2.0 * factor.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>();
+        let prior: f64 = of.map(|i| precision[i].ln()).sum();
+        0.5 * (mean.dot(&factor.solve(&mean)) + det + prior)
+    }
+
+    /// Variance of a linear function of the unknowns.
+    #[must_use]
+    pub fn variance(&self, of: &DVector<f64>) -> f64 {
+        let right = of.component_div(&self.unit);
+        self.factor.l_dirty().solve_lower_triangular(&right).map_or(0.0, |v| v.norm_squared())
     }
 
     /// `L^-1 G'Z / k^2` from `G'Z`: the part of columns that geometry can

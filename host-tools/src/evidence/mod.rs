@@ -41,6 +41,7 @@ pub mod poses;
 mod posterior;
 pub mod prior;
 mod search;
+pub mod smooth;
 mod subset;
 pub mod tails;
 #[cfg(test)]

@@ -3,44 +3,33 @@
 
 use nalgebra::DVector;
 
+use super::damped::damped;
 use super::linearised::Linearised;
 use super::problem::{Problem, Scaling};
 use super::unknowns::State;
-use crate::error::{Error, Kind, Result};
+use crate::error::Result;
 use crate::model::Values;
 use crate::tikhonov::{Factorised, Normal};
 
 /// A step below this many tolerances (a picometre, a nanoradian) is no step.
 const CONVERGED: f64 = 1e-6;
-const MOST_STEPS: usize = 30;
+/// Plain Gauss-Newton steps; a problem that has not settled by then is damped.
+const PLAIN_STEPS: usize = 12;
 /// From this lambda on, in tolerances, normal equations are as good as a
 /// triangle, and far cheaper.
 const SAFE: f64 = 1e-3;
 
-/// Which unknowns a fit moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Freedom {
-    /// Bases and markers; links stay as they are.
-    Frames,
-    /// Everything, with this lambda.
-    All(f64),
-}
-
-/// A converged state and its linearisation.
-#[derive(Debug, Clone)]
-pub struct Fit {
-    /// The state.
-    pub state: State,
-    /// Normal equations of the fitted rows at this state.
-    pub normal: Normal,
-    /// Gauss-Newton steps taken.
-    pub steps: usize,
-}
+pub use super::damped::{Fit, Freedom};
 
 /// Fits the given rows from a state.
 ///
+/// Where full steps do not settle, because two unknowns trade off or the start is
+/// far, damped steps go on until nothing that was measured moves any more
+/// ([`damped`](super::damped)).
+///
 /// # Errors
-/// When the iteration runs away or does not settle.
+/// When what is found is hundreds of tolerances from nominal: not this robot's
+/// geometry, or not these joints.
 pub fn fit(
     problem: &Problem,
     rows: &[usize],
@@ -55,7 +44,7 @@ pub fn fit(
         Scaling::Prior => CONVERGED,
         Scaling::Printed => CONVERGED * 1e-3,
     };
-    for steps in 0..MOST_STEPS {
+    for steps in 0..PLAIN_STEPS {
         let at = problem.linearise(&state);
         let (step, normal) = step(problem, &at, rows, weights, freedom);
         let size = step.amax();
@@ -69,11 +58,7 @@ pub fn fit(
         last = size;
         state = state.stepped(&problem.unknowns, &step);
     }
-    Err(Error::data(
-        Kind::NotConverged,
-        "the identification does not converge",
-        "check joint senses, units and the nominal geometry; a wrong sign of one joint is enough",
-    ))
+    damped(problem, rows, weights, start, freedom)
 }
 
 /// The next step in units, and the normal equations it comes from. Normal

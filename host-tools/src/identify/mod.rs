@@ -5,6 +5,7 @@
 
 pub mod accumulate;
 mod conditions;
+mod damped;
 pub mod error_bars;
 pub mod estimate;
 mod figures;
@@ -116,6 +117,8 @@ pub fn identify(
         rule: options.rule.name(),
         robot,
         problem: &problem,
+        rigid: &problem,
+        curves: Vec::new(),
         nominal,
         found,
         held_out,

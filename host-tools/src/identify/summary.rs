@@ -10,7 +10,7 @@ use super::problem::link_corrections;
 use super::uncertainty::{factor, of_arm};
 use super::{Identification, Problem, RowResult, Scaling, State, redundancy, registration, robust};
 use crate::model::arm::chain;
-use crate::model::{Model, Provenance, Robot};
+use crate::model::{ErrorCurve, Model, Provenance, Robot};
 use crate::observations::Residual;
 use crate::statistics::{Stats, robust_distance_scale};
 use crate::units::to_mm;
@@ -23,10 +23,14 @@ pub struct Findings<'a> {
     pub robot: &'a Robot,
     /// The data, with as many terms as the estimate has.
     pub problem: &'a Problem<'a>,
+    /// The same without error curves.
+    pub rigid: &'a Problem<'a>,
     /// Base and tool registered with nominal links.
     pub nominal: State,
     /// The estimate.
     pub found: Estimate,
+    /// Error curves that the problem's rows were predicted with.
+    pub curves: Vec<ErrorCurve>,
     /// Held-out residuals of every row.
     pub held_out: Vec<Option<Residual>>,
     /// The same from folds that are blocks in time.
@@ -107,7 +111,7 @@ impl Findings<'_> {
     }
 
     fn row_results(&self) -> Vec<RowResult> {
-        let before = self.problem.linearise(&self.nominal);
+        let before = self.rigid.linearise(&self.nominal);
         let after = self.problem.linearise(&self.found.fit.state);
         let flagged: Vec<usize> = self.found.robust.outliers.iter().map(|o| o.row).collect();
         (0..self.problem.data.rows.len())
@@ -140,7 +144,7 @@ impl Findings<'_> {
             uncertainties: uncertainties.collect(),
             covered: data.covered().into_iter().map(Some).collect(),
             terms: state.terms.clone(),
-            curves: Vec::new(),
+            curves: self.curves.clone(),
             stations: stations.collect(),
             markers: markers.collect(),
             frame_translation: frame.translation,

@@ -1,3 +1,4 @@
+use truearm_host::diagnose::CURVE;
 use truearm_host::diagnose::policy::POLICY;
 use truearm_host::diagnose::{Alternative, Effect, Outcome, Verdict};
 use truearm_host::effects::OUTLIERS;
@@ -92,7 +93,8 @@ fn alternative(a: &Alternative, r: &Outcome) -> String {
     let coupled =
         |name: &str| truearm::effects::Effect::from_name(name).is_some_and(|e| e.is_coupled());
     let mut own: Vec<(&str, Vec<usize>)> = Vec::new();
-    for e in r.effects.iter().chain(&r.suspected).filter(|e| e.name != OUTLIERS) {
+    for e in r.effects.iter().chain(&r.suspected).filter(|e| e.name != OUTLIERS && e.name != CURVE)
+    {
         match e.joints.len() {
             0 | 1 => own.push((e.name, e.joints.clone())),
             _ if coupled(e.name) => own.push((e.name, e.joints.clone())),

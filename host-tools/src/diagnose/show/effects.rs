@@ -1,11 +1,11 @@
 use truearm::JointKind;
 use truearm::effects::ActsOn;
 
-use super::gap::stage_name;
+use super::gap::{CURVE, stage_name};
 use crate::diagnose::node::{Node, crowded};
 use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
 use crate::diagnose::policy::POLICY;
-use crate::diagnose::weigh::Named;
+use crate::diagnose::weigh::{Curved, Weighed};
 use crate::effects::OUTLIERS;
 use crate::identify::Findings;
 use crate::identify::robust::Outlier;
@@ -19,17 +19,17 @@ pub fn effects(
     findings: &Findings,
     gap: &[GapRow],
     best: &Node,
-    names: &[Named],
+    weighed: &Weighed,
 ) -> (Vec<Effect>, Vec<Effect>) {
     let sigmas = findings.sigmas();
     let kinds: Vec<JointKind> = findings.problem.nominal.iter().map(|link| link.kind).collect();
     let first = findings.problem.unknowns.terms().start;
-    let (mut named, mut suspected) = (Vec::new(), Vec::new());
+    let (mut named, mut suspected) = curves(weighed, gap);
     for row in gap {
         let of = |t: &ModelTerm| row.model == stage_name(t.effect_name());
         for (i, term) in best.fit.fit.state.terms.iter().enumerate().filter(|(_, t)| of(t)) {
             let (name, joints) = (term.effect_name(), term.joints());
-            let claim = names.iter().find(|n| n.name == name && n.joints == joints);
+            let claim = weighed.names.iter().find(|n| n.name == name && n.joints == joints);
             let sure = claim.is_some_and(|c| c.probability >= POLICY.named && c.replicated);
             let effect = Effect {
                 name,
@@ -49,6 +49,47 @@ pub fn effects(
         named.push(gross_rows(findings));
     }
     (named, suspected)
+}
+
+/// Error curves, one entry of all joints that surely have one, one of the others:
+/// RMS over a turn and standard deviation of each.
+fn curves(weighed: &Weighed, gap: &[GapRow]) -> (Vec<Effect>, Vec<Effect>) {
+    let stage = stage_name(CURVE);
+    let row = gap.iter().find(|row| row.model == stage);
+    let sure =
+        |c: &&Curved| probability(c) >= POLICY.named && c.half_gain.iter().all(|gain| *gain > 0.0);
+    let entry = |which: bool| {
+        let own = weighed.curves.iter().filter(|c| sure(c) == which);
+        let own: Vec<&Curved> = own.collect();
+        let least = |of: fn(&Curved) -> f64| own.iter().map(|c| of(c)).fold(1.0, f64::min);
+        let effect = Effect {
+            name: CURVE,
+            joints: own.iter().map(|c| usize::from(c.table.joint()) + 1).collect(),
+            order: None,
+            coefficients: own.iter().map(|c| curve_size(c)).collect(),
+            probability: least(|c| probability(&c)),
+            half_gain: [least(|c| c.half_gain[0]), least(|c| c.half_gain[1])],
+            holdout_gain: row.map_or(0.0, |row| gain(gap, row)),
+        };
+        (!own.is_empty()).then_some(effect).into_iter().collect()
+    };
+    (entry(true), entry(false))
+}
+
+fn probability(curve: &&Curved) -> f64 {
+    1.0 / (1.0 + (-curve.log_odds).exp())
+}
+
+fn curve_size(curve: &Curved) -> Coefficient {
+    Coefficient {
+        joint: Some(usize::from(curve.table.joint()) + 1),
+        part: "RMS",
+        value: curve.table.size()[1],
+        unit: "rad",
+        sigma: curve.table.band(),
+        friction_nm: None,
+        friction_n: None,
+    }
 }
 
 /// Fall of the error of held-out poses from the stage before a row to the row.

@@ -5,13 +5,14 @@ use crate::diagnose::candidates::Candidate;
 use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::outcome::GapRow;
 use crate::diagnose::question::Question;
+use crate::diagnose::weigh::Stage;
 use crate::error::{Error, Label, Result};
 use crate::evaluate::residuals;
 use crate::identify::estimate::without_parts;
 use crate::identify::folds::Fold;
 use crate::identify::robust::robust_fit_near;
-use crate::identify::{Conditions, State};
-use crate::model::{Measurements, Robot};
+use crate::identify::{Conditions, Problem, State};
+use crate::model::{ErrorCurve, Measurements, Robot};
 use crate::observations::Residual;
 use crate::statistics::{Stats, own_evidence};
 
@@ -20,6 +21,10 @@ use crate::statistics::{Stats, own_evidence};
 pub struct Show<'a> {
     /// What was asked.
     pub question: &'a Question<'a>,
+    /// The same without error curves.
+    pub rigid: &'a Problem<'a>,
+    /// The curves.
+    pub tables: &'a [ErrorCurve],
     /// A file that nothing was fitted to.
     pub holdout: Option<&'a Measurements>,
     /// The nominal arm.
@@ -33,7 +38,7 @@ impl Show<'_> {
     /// # Errors
     /// When a fold's fit does not converge.
     pub fn held_out(&self, node: &Node, folds: &[Fold]) -> Result<HeldOut> {
-        let problem = self.question.problem.with_terms(node.fit.fit.state.terms.len());
+        let problem = self.rigid.with_terms(node.fit.fit.state.terms.len());
         let flags = self.question.flags;
         let starts = without_parts(&problem, &node.fit, folds, flags.lambda);
         let judged = folds.par_iter().zip(&starts).map(|(fold, start)| {
@@ -56,22 +61,9 @@ impl Show<'_> {
     /// # Errors
     /// A hold-out file of unknown stations, or a fit that does not converge.
     pub fn gap(&self, nominal: &State, stages: &[Node]) -> Result<Vec<GapRow>> {
-        let data = self.question.problem.data;
-        let last = &stages[stages.len() - 1];
-        let flagged: Vec<usize> = last.fit.outliers.iter().map(|o| o.row).collect();
-        let train = |state: &State| {
-            let all = residuals(data, &self.question.problem.conditions, state);
-            rms((0..all.len()).filter(|i| !flagged.contains(i)).map(|i| all[i]))
-        };
-        let left_out = match self.holdout {
-            Some(holdout) => own_evidence(&self.on_holdout(holdout, &last.fit.fit.state)?),
-            None => Vec::new(),
-        };
-        let held = |state: &State| -> Result<Option<f64>> {
-            let Some(holdout) = self.holdout else { return Ok(None) };
-            let all = self.on_holdout(holdout, state)?;
-            Ok(Some(rms((0..all.len()).filter(|i| !left_out.contains(i)).map(|i| all[i]))))
-        };
+        let figures = Figures::of(self, &stages[stages.len() - 1])?;
+        let train = |state: &State| figures.train(self, self.rigid, state);
+        let held = |state: &State| figures.held(self, &[], state);
         let mut rows = vec![GapRow {
             model: "nominal".to_owned(),
             train_rms_mm: train(nominal),
@@ -83,12 +75,11 @@ impl Show<'_> {
                 |c: &&Candidate| k > 0 && stages[k - 1].added.iter().any(|a| a.name() == c.name());
             let new = node.added.iter().find(|c| !known(c)).map(|c| c.name());
             let state = &node.fit.fit.state;
-            let cross: Vec<_> = self.held_out(node, self.question.folds)?;
-            let kept = (0..cross.len()).filter(|i| !flagged.contains(i)).filter_map(|i| cross[i]);
+            let cross = figures.rms_of_rows(&self.held_out(node, self.question.folds)?);
             rows.push(GapRow {
                 model: new.map_or("geometry".to_owned(), stage_name),
                 train_rms_mm: train(state),
-                cross_validated_rms_mm: Some(rms(kept)),
+                cross_validated_rms_mm: Some(cross),
                 holdout_rms_mm: held(state)?,
             });
         }
@@ -105,13 +96,16 @@ impl Show<'_> {
         root: &Node,
         mut best: Node,
         nominal: &State,
-    ) -> Result<(Node, Vec<GapRow>)> {
+    ) -> Result<Shown> {
         loop {
             let stages = stages(self.question, root, &best)?;
             let gap = self.gap(nominal, &stages)?;
             let held = |k: usize| gap[k + 1].cross_validated_rms_mm.unwrap_or(f64::INFINITY);
             let useless = (1..stages.len()).rev().find(|k| held(*k) >= held(k - 1));
-            let Some(k) = useless else { return Ok((best, gap)) };
+            let Some(k) = useless else {
+                let held_out = self.held_out(&best, self.question.folds)?;
+                return Ok(Shown { best, gap, held_out });
+            };
             let before = |c: &&Candidate| {
                 let same = |a: &Candidate| a.name() == c.name();
                 stages[k - 1].added.iter().any(same) || !stages[k].added.iter().any(same)
@@ -121,8 +115,59 @@ impl Show<'_> {
         }
     }
 
+    /// The gap table of a model with error curves: curves first, then what stands
+    /// beside them, each stage held out in its folds curves and all. An effect that
+    /// does not lower the error of held-out poses is dropped.
+    ///
+    /// # Errors
+    /// As for [`Self::gap`].
+    pub fn beside_curves(
+        &self,
+        root: &Node,
+        mut best: Node,
+        nominal: &State,
+        stages: &[Stage],
+    ) -> Result<Shown> {
+        let figures = Figures::of(self, &best)?;
+        let mut gap = self.gap(nominal, std::slice::from_ref(root))?;
+        let mut held_out = HeldOut::new();
+        let mut useless: Vec<&'static str> = Vec::new();
+        let mut names: Vec<&'static str> = Vec::new();
+        for stage in stages {
+            let cross = figures.rms_of_rows(&stage.held_out);
+            let last = gap.last().and_then(|row| row.cross_validated_rms_mm);
+            let new = stage.names.last().copied();
+            if let Some(name) = new.filter(|_| last.is_some_and(|last| cross >= last)) {
+                useless.push(name);
+                continue;
+            }
+            names.extend(new);
+            let own = |c: &&Candidate| names.contains(&c.name());
+            let added = best.added.iter().filter(own).cloned().collect();
+            let node = fitted(self.question, added, &best.fit.fit.state)?;
+            gap.push(GapRow {
+                model: stage_name(new.unwrap_or(CURVE)),
+                train_rms_mm: figures.train(self, self.question.problem, &node.fit.fit.state),
+                cross_validated_rms_mm: Some(cross),
+                holdout_rms_mm: figures.held(self, self.tables, &node.fit.fit.state)?,
+            });
+            held_out.clone_from(&stage.held_out);
+        }
+        if !useless.is_empty() {
+            let own = |c: &&Candidate| !useless.contains(&c.name());
+            let added = best.added.iter().filter(own).cloned().collect();
+            best = fitted(self.question, added, &best.fit.fit.state)?;
+        }
+        Ok(Shown { best, gap, held_out })
+    }
+
     /// Residuals of a hold-out file in the frames of the training.
-    fn on_holdout(&self, holdout: &Measurements, state: &State) -> Result<Vec<Residual>> {
+    fn on_holdout(
+        &self,
+        holdout: &Measurements,
+        tables: &[ErrorCurve],
+        state: &State,
+    ) -> Result<Vec<Residual>> {
         let data = self.question.problem.data;
         let place = |known: &[String], label: &String, what: Label| {
             known.iter().position(|l| l == label).ok_or_else(|| unknown_label(holdout, what, label))
@@ -136,7 +181,8 @@ impl Show<'_> {
             markers.push(state.markers[place(&data.markers, label, Label::Marker)?]);
         }
         let state = State { bases, markers, ..state.clone() };
-        Ok(residuals(holdout, &Conditions::new(holdout, self.robot), &state))
+        let conditions = Conditions::new(holdout, self.robot).with_curves(holdout, tables);
+        Ok(residuals(holdout, &conditions, &state))
     }
 }
 
@@ -145,6 +191,55 @@ impl Show<'_> {
 pub fn stage_name(effect: &str) -> String {
     format!("+ {effect}")
 }
+
+/// Which rows count in a gap table.
+struct Figures {
+    /// Rows of the training that are flagged.
+    flagged: Vec<usize>,
+    /// Rows of the hold-out file that stand out from the final model.
+    left_out: Vec<usize>,
+}
+
+impl Figures {
+    fn of(show: &Show, last: &Node) -> Result<Self> {
+        let flagged = last.fit.outliers.iter().map(|o| o.row).collect();
+        let left_out = match show.holdout {
+            Some(holdout) => {
+                own_evidence(&show.on_holdout(holdout, show.tables, &last.fit.fit.state)?)
+            }
+            None => Vec::new(),
+        };
+        Ok(Self { flagged, left_out })
+    }
+
+    fn rms_of_rows(&self, rows: &[Option<Residual>]) -> f64 {
+        rms((0..rows.len()).filter(|i| !self.flagged.contains(i)).filter_map(|i| rows[i]))
+    }
+
+    fn train(&self, show: &Show, problem: &Problem, state: &State) -> f64 {
+        let all = residuals(show.question.problem.data, &problem.conditions, state);
+        rms((0..all.len()).filter(|i| !self.flagged.contains(i)).map(|i| all[i]))
+    }
+
+    fn held(&self, show: &Show, tables: &[ErrorCurve], state: &State) -> Result<Option<f64>> {
+        let Some(holdout) = show.holdout else { return Ok(None) };
+        let all = show.on_holdout(holdout, tables, state)?;
+        Ok(Some(rms((0..all.len()).filter(|i| !self.left_out.contains(i)).map(|i| all[i]))))
+    }
+}
+
+/// The final model and what shows it.
+pub struct Shown {
+    /// The model.
+    pub best: Node,
+    /// From nominal to it.
+    pub gap: Vec<GapRow>,
+    /// Its held-out residuals.
+    pub held_out: HeldOut,
+}
+
+/// Name of error curves in reports.
+pub const CURVE: &str = "joint-error-curve";
 
 fn rms(residuals: impl Iterator<Item = Residual>) -> f64 {
     Stats::of(&residuals.collect::<Vec<_>>()).map_or(0.0, |s| s.rms_mm)

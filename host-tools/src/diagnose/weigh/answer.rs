@@ -3,6 +3,7 @@
 use super::nameless::Nameless;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::node::Node;
+use crate::model::ErrorCurve;
 use crate::observations::Residual;
 
 /// A name at a place, and what speaks for it.
@@ -36,4 +37,30 @@ pub struct Weighed {
     pub scale: f64,
     /// Held-out residuals, everything decided anew in each fold.
     pub nested: Vec<Option<Residual>>,
+    /// Error curves of joints, and what each is worth.
+    pub curves: Vec<Curved>,
+    /// Where there are curves: the way from curves alone to the best model.
+    pub stages: Vec<Stage>,
+}
+
+/// An error curve of a joint.
+#[derive(Debug, Clone)]
+pub struct Curved {
+    /// As it is flashed.
+    pub table: ErrorCurve,
+    /// Length of its covariance, rad.
+    pub length: f64,
+    /// Log evidence lost without it, its prior odds included.
+    pub log_odds: f64,
+    /// As of [`Named`].
+    pub half_gain: [f64; 2],
+}
+
+/// A model on the way, its coefficients fitted anew without each fold.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// Effects that the stage has beside the curves.
+    pub names: Vec<&'static str>,
+    /// Held-out residuals.
+    pub held_out: Vec<Option<Residual>>,
 }

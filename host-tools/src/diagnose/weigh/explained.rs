@@ -2,13 +2,15 @@
 
 use nalgebra::DVector;
 
-use super::possible::Possible;
-use super::sheet::{Sheet, Solution, columns_of};
+use super::possible::{Possible, columns_of};
+use super::sheet::{Sheet, Solution};
 use crate::diagnose::question::Question;
-use crate::evidence::{Coefficient, Effort, Explanation, Gram, Subsets};
+use crate::evidence::{Coefficient, Effort, Explanation, Geometry, Gram, Subsets};
 
 /// How far the search goes: arms with random-like gear curves take many lines.
 pub const EFFORT: Effort = Effort { beam: 4, branches: 6, of_a_name: 2, members: 40, detours: 240 };
+/// The same at first: with a dozen members it may be that joints err by a curve.
+pub const FIRST: Effort = Effort { members: 12, ..EFFORT };
 /// The same without a fold, where only what is predicted counts and not which
 /// of two look-alikes does it.
 pub const FOLD: Effort = Effort { beam: 1, branches: 3, of_a_name: 2, members: 40, detours: 40 };
@@ -29,14 +31,38 @@ pub struct Explained<'s, 'a> {
     pub precision: &'s DVector<f64>,
 }
 
+/// Sums over some rows, ready for any members.
+pub struct Part {
+    gram: Gram,
+    geometry: Geometry,
+    subsets: Subsets,
+}
+
 impl Explained<'_, '_> {
-    fn spread(&self, gram: &Gram, scale: f64, of: Vec<(usize, Vec<f64>)>) -> Solution {
+    /// Sums at a noise scale.
+    #[must_use]
+    pub fn part(&self, gram: Gram, scale: f64) -> Part {
+        let geometry = gram.geometry(self.precision, scale);
+        let entries = self.possible.iter().map(|p| p.entry.clone()).collect();
+        let subsets = Subsets::new(gram.project(&geometry), entries);
+        Part { gram, geometry, subsets }
+    }
+
+    /// The most probable model's coefficients as those of all columns.
+    #[must_use]
+    pub fn solution(&self, gram: &Gram, geometry: &Geometry, found: &Explanation) -> Solution {
+        let each = found.best.members.iter().zip(&found.coefficients);
+        let values = each.map(|(m, c)| (*m, c.iter().map(|c| c.value).collect()));
+        self.spread(gram, geometry, values.collect())
+    }
+
+    fn spread(&self, gram: &Gram, geometry: &Geometry, of: Vec<(usize, Vec<f64>)>) -> Solution {
         let mut columns = DVector::zeros(columns_of(self.possible));
         for (member, values) in of {
             let first: usize = columns_of(&self.possible[..member]);
             values.iter().enumerate().for_each(|(k, value)| columns[first + k] = *value);
         }
-        self.sheet.solved(gram, self.precision, scale, columns)
+        Solution { geometry: geometry.mean(gram, &columns), columns }
     }
 
     /// Members refitted to some rows, their prior sizes as they are in the whole:
@@ -45,26 +71,22 @@ impl Explained<'_, '_> {
     #[must_use]
     pub fn refitted(
         &self,
-        gram: &Gram,
+        part: &Part,
         found: &Explanation,
         members: &[usize],
     ) -> (Vec<Vec<Coefficient>>, Solution) {
-        let projected = gram.project(&gram.geometry(self.precision, found.scale));
-        let entries = self.possible.iter().map(|p| p.entry.clone()).collect();
-        let subsets = Subsets::new(projected, entries);
         let size = |m: &usize| {
             let place = found.best.members.iter().position(|own| own == m);
             place.map_or(USUAL_SIZE, |k| found.best.sizes[k])
         };
         let sizes: Vec<usize> = members.iter().map(size).collect();
-        let subset = subsets.at_sizes(members, &sizes);
-        let coefficients = subsets.coefficients(&subset);
+        let subset = part.subsets.at_sizes(members, &sizes);
+        let coefficients = part.subsets.coefficients(&subset);
         let values = members
             .iter()
             .zip(&coefficients)
             .map(|(m, c)| (*m, c.iter().map(|c| c.value).collect()))
             .collect();
-        let solution = self.spread(gram, found.scale, values);
-        (coefficients, solution)
+        (coefficients, self.spread(&part.gram, &part.geometry, values))
     }
 }

@@ -1,11 +1,32 @@
 //! Whether a claim survives in the data's other half: coefficients of both
 //! halves agree, and what one half says helps to predict the other.
 
-use super::explained::Explained;
+use super::explained::{Explained, Part};
 use super::parts::{Parts, joined};
 use crate::diagnose::chi_square::chi_square;
 use crate::diagnose::policy::POLICY;
 use crate::evidence::{Claim, Explanation, Gram};
+
+/// Half of the rows.
+pub struct Half {
+    /// Their sums.
+    pub part: Part,
+    /// Which they are.
+    pub rows: Vec<usize>,
+}
+
+/// Both halves at random, and both in time.
+#[must_use]
+pub fn all(of: &Explained, scale: f64, parts: &Parts, grams: &[Gram]) -> [[Half; 2]; 2] {
+    let half = |kind: usize, h: usize| {
+        let own = (0..grams.len()).filter(|p| parts.half[*p][kind] == h);
+        let rows = own.clone().flat_map(|p| parts.rows[p].clone()).collect();
+        let unknowns = grams.first().map_or([0; 2], |g| [g.unknowns(), g.columns()]);
+        let sum = joined(own.map(|p| &grams[p]), unknowns);
+        Half { part: of.part(sum, scale), rows }
+    };
+    [0, 1].map(|kind| [0, 1].map(|h| half(kind, h)))
+}
 
 /// Fall of the error of each half by the claim fitted to the other one, at
 /// random halves; and whether halves at random and in time agree.
@@ -13,8 +34,7 @@ pub fn of_claim(
     of: &Explained,
     claim: Claim,
     found: &Explanation,
-    parts: &Parts,
-    grams: &[Gram],
+    halves: &[[Half; 2]; 2],
 ) -> ([f64; 2], bool) {
     let holds = |m: &usize| Claim::from(&of.possible[*m].entry) == claim;
     // The most probable model with the claim.
@@ -23,20 +43,15 @@ pub fn of_claim(
     let without: Vec<usize> = members.iter().copied().filter(|m| !holds(m)).collect();
     let mut gains = [[0.0; 2]; 2];
     let mut agree = true;
-    for kind in 0..2 {
-        let half = |h: usize| {
-            let of = (0..grams.len()).filter(move |p| parts.half[*p][kind] == h);
-            (joined(of.clone().map(|p| &grams[p])), of.flat_map(|p| parts.rows[p].clone()))
-        };
-        let halves = [half(0), half(1)].map(|(gram, rows)| (gram, rows.collect::<Vec<usize>>()));
-        if halves.iter().any(|h| h.1.is_empty()) {
+    for (kind, halves) in halves.iter().enumerate() {
+        if halves.iter().any(|half| half.rows.is_empty()) {
             return ([0.0; 2], false);
         }
         let mut coefficients = Vec::new();
         for h in 0..2 {
-            let (gram, other) = (&halves[h].0, &halves[1 - h].1);
-            let (own, solution) = of.refitted(gram, found, members);
-            let (_, bare) = of.refitted(gram, found, &without);
+            let (part, other) = (&halves[h].part, &halves[1 - h].rows);
+            let (own, solution) = of.refitted(part, found, members);
+            let (_, bare) = of.refitted(part, found, &without);
             let rms = |s| {
                 let left = of.sheet.left(other, s);
                 left.iter().map(|(_, r)| r.norm().powi(2)).sum::<f64>().sqrt()

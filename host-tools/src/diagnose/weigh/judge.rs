@@ -26,6 +26,7 @@ pub fn answer(
     let entries: Vec<_> = of.possible.iter().map(|p| p.entry.clone()).collect();
     let nested = nested(of, &entries, parts, grams);
     let claims = found.posterior.claims();
+    let halves = halves::all(of, found.scale, parts, grams);
     let mut names = Vec::new();
     let mut nameless: Vec<(Nameless, f64)> = Vec::new();
     for (claim, probability) in claims {
@@ -36,7 +37,7 @@ pub fn answer(
         match of.possible.iter().find(claimed).map(|p| &p.what) {
             Some(What::Nameless(what)) => nameless.push((*what, probability)),
             Some(What::Effect(candidate)) => {
-                let (half_gain, replicated) = halves::of_claim(of, claim, found, parts, grams);
+                let (half_gain, replicated) = halves::of_claim(of, claim, found, &halves);
                 names.push(Named {
                     name: candidate.name(),
                     joints: candidate.joints(),
@@ -49,7 +50,16 @@ pub fn answer(
         }
     }
     names.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-    Weighed { best, names, nameless, rivals: rivals(of, found), scale: found.scale, nested }
+    Weighed {
+        best,
+        names,
+        nameless,
+        rivals: rivals(of, found),
+        scale: found.scale,
+        nested,
+        curves: Vec::new(),
+        stages: Vec::new(),
+    }
 }
 
 /// Residuals of every row, predicted with all decided without its fold; the
@@ -62,12 +72,12 @@ fn nested(
 ) -> Vec<Option<Residual>> {
     let predicted = of.q.folds.par_iter().enumerate().map(|(k, fold)| {
         let others = (0..grams.len()).filter(|p| parts.fold[*p] != k).map(|p| &grams[p]);
-        let gram = joined(others);
+        let gram = joined(others, of.sheet.size());
         let own = explain(&gram, of.precision, entries, FOLD, None);
         // What has no name is not in a model either.
         let named = |m: &usize| matches!(of.possible[*m].what, What::Effect(_));
         let members: Vec<usize> = own.best.members.iter().copied().filter(named).collect();
-        let (_, solution) = of.refitted(&gram, &own, &members);
+        let (_, solution) = of.refitted(&of.part(gram, own.scale), &own, &members);
         of.sheet.left(&fold.held_out, &solution)
     });
     let mut nested = vec![None; of.q.problem.data.rows.len()];

@@ -2,6 +2,9 @@
 //! so far, weighing every candidate by its evidence, and fitting what was found.
 
 mod answer;
+mod chosen;
+mod curved;
+mod curves;
 mod explained;
 mod halves;
 mod judge;
@@ -14,15 +17,19 @@ mod sheet;
 pub mod slips;
 mod weights;
 
+use std::sync::Arc;
+
 use super::candidates::Candidate;
 use super::node::{Node, fitted};
 use super::policy::POLICY;
 use super::question::Question;
 use crate::error::Result;
-use crate::evidence::{Known, explain};
-use crate::identify::State;
-pub use answer::{Named, Weighed};
-use explained::{EFFORT, Explained};
+use crate::evidence::{Effort, Explanation, Known, explain};
+use crate::identify::{Problem, State};
+use crate::model::ErrorCurve;
+pub use answer::{Curved, Named, Stage, Weighed};
+use curves::Curve;
+use explained::{EFFORT, Explained, FIRST};
 use lines::Held;
 pub use nameless::Nameless;
 use parts::{Parts, joined};
@@ -33,34 +40,86 @@ pub use sheet::Weights;
 /// Rounds of linearising and weighing.
 const ROUNDS: usize = 4;
 
-/// Weighs everything, from a fit of geometry.
+/// Weighs everything, from a fit of geometry: first without error curves; where
+/// joints turn out to have some, again from nothing beside them.
 ///
 /// # Errors
 /// When a fit does not converge.
-pub fn weigh(question: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> {
-    let q = question;
-    let mut node = root.clone();
-    let mut held: Vec<Held> = Vec::new();
-    let mut scale = 0.0;
-    let mut weights = weights::after(q.problem, &node);
+pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> {
+    let start = Start { node: root.clone(), curves: Vec::new(), tables: Vec::new(), scale: 0.0 };
+    let plain = search(q, start, FIRST, progress)?;
+    let curves = plain.curves_wanted(q, q.problem);
+    if curves.is_empty() {
+        let found = match plain.found.best.members.len() < FIRST.members {
+            true => plain,
+            // It went as far as it was let: farther.
+            false => search(q, plain.again(), EFFORT, progress)?,
+        };
+        return found.judged(q);
+    }
+    let start = Start { node: root.clone(), curves, tables: Vec::new(), scale: plain.found.scale };
+    let first = search(q, start, FIRST, progress)?;
+    // At the noise that is left now, lengths and sizes are told better.
+    let bent = with_curves(q.problem, &first.tables);
+    let curves = first.curves_wanted(q, &bent);
+    let again = Start { curves, ..first.again() };
+    search(q, again, EFFORT, progress)?.judged(q)
+}
+
+/// Where a search begins.
+struct Start {
+    node: Node,
+    curves: Vec<Curve>,
+    tables: Vec<ErrorCurve>,
+    /// Noise over the stated sigma, 0 where it is not known yet.
+    scale: f64,
+}
+
+/// Where it ends: what was weighed in the last round, and the fit of what it found.
+struct Searched {
+    best: Node,
+    curves: Vec<Curve>,
+    tables: Vec<ErrorCurve>,
+    /// State and tables that it was weighed at.
+    state: State,
+    held: Vec<ErrorCurve>,
+    rows: Vec<usize>,
+    possible: Vec<Possible>,
+    weights: Weights,
+    found: Explanation,
+}
+
+/// A problem whose joints err by these curves.
+#[must_use]
+pub fn with_curves<'a>(problem: &Problem<'a>, tables: &[ErrorCurve]) -> Problem<'a> {
+    if tables.is_empty() {
+        return problem.clone();
+    }
+    let conditions = (*problem.conditions).clone().with_curves(problem.data, tables);
+    Problem { conditions: Arc::new(conditions), ..problem.clone() }
+}
+
+/// Rounds of linearising, weighing and fitting until nothing changes.
+fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Result<Searched> {
+    let Start { mut node, curves, mut tables, mut scale } = start;
     let lambda = q.flags.lambda;
+    let mut held = lines_of(&node.added);
     let mut refused: Vec<Candidate> = Vec::new();
     let mut round = 0;
     loop {
         round += 1;
-        let state = node.fit.fit.state.clone();
-        let rows = node.fit.kept.clone();
-        let mut numbers = Numbers::default();
-        let possible = candidates(q, &state, &rows, &weights, (lambda, scale), &held, &mut numbers);
-        let possible: Vec<Possible> = possible.into_iter().filter(|p| !p.is(&refused)).collect();
-        let sheet = Sheet::new(q.problem, &state, &possible, &weights);
+        let problem = with_curves(q.problem, &tables);
+        let asked = Question { problem: &problem, ..*q };
+        let (state, rows) = (node.fit.fit.state.clone(), node.fit.kept.clone());
+        let weights = weights::after(&problem, &node);
+        let mut possible = candidates(&asked, &state, &rows, &weights, (lambda, scale), &held);
+        possible.retain(|p| !p.is(&refused) && !p.is_within(&curves));
+        let sheet = Sheet::new(&problem, &state, &possible, &weights, &curves);
         let precision = sheet.precision(lambda);
-        let parts = Parts::new(q, &rows);
-        let grams = sheet.grams(&parts.rows);
-        let whole = joined(grams.iter());
+        let whole = sheet.gram(&rows);
         let entries: Vec<_> = possible.iter().map(|p| p.entry.clone()).collect();
-        let known = (round > 1).then(|| Known { members: members_of(&possible, &node), scale });
-        let found = explain(&whole, &precision, &entries, EFFORT, known.as_ref());
+        let known = (scale > 0.0).then(|| Known { members: members_of(&possible, &node), scale });
+        let found = explain(&whole, &precision, &entries, effort, known.as_ref());
         progress();
         scale = found.scale;
         let members: Vec<&Candidate> = listed(&possible, &found.best.members);
@@ -68,21 +127,84 @@ pub fn weigh(question: &Question, root: &Node, progress: &dyn Fn()) -> Result<We
             && members.iter().all(|m| node.added.iter().any(|a| a.terms == m.terms));
         let added: Vec<Candidate> = members.into_iter().cloned().collect();
         held = lines_of(&added);
-        if same || round == ROUNDS {
-            let all = Explained { q, possible: &possible, sheet: &sheet, precision: &precision };
-            let within = judge::within(&all, &whole, &found);
-            let best =
-                if same && within.len() == added.len() { node } else { fitted(q, within, &state)? };
-            return Ok(judge::answer(&all, best, &found, &parts, &grams));
+        let geometry = whole.geometry(&precision, scale);
+        let explained = Explained { q, possible: &possible, sheet: &sheet, precision: &precision };
+        let solution = explained.solution(&whole, &geometry, &found);
+        let before = std::mem::replace(&mut tables, sheet.tables(&solution, &geometry));
+        let problem = with_curves(q.problem, &tables);
+        let bent = Question { problem: &problem, ..*q };
+        if !(same && curves.is_empty()) {
+            node = fitted(&bent, added, &state)?;
         }
-        node = fitted(q, added, &state)?;
         let bad = node.implausible();
         if !bad.is_empty() && round < ROUNDS {
             let kept = node.added.iter().filter(|c| !bad.contains(c)).cloned().collect();
             refused.extend(bad);
-            node = fitted(q, kept, &state)?;
+            node = fitted(&bent, kept, &state)?;
+        } else if same || round == ROUNDS {
+            let curves = curves.clone();
+            drop(sheet);
+            return Ok(Searched {
+                best: node,
+                curves,
+                tables,
+                state,
+                held: before,
+                rows,
+                possible,
+                weights,
+                found,
+            });
         }
-        weights = weights::after(q.problem, &node);
+    }
+}
+
+impl Searched {
+    /// A new search from here.
+    fn again(&self) -> Start {
+        Start {
+            node: self.best.clone(),
+            curves: self.curves.clone(),
+            tables: self.tables.clone(),
+            scale: self.found.scale,
+        }
+    }
+
+    /// Joints that have an error curve beside what was found.
+    fn curves_wanted(&self, q: &Question, problem: &Problem) -> Vec<Curve> {
+        let members = self.found.best.members.iter();
+        let members: Vec<Possible> = members.map(|m| self.possible[*m].clone()).collect();
+        let (state, rows) = (&self.best.fit.fit.state, &self.best.fit.kept);
+        let noise = (q.flags.lambda, self.found.scale);
+        chosen::chosen(problem, state, rows, &members, &self.weights, noise)
+    }
+
+    /// The answer.
+    fn judged(self, q: &Question) -> Result<Weighed> {
+        let problem = with_curves(q.problem, &self.held);
+        let asked = Question { problem: &problem, ..*q };
+        let sheet = Sheet::new(&problem, &self.state, &self.possible, &self.weights, &self.curves);
+        let precision = sheet.precision(q.flags.lambda);
+        let parts = Parts::new(&asked, &self.rows);
+        let grams = sheet.grams(&parts.rows);
+        let whole = joined(grams.iter(), sheet.size());
+        let all =
+            Explained { q: &asked, possible: &self.possible, sheet: &sheet, precision: &precision };
+        let within = judge::within(&all, &whole, &self.found);
+        let best = match within.len() == self.best.added.len() {
+            true => self.best,
+            false => {
+                let problem = with_curves(q.problem, &self.tables);
+                fitted(&Question { problem: &problem, ..*q }, within, &self.state)?
+            }
+        };
+        let mut answer = judge::answer(&all, best, &self.found, &parts, &grams);
+        if !self.curves.is_empty() {
+            let from = curved::From { all: &all, found: &self.found, parts: &parts, grams: &grams };
+            answer.curves = curved::worth(&from, &self.curves, self.tables);
+            answer.stages = curved::stages(&from);
+        }
+        Ok(answer)
     }
 }
 
@@ -94,13 +216,13 @@ fn candidates(
     weights: &Weights,
     noise: (f64, f64),
     held: &[Held],
-    numbers: &mut Numbers,
 ) -> Vec<Possible> {
+    let mut numbers = Numbers::default();
     let mut out: Vec<Possible> =
         q.offered.iter().map(|candidate| numbers.offered(candidate.clone())).collect();
     let columns = scan::joints(q.problem, state, rows, weights, noise);
-    out.extend(lines::offered(state, &columns, q.highest_order, held, numbers));
-    out.extend(slips::offered(q.problem, rows, &columns, numbers));
+    out.extend(lines::offered(state, &columns, q.highest_order, held, &mut numbers));
+    out.extend(slips::offered(q.problem, rows, &columns, &mut numbers));
     let joints = revolute(q.problem);
     for (nameless, tried) in Nameless::all(q.problem, &joints, POLICY.wobbles) {
         out.push(numbers.nameless(nameless, tried));

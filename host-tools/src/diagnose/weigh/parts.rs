@@ -53,11 +53,10 @@ impl Parts {
     }
 }
 
-/// The sum of the sums of some parts.
+/// The sum of the sums of some parts, of so many unknowns and columns.
 #[must_use]
-pub fn joined<'g>(grams: impl Iterator<Item = &'g Gram>) -> Gram {
-    let mut grams = grams;
-    let mut sum = grams.next().cloned().unwrap_or_else(|| Gram::new(0, 0));
+pub fn joined<'g>(grams: impl Iterator<Item = &'g Gram>, [unknowns, columns]: [usize; 2]) -> Gram {
+    let mut sum = Gram::new(unknowns, columns);
     grams.for_each(|gram| sum.join(gram));
     sum
 }

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 use truearm::JointKind;
 
+use super::curves::Curve;
 use super::nameless::Nameless;
 use crate::diagnose::candidates::Candidate;
 use crate::evidence::lines::Line;
@@ -46,6 +47,19 @@ impl Possible {
     #[must_use]
     pub fn is(&self, these: &[Candidate]) -> bool {
         matches!(&self.what, What::Effect(own) if these.iter().any(|c| c.terms == own.terms))
+    }
+
+    /// Whether it does what a curve of its joint does: an eccentricity, or a line
+    /// within the curve's orders.
+    #[must_use]
+    pub fn is_within(&self, curves: &[Curve]) -> bool {
+        let What::Effect(candidate) = &self.what else { return false };
+        let orders: Vec<f64> =
+            candidate.terms.iter().map(|t| t.order().unwrap_or(f64::INFINITY)).collect();
+        curves.iter().any(|curve| {
+            candidate.joints() == [curve.joint + 1]
+                && orders.iter().all(|order| *order <= curve.orders() as f64)
+        })
     }
 
     /// Its terms with coefficient zero, `None` for each column that is no term.
@@ -199,4 +213,10 @@ pub fn listed<'p>(possible: &'p [Possible], members: &[usize]) -> Vec<&'p Candid
         What::Nameless(_) => None,
     };
     members.iter().filter_map(of).collect()
+}
+
+/// Columns of all candidates together.
+#[must_use]
+pub fn columns_of(possible: &[Possible]) -> usize {
+    possible.iter().map(Possible::count).sum()
 }

@@ -18,7 +18,7 @@ pub fn joints(
     weights: &Weights,
     (lambda, scale): (f64, f64),
 ) -> Vec<(usize, JointColumn)> {
-    let bare = Sheet::new(problem, state, &[], weights);
+    let bare = Sheet::new(problem, state, &[], weights, &[]);
     let gram = bare.gram(rows);
     let precision = bare.precision(lambda);
     let scale = if scale > 0.0 { scale } else { gram.scale_of_geometry(&precision) };

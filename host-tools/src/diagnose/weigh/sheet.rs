@@ -4,13 +4,14 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
-use super::possible::Possible;
+use super::curves::{self, Curve};
+use super::possible::{Possible, columns_of};
 use crate::diagnose::policy::POLICY;
 use crate::evidence::poses::{whiten, within};
 use crate::evidence::{self, Gram};
 use crate::identify::{Linearised, Problem, State};
-use crate::model::Values;
 use crate::model::arm::Derivatives;
+use crate::model::{ErrorCurve, Values};
 use crate::observations::Residual;
 
 /// Equations given to a Gram matrix at a time.
@@ -34,6 +35,9 @@ pub struct Sheet<'a> {
     /// Coefficient of every column in the state.
     held: DVector<f64>,
     weights: &'a Weights,
+    curves: &'a [Curve],
+    /// Curves are candidates of their own, behind the others, instead of geometry.
+    apart: bool,
 }
 
 /// Coefficients of candidates and of geometry that go together.
@@ -41,7 +45,7 @@ pub struct Sheet<'a> {
 pub struct Solution {
     /// Of every candidate's columns.
     pub columns: DVector<f64>,
-    /// Of geometry, counted from nominal, in units.
+    /// Of geometry, counted from nominal, in units, then of the curves, rad.
     pub geometry: DVector<f64>,
 }
 
@@ -54,6 +58,7 @@ impl<'a> Sheet<'a> {
         state: &State,
         possible: &'a [Possible],
         weights: &'a Weights,
+        curves: &'a [Curve],
     ) -> Self {
         let columns = possible.iter().flat_map(Possible::coefficients_zero);
         let held = columns.map(|term| {
@@ -71,7 +76,20 @@ impl<'a> Sheet<'a> {
             problem,
             possible,
             weights,
+            curves,
+            apart: false,
         }
+    }
+
+    /// The same with the columns of its curves behind those of the candidates.
+    #[must_use]
+    pub fn with_curves_apart(self) -> Self {
+        Self { apart: true, ..self }
+    }
+
+    /// Unknowns of geometry without curves.
+    fn unknowns(&self) -> usize {
+        self.problem.unknowns.list().len()
     }
 
     /// Diagonal of geometry's prior: tolerances of links, 10 m of a base, 1 m of
@@ -87,7 +105,11 @@ impl<'a> Sheet<'a> {
                 _ => (unit / POLICY.base_prior).powi(2),
             }
         };
-        DVector::from_iterator(unknowns.list().len(), unknowns.list().iter().enumerate().map(of))
+        let rigid = unknowns.list().iter().enumerate().map(of);
+        let curves = self.curves.iter().filter(|_| !self.apart);
+        let curves = curves.flat_map(|c| c.prior.variances()).map(|v| 1.0 / v);
+        let all: Vec<f64> = rigid.chain(curves).collect();
+        DVector::from_vec(all)
     }
 
     /// Sums over the rows of each part.
@@ -99,19 +121,14 @@ impl<'a> Sheet<'a> {
     /// Sums over rows.
     #[must_use]
     pub fn gram(&self, rows: &[usize]) -> Gram {
-        let p = self.problem.unknowns.list().len();
-        let mut gram = Gram::new(p, self.held.len());
+        let [p, k] = self.size();
+        let mut gram = Gram::new(p, k);
         let mut waiting: Vec<DMatrix<f64>> = Vec::new();
         let mut equations = 0;
         let add = |gram: &mut Gram, waiting: &mut Vec<DMatrix<f64>>| {
-            let all = stacked(waiting, p + self.held.len() + 1);
-            let columns = p + self.held.len();
-            let y = all.column(columns).into_owned();
-            gram.add(
-                &all.columns(0, p).into_owned(),
-                &all.columns(p, self.held.len()).into_owned(),
-                &y,
-            );
+            let all = stacked(waiting, p + k + 1);
+            let y = all.column(p + k).into_owned();
+            gram.add(&all.columns(0, p).into_owned(), &all.columns(p, k).into_owned(), &y);
             waiting.clear();
         };
         for readings in self.readings(rows) {
@@ -144,22 +161,13 @@ impl<'a> Sheet<'a> {
     /// `[G, Z, y]` of the readings of a pose, weighted and whitened; how many of
     /// its equations repeat others, and what they scatter about their mean.
     fn block(&self, readings: &[usize]) -> (DMatrix<f64>, (usize, f64)) {
-        let k = self.held.len();
         let mut parts = Vec::new();
         let mut residual: Vec<f64> = Vec::new();
         for index in readings {
-            let e = self.at.equations_beside(*index, &|i, d| self.beside(i, d));
-            let (m, p) = (e.block.nrows(), e.block.ncols() - k);
             let weight = self.weights.rows[*index].sqrt();
-            let mut part = DMatrix::zeros(m, p + k + 1);
-            part.columns_mut(0, p + k).copy_from(&e.block);
-            let own = e.block.columns(p, k) * &self.held;
-            for c in 0..m {
-                part[(c, p + k)] = e.rhs[c] + own[c];
-            }
-            part *= weight;
-            residual.extend(e.scaled_residual().iter().map(|r| r * weight));
-            parts.push(part);
+            let (part, own) = self.part(*index);
+            residual.extend(own.iter().map(|r| r * weight));
+            parts.push(part * weight);
         }
         let width = parts[0].ncols();
         let mut block = stacked(&parts, width);
@@ -169,22 +177,83 @@ impl<'a> Sheet<'a> {
         (block, within(left.as_slice(), readings.len()))
     }
 
+    /// `[G, Z, y]` of a row, its curves where they belong, and its residual.
+    fn part(&self, index: usize) -> (DMatrix<f64>, Values) {
+        let e = self.at.equations_beside(index, &|i, d| {
+            let mut all = self.of_joints(d);
+            all.extend(self.beside(i, d));
+            all
+        });
+        let (p, k, c) = (self.unknowns(), self.held.len(), self.curves.len());
+        let curves = curves::columns(self.curves);
+        let (candidates, mut at) = if self.apart { (p, p + k) } else { (p + curves, p) };
+        let mut part = DMatrix::zeros(e.block.nrows(), p + k + curves + 1);
+        part.columns_mut(0, p).copy_from(&e.block.columns(0, p));
+        part.columns_mut(candidates, k).copy_from(&e.block.columns(p + c, k));
+        let mut y = e.block.columns(p + c, k) * &self.held;
+        let row = &self.problem.data.rows[index];
+        for (i, curve) in self.curves.iter().enumerate() {
+            let column = e.block.column(p + i);
+            for value in curve.basis(row.q[curve.joint]) {
+                part.set_column(at, &(column * value));
+                at += 1;
+            }
+            y += column * self.bent(index, curve);
+        }
+        for component in 0..y.len() {
+            part[(component, p + k + curves)] = e.rhs[component] + y[component];
+        }
+        (part, e.scaled_residual())
+    }
+
+    /// What a curve does in the state, rad.
+    fn bent(&self, index: usize, curve: &Curve) -> f64 {
+        let curves = &self.problem.conditions.rows[index].curves;
+        curves.get(curve.joint).copied().unwrap_or(0.0)
+    }
+
+    /// Columns of the joints that have a curve.
+    fn of_joints(&self, d: &Derivatives) -> Vec<Vector3<f64>> {
+        let of = |c: &Curve| *d.links[c.joint].joint(self.problem.nominal[c.joint].kind);
+        self.curves.iter().map(of).collect()
+    }
+
+    /// Unknowns of geometry, curves among them, and columns of candidates.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        let curves = curves::columns(self.curves);
+        match self.apart {
+            true => [self.unknowns(), self.held.len() + curves],
+            false => [self.unknowns() + curves, self.held.len()],
+        }
+    }
+
+    /// Where the columns of a curve stand in geometry.
+    #[must_use]
+    pub fn columns_of_curve(&self, k: usize) -> std::ops::Range<usize> {
+        let first = self.unknowns() + curves::columns(&self.curves[..k]);
+        first..first + 2 * self.curves[k].orders()
+    }
+
+    /// The functions of a solution as tables.
+    #[must_use]
+    pub fn tables(&self, solution: &Solution, geometry: &evidence::Geometry) -> Vec<ErrorCurve> {
+        let mut first = self.unknowns();
+        let mut out = Vec::new();
+        for curve in self.curves {
+            let count = 2 * curve.orders();
+            let own = solution.geometry.rows(first, count).into_owned();
+            let rows = self.problem.data.rows.iter().map(|row| row.q[curve.joint]);
+            let band = curves::band(curve, rows, geometry, first);
+            out.extend(curve.table(own.as_slice(), band));
+            first += count;
+        }
+        out
+    }
+
     fn beside(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
         let of = |possible: &Possible| possible.columns(self.problem, index, d, &self.bases);
         self.possible.iter().flat_map(of).collect()
-    }
-
-    /// What geometry is when candidates have these coefficients.
-    #[must_use]
-    pub fn solved(
-        &self,
-        gram: &Gram,
-        precision: &DVector<f64>,
-        scale: f64,
-        columns: DVector<f64>,
-    ) -> Solution {
-        let geometry = gram.geometry(precision, scale).mean(gram, &columns);
-        Solution { columns, geometry }
     }
 
     /// Measured minus predicted of rows, SI.
@@ -206,14 +275,23 @@ impl<'a> Sheet<'a> {
                         .map(|(c, column)| column * (self.held[c] - solution.columns[c]));
                     (first + count, sum + more.sum::<Vector3<f64>>())
                 });
-                vec![sum.1]
+                let mut all = self.of_joints(d);
+                all.push(sum.1);
+                all
             };
             let e = self.at.equations_beside(*index, &used);
-            let p = e.block.ncols() - 1;
-            let imitated = e.block.columns(0, p) * &solution.geometry;
-            let values = Values::from_fn(e.rhs.len(), |c| {
-                (e.rhs[c] + e.block[(c, p)] - imitated[c]) * e.scale[c]
-            });
+            let p = self.unknowns();
+            let mut imitated = e.block.columns(0, p) * solution.geometry.rows(0, p);
+            imitated -= e.block.column(p + self.curves.len());
+            let mut first = p;
+            for (i, curve) in self.curves.iter().enumerate() {
+                let basis = curve.basis(self.problem.data.rows[*index].q[curve.joint]);
+                let own = solution.geometry.rows(first, basis.len());
+                let value: f64 = basis.iter().zip(own.iter()).map(|(b, c)| b * c).sum();
+                imitated += e.block.column(p + i) * (value - self.bent(*index, curve));
+                first += basis.len();
+            }
+            let values = Values::from_fn(e.rhs.len(), |c| (e.rhs[c] - imitated[c]) * e.scale[c]);
             (*index, e.residual.with(values))
         };
         rows.par_iter().map(left).collect()
@@ -252,11 +330,6 @@ impl<'a> Sheet<'a> {
             imitated: geometry.whiten(&imitated),
         }
     }
-}
-
-/// Columns of all candidates together.
-pub fn columns_of(possible: &[Possible]) -> usize {
-    possible.iter().map(Possible::count).sum()
 }
 
 fn stacked(parts: &[DMatrix<f64>], width: usize) -> DMatrix<f64> {

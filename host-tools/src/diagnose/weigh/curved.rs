@@ -1,0 +1,113 @@
+//! What error curves are worth, and the way from them to the best model.
+
+use nalgebra::DVector;
+
+use super::answer::{Curved, Stage};
+use super::curves::Curve;
+use super::explained::{Explained, Part};
+use super::parts::{Parts, joined};
+use super::possible::What;
+use crate::evidence::{Explanation, Gram, prior};
+use crate::model::ErrorCurve;
+use crate::observations::Residual;
+
+/// What was found, and the sums it was found from.
+pub struct From<'s, 'a> {
+    /// The linearised data.
+    pub all: &'s Explained<'s, 'a>,
+    /// What was found.
+    pub found: &'s Explanation,
+    /// Rows by fold and half.
+    pub parts: &'s Parts,
+    /// Their sums.
+    pub grams: &'s [Gram],
+}
+
+/// Each curve with its worth: the fall of the cost that geometry and the curve
+/// have to explain the same, and of the error of either half.
+#[must_use]
+pub fn worth(from: &From, curves: &[Curve], tables: Vec<ErrorCurve>) -> Vec<Curved> {
+    let (all, scale) = (from.all, from.found.scale);
+    let whole = joined(from.grams.iter(), all.sheet.size());
+    let geometry = whole.geometry(all.precision, scale);
+    let solution = all.solution(&whole, &geometry, from.found);
+    let out = tables.into_iter().filter_map(|table| {
+        let k = curves.iter().position(|c| c.joint == usize::from(table.joint()))?;
+        let half_gain = [0, 1].map(|half| gain(from, k, half));
+        let columns = all.sheet.columns_of_curve(k);
+        let evidence = geometry.worth(all.precision, &solution.geometry, columns);
+        let log_odds = evidence + prior::log_odds(all.q.problem.nominal.len(), 1);
+        Some(Curved { table, length: curves[k].prior.length, log_odds, half_gain })
+    });
+    out.collect()
+}
+
+/// Fall of the error of one random half by a curve fitted to the other one.
+fn gain(from: &From, k: usize, half: usize) -> f64 {
+    let of = |h: usize| (0..from.grams.len()).filter(move |p| from.parts.half[*p][0] == h);
+    let rows: Vec<usize> = of(half).flat_map(|p| from.parts.rows[p].clone()).collect();
+    let rms = |precision: &DVector<f64>| {
+        let all = Explained { precision, ..*from.all };
+        let sum = joined(of(1 - half).map(|p| &from.grams[p]), all.sheet.size());
+        let part = all.part(sum, from.found.scale);
+        let (_, solution) = all.refitted(&part, from.found, &from.found.best.members);
+        let left = all.sheet.left(&rows, &solution);
+        left.iter().map(|(_, r)| r.norm().powi(2)).sum::<f64>().sqrt()
+    };
+    // A curve that is held at nothing.
+    let mut without = from.all.precision.clone();
+    let columns = from.all.sheet.columns_of_curve(k);
+    without.rows_mut(columns.start, columns.len()).fill(HELD);
+    1.0 - rms(from.all.precision) / rms(&without).max(f64::MIN_POSITIVE)
+}
+
+/// Precision that holds a coefficient at nothing, 1 / rad^2.
+const HELD: f64 = 1e24;
+
+/// Curves alone, then one effect after the other, the largest first.
+#[must_use]
+pub fn stages(from: &From) -> Vec<Stage> {
+    let members = &from.found.best.members;
+    let name = |m: &usize| match &from.all.possible[*m].what {
+        What::Effect(candidate) => Some(candidate.name()),
+        What::Nameless(_) => None,
+    };
+    let mut sizes: Vec<(&'static str, f64)> = Vec::new();
+    for (m, floors) in members.iter().zip(&from.found.floors) {
+        let Some(name) = name(m) else { continue };
+        match sizes.iter_mut().find(|s| s.0 == name) {
+            Some(known) => known.1 = known.1.hypot(*floors),
+            None => sizes.push((name, *floors)),
+        }
+    }
+    sizes.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let q = from.all.q;
+    let folds: Vec<Part> = (0..q.folds.len())
+        .map(|k| {
+            let others = (0..from.grams.len()).filter(|p| from.parts.fold[*p] != k);
+            let sum = joined(others.map(|p| &from.grams[p]), from.all.sheet.size());
+            from.all.part(sum, from.found.scale)
+        })
+        .collect();
+    (0..=sizes.len())
+        .map(|count| {
+            let names: Vec<&'static str> = sizes[..count].iter().map(|s| s.0).collect();
+            let own = members.iter().copied();
+            let own: Vec<usize> =
+                own.filter(|m| name(m).is_some_and(|n| names.contains(&n))).collect();
+            Stage { held_out: held_out(from, &folds, &own), names }
+        })
+        .collect()
+}
+
+/// Every row predicted without its fold, with these members.
+fn held_out(from: &From, folds: &[Part], members: &[usize]) -> Vec<Option<Residual>> {
+    let mut out = vec![None; from.all.q.problem.data.rows.len()];
+    for (part, fold) in folds.iter().zip(from.all.q.folds) {
+        let (_, solution) = from.all.refitted(part, from.found, members);
+        for (row, left) in from.all.sheet.left(&fold.held_out, &solution) {
+            out[row] = Some(left);
+        }
+    }
+    out
+}

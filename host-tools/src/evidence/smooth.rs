@@ -1,0 +1,182 @@
+//! Smooth periodic functions of an angle: how smooth and how large they are is
+//! chosen by the evidence.
+//!
+//! A function with a squared-exponential covariance of length l over a turn is
+//! a Fourier series whose coefficients are independent, of variance
+//! `size^2 w_n`, `w_n` in proportion to `exp(-(n l)^2 / 2)` (Rasmussen and Williams, Gaussian
+//! Processes for Machine Learning, 4.2 and appendix B). With S and t what the
+//! rest of the model leaves of the columns, `D` the prior deviations and
+//! `B = I + D S D`, the evidence is that of [`super::Subsets`].
+
+use nalgebra::{DMatrix, DVector};
+
+use super::gram::Projected;
+use super::noise::Noise;
+
+/// Lengths of the covariance, rad: 2.5 degrees and longer. Shorter ones do not fit a table
+/// of 256 nodes.
+pub const LENGTHS: [f64; 5] = [0.0436, 0.0698, 0.1117, 0.1787, 0.2859];
+/// Standard deviations of a function, rad: those of arms are 0.1 to 0.5 mrad.
+pub const SIZES: [f64; 7] = [2e-5, 4e-5, 8e-5, 1.6e-4, 3.2e-4, 6.4e-4, 1.28e-3];
+/// Orders whose variance is below this share of the first one's are left out.
+const CUT: f64 = 1e-4;
+/// Times that each function is chosen again, the others as they are.
+const SWEEPS: usize = 3;
+/// Precision of columns that are only beside, as a share of their own square.
+const BESIDE: f64 = 1e-6;
+
+/// A prior of a function.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prior {
+    /// Length of its covariance, rad.
+    pub length: f64,
+    /// Its standard deviation, rad.
+    pub size: f64,
+}
+
+/// Orders of a function of this length.
+#[must_use]
+pub fn orders(length: f64) -> usize {
+    ((-2.0 * CUT.ln()).sqrt() / length).floor().max(1.0) as usize
+}
+
+impl Prior {
+    /// Variance of cosine and sine of each order, 1, 1, 2, 2, ...
+    #[must_use]
+    pub fn variances(&self) -> Vec<f64> {
+        let weight = |n: usize| (-(n as f64 * self.length).powi(2) / 2.0).exp();
+        let orders = orders(self.length);
+        let all: f64 = (1..=orders).map(weight).sum();
+        let square = self.size * self.size / all;
+        (1..=orders).flat_map(|n| [square * weight(n); 2]).collect()
+    }
+}
+
+/// Values of cosine and sine of so many orders at an angle.
+#[must_use]
+pub fn basis(orders: usize, angle: f64) -> Vec<f64> {
+    (1..=orders)
+        .flat_map(|n| {
+            let (sin, cos) = (n as f64 * angle).sin_cos();
+            [cos, sin]
+        })
+        .collect()
+}
+
+/// Which of several functions the data hold, and their priors: columns of each
+/// in turn, `orders` cosines and sines each, behind `beside` columns that are in
+/// the model whatever comes. `log_odds` is the price of a function.
+#[must_use]
+pub fn choose(
+    projected: &Projected,
+    beside: usize,
+    orders: usize,
+    log_odds: f64,
+) -> Vec<Option<Prior>> {
+    let functions = (projected.b.len() - beside) / (2 * orders);
+    let noise = Noise::new(projected.equations, projected.repeats, projected.geometry);
+    let mut chosen: Vec<Option<Prior>> = vec![None; functions];
+    for _ in 0..SWEEPS {
+        let before = chosen.clone();
+        for k in 0..functions {
+            let first = beside + 2 * orders * k;
+            let rest = Rest::new(projected, beside, orders, &chosen, k);
+            let (s, t) = rest.leave(projected, first, 2 * orders);
+            let known = rest.explained;
+            let nothing = noise.log_evidence(projected.s - known);
+            let mut best = (nothing, None);
+            for length in LENGTHS {
+                for size in SIZES {
+                    let prior = Prior { length, size };
+                    if self::orders(length) > orders {
+                        continue;
+                    }
+                    let (det, more) = explained(&s, &t, &prior.variances());
+                    let evidence =
+                        log_odds - 0.5 * det + noise.log_evidence(projected.s - known - more);
+                    if evidence > best.0 {
+                        best = (evidence, Some(prior));
+                    }
+                }
+            }
+            chosen[k] = best.1;
+        }
+        if chosen == before {
+            break;
+        }
+    }
+    chosen
+}
+
+/// `log |B|` and what a function of these variances explains.
+fn explained(s: &DMatrix<f64>, t: &DVector<f64>, variances: &[f64]) -> (f64, f64) {
+    let n = variances.len().min(t.len());
+    let d: Vec<f64> = variances[..n].iter().map(|v| v.sqrt()).collect();
+    let mut b = DMatrix::from_fn(n, n, |i, j| d[i] * s[(i, j)] * d[j]);
+    (0..n).for_each(|i| b[(i, i)] += 1.0);
+    let Some(factor) = b.cholesky() else { return (f64::INFINITY, 0.0) };
+    let l = factor.l_dirty();
+    let det = 2.0 * l.diagonal().iter().map(|x| x.ln()).sum::<f64>();
+    let right = DVector::from_fn(n, |i, _| d[i] * t[i]);
+    (det, l.solve_lower_triangular(&right).map_or(0.0, |v| v.norm_squared()))
+}
+
+/// The model without one function.
+struct Rest {
+    columns: Vec<usize>,
+    factor: Option<nalgebra::Cholesky<f64, nalgebra::Dyn>>,
+    right: DVector<f64>,
+    explained: f64,
+}
+
+impl Rest {
+    fn new(
+        projected: &Projected,
+        beside: usize,
+        orders: usize,
+        chosen: &[Option<Prior>],
+        without: usize,
+    ) -> Self {
+        let c = &projected.c;
+        let mut columns: Vec<usize> = (0..beside).collect();
+        let mut precision: Vec<f64> =
+            columns.iter().map(|k| (BESIDE * c[(*k, *k)]).max(f64::MIN_POSITIVE)).collect();
+        for (k, prior) in chosen.iter().enumerate().filter(|(k, _)| *k != without) {
+            let variances = prior.map_or(Vec::new(), |p| p.variances());
+            let first = beside + 2 * orders * k;
+            columns.extend(first..first + variances.len());
+            precision.extend(variances.iter().map(|v| 1.0 / v));
+        }
+        let n = columns.len();
+        let mut a = DMatrix::from_fn(n, n, |i, j| c[(columns[i], columns[j])]);
+        precision.iter().enumerate().for_each(|(i, p)| a[(i, i)] += p);
+        let b = DVector::from_fn(n, |i, _| projected.b[columns[i]]);
+        let factor = a.cholesky();
+        let right = factor.as_ref().and_then(|f| f.l_dirty().solve_lower_triangular(&b));
+        let right = right.unwrap_or_else(|| DVector::zeros(n));
+        Self { columns, factor, explained: right.norm_squared(), right }
+    }
+
+    /// What it leaves of so many columns: S and t.
+    fn leave(
+        &self,
+        projected: &Projected,
+        first: usize,
+        count: usize,
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        let mut s = projected.c.view((first, first), (count, count)).into_owned();
+        let mut t = projected.b.rows(first, count).into_owned();
+        let Some(factor) = &self.factor else { return (s, t) };
+        if self.columns.is_empty() {
+            return (s, t);
+        }
+        let mut w = DMatrix::from_fn(self.columns.len(), count, |i, j| {
+            projected.c[(self.columns[i], first + j)]
+        });
+        factor.l_dirty().solve_lower_triangular_mut(&mut w);
+        let wt = w.transpose();
+        s.gemm(-1.0, &wt, &w, 1.0);
+        t.gemv(-1.0, &wt, &self.right, 1.0);
+        (s, t)
+    }
+}
