@@ -167,7 +167,7 @@ proptest! {
         let rows = Rows::new(seed, 30, 3, &widths, &[(0, 0.6), (1, 0.7), (3, 1.5)]);
         let subsets = rows.subsets(1e-6);
         let all = Posterior::new(&enumerated(&subsets), &rows.candidates);
-        let search = search::Search::run(&subsets, Effort::default(), &[]);
+        let search = search::Search::run(&subsets, Effort::default(), &[Vec::new()]);
         let found = Posterior::new(search.masses(), &rows.candidates);
         same(&all, &found, widths.len(), 0.02);
     }

@@ -83,7 +83,7 @@ mod tests {
         let text = toml::to_string(&File { curves: to_file(&curves) }).unwrap();
         let [second, first] = curves;
         assert_eq!(read(&text), Ok(vec![first, second]));
-        assert!(text.contains("band_rad = 1.5e-5") && text.contains("step_rad = "), "{text}");
+        assert!(text.contains("band_rad = 0.000015") && text.contains("step_rad = "), "{text}");
     }
 
     #[test]

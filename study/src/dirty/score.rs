@@ -1,6 +1,6 @@
 //! What a diagnosis of a dirty set was worth.
 
-use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
+use truearm_host::diagnose::{CURVE, DiagnoseOptions, Outcome, Verdict, diagnose};
 use truearm_host::effects::OUTLIERS;
 use truearm_simulate::effects::Kind;
 
@@ -90,7 +90,8 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
         if out.iter().any(|c| c.place == place) {
             continue;
         }
-        let true_one = truths.iter().any(|t| t.place == place);
+        let is_curve = place.0 == CURVE && curve.as_ref() == Some(&place.1);
+        let true_one = is_curve || truths.iter().any(|t| t.place == place);
         let of_curve = curve.as_ref() == Some(&place.1)
             && ["joint-periodic-error", "encoder-eccentricity", "gear-transmission-error"]
                 .contains(&place.0.as_str());
