@@ -79,6 +79,10 @@ pub(super) fn check<'t>(
         }
         real(index, "step", curve.step(), MOST / MOST_STEPS)?;
         real(index, "band", curve.band(), MOST)?;
+        // Nodes that count for nothing: no writer has them.
+        if curve.step() == 0.0 && curve.nodes().any(|node| node != 0) {
+            return Err(flaw(index, "step", Flaw::Implausible));
+        }
         (rest, next, index) = (behind, joint.saturating_add(1), index.saturating_add(1));
     }
     Ok(Curves::of_checked(bytes))

@@ -180,3 +180,63 @@ impl Rest {
         (s, t)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::evidence::Gram;
+
+    fn normal(rng: &mut ChaCha8Rng) -> f64 {
+        (0..12).map(|_| rng.random_range(-0.5..0.5)).sum()
+    }
+
+    /// What is chosen for two functions of two angles, the first of this prior and
+    /// the second not there, seen in noise of 1e-4.
+    fn chosen(prior: Option<Prior>, seed: u64) -> Vec<Option<Prior>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let most = orders(LENGTHS[1]);
+        let truth: Vec<f64> = prior.map_or(Vec::new(), |p| {
+            p.variances().iter().map(|v| v.sqrt() * normal(&mut rng)).collect()
+        });
+        let (rows, noise) = (900, 1e-4);
+        let mut gram = Gram::new(1, 4 * most);
+        let z: Vec<Vec<f64>> = (0..rows)
+            .map(|_| (0..2).flat_map(|_| basis(most, rng.random_range(-3.0..3.0))).collect())
+            .collect();
+        let value = |row: &Vec<f64>| row.iter().zip(&truth).map(|(b, c)| b * c).sum::<f64>();
+        let y = DVector::from_fn(rows, |i, _| (1e-3 + value(&z[i])) / noise + normal(&mut rng));
+        let z = DMatrix::from_fn(rows, 4 * most, |i, j| z[i][j] / noise);
+        gram.add(&DMatrix::from_element(rows, 1, 1.0), &z, &y);
+        let projected = gram.project(&gram.geometry(&DVector::from_element(1, 1e-6), 1.0));
+        choose(&projected, 0, most, -4.0)
+    }
+
+    #[test]
+    fn variances_are_those_of_the_function() {
+        for length in LENGTHS {
+            let prior = Prior { length, size: 3e-4 };
+            let half: f64 = prior.variances().iter().sum::<f64>() / 2.0;
+            assert!((half.sqrt() / 3e-4 - 1.0).abs() < 1e-9);
+            assert_eq!(prior.variances().len(), 2 * orders(length));
+        }
+    }
+
+    #[test]
+    fn a_function_is_found_with_its_size_and_length_and_none_where_none_is() {
+        let mut wrong = 0;
+        for seed in 0..10 {
+            assert_eq!(chosen(None, seed), [None, None], "seed {seed}");
+            let truth = Prior { length: LENGTHS[1 + seed as usize % 3], size: 1.6e-4 };
+            let found = chosen(Some(truth), 100 + seed);
+            assert_eq!(found[1], None, "seed {seed}");
+            let first = found[0].expect("a function of 1.6 noise floors");
+            assert!((first.size / truth.size).ln().abs() < 1.0, "seed {seed}: {first:?}");
+            wrong += usize::from((first.length / truth.length).ln().abs() > 0.6);
+        }
+        assert!(wrong <= 1, "{wrong} of 10 lengths");
+    }
+}
