@@ -2,10 +2,11 @@
 //!
 //! Data flow one way: [`files`] -> [`model`] -> [`observations`] -> [`identify`] ->
 //! [`report`] and
-//! [`model::Model`] -> [`mod@evaluate`], [`blob`]. The kinematics are those of the
+//! [`model::Model`] -> [`mod@evaluate`], [`blob`], [`convert`], which also makes robot files. The kinematics are those of the
 //! [`truearm`] crate, the same code that runs on the controller.
 
 pub mod blob;
+pub mod convert;
 pub mod diagnose;
 pub mod effects;
 pub mod error;

@@ -64,6 +64,7 @@ fn reports_are_valid() {
         "identify robot.toml measurements.csv --validate measurements.csv --out .",
         "diagnose robot.toml measurements.csv",
         "evaluate model.toml measurements.csv",
+        "export model.toml",
         "compare robot.toml measurements.csv",
         &plan,
         "verify model.toml commanded.csv --before commanded.csv --tolerance-mm 100",

@@ -6,6 +6,7 @@ mod console;
 mod diagnose;
 mod diff;
 mod evaluate;
+mod export;
 mod identify;
 mod import;
 mod inspect;
@@ -14,6 +15,7 @@ mod own;
 mod pack;
 mod plan;
 mod progress;
+mod robot;
 mod unpack;
 mod verify;
 mod words;
@@ -50,6 +52,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Verb {
     Import(import::Import),
+    Robot(robot::MakeRobot),
     Identify(identify::Identify),
     Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
@@ -62,6 +65,7 @@ enum Verb {
     Verify(verify::Verify),
     Completions(completions::Completions),
     Man(man::Manual),
+    Export(export::Export),
 }
 
 /// Runs the verb of the command line; the exit status.
@@ -84,6 +88,7 @@ impl Cli {
     fn run(self) -> Result<Said> {
         match self.verb {
             Verb::Import(verb) => verb.run(),
+            Verb::Robot(verb) => verb.run(),
             Verb::Identify(verb) => verb.run(),
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
@@ -96,6 +101,7 @@ impl Cli {
             Verb::Verify(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(Self::command()),
             Verb::Man(verb) => verb.run(Self::command()),
+            Verb::Export(verb) => verb.run(),
         }
     }
 }

@@ -19,8 +19,12 @@ pub(super) fn digest(text: &str) -> String {
             entry.retain(|key, _| !FREE.contains(&key));
         }
     }
-    // FNV-1a: against accidents, not against forgers.
-    let hash = file.to_string().bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+    of_text(&file.to_string())
+}
+
+/// Of a text as it stands: FNV-1a, against accidents, not against forgers.
+pub(super) fn of_text(text: &str) -> String {
+    let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     });
     format!("{hash:016x}")

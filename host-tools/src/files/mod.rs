@@ -11,12 +11,17 @@ mod measurements;
 mod model;
 mod model_curves;
 mod model_terms;
+mod number;
 mod poses;
 mod robot;
+mod signed;
 mod source;
 
 pub use key::read_key;
+pub use number::number;
 pub use poses::poses_csv;
+pub use robot::RobotDraft;
+pub use signed::{Comment, overwritable, signed};
 
 use std::io::Write;
 use std::path::Path;

@@ -60,6 +60,19 @@ impl Placement {
         let turn = Rotation3::from_euler_angles(self.rpy.x, self.rpy.y, self.rpy.z);
         Pose { rotation: turn.into_inner(), translation: self.xyz }
     }
+
+    /// Of a transform; [`Placement::pose`] gives it back to rounding, also where
+    /// the middle turn is a quarter and the outer two are about one axis.
+    #[must_use]
+    pub fn of(pose: &Pose<f64>) -> Self {
+        let r = &pose.rotation;
+        let yaw = r[(1, 0)].atan2(r[(0, 0)]);
+        // Turned back by this yaw, the rest is Ry Rx however noisy the yaw was.
+        let (sin, cos) = yaw.sin_cos();
+        let roll = (sin * r[(0, 2)] - cos * r[(1, 2)]).atan2(cos * r[(1, 1)] - sin * r[(0, 1)]);
+        let pitch = (-r[(2, 0)]).atan2(cos * r[(0, 0)] + sin * r[(1, 0)]);
+        Self { xyz: pose.translation, rpy: Vector3::new(roll, pitch, yaw) }
+    }
 }
 
 /// A joint and the link before it.

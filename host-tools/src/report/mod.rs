@@ -7,6 +7,7 @@
 mod compare;
 mod diagnose;
 mod evaluate;
+mod export;
 mod identify;
 mod import;
 mod plan;
@@ -16,6 +17,7 @@ mod verify;
 pub use compare::CompareReport;
 pub use diagnose::DiagnoseReport;
 pub use evaluate::EvaluateReport;
+pub use export::{ExportFrame, ExportJoint, ExportLeftOut, ExportReport};
 pub use identify::IdentifyReport;
 pub use import::ImportReport;
 pub use plan::{PlanReport, SeparatedAlternative, SeparationReport};

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 
 use super::{
-    CompareReport, DiagnoseReport, EvaluateReport, IdentifyReport, ImportReport, PlanReport,
-    SeparationReport, VerifyReport,
+    CompareReport, DiagnoseReport, EvaluateReport, ExportReport, IdentifyReport, ImportReport,
+    PlanReport, SeparationReport, VerifyReport,
 };
 
 /// Name and text of every schema, as they stand in `docs/schemas`.
@@ -14,6 +14,7 @@ pub fn all() -> Vec<(&'static str, String)> {
         (IdentifyReport::SCHEMA, of::<IdentifyReport>()),
         (DiagnoseReport::SCHEMA, of::<DiagnoseReport>()),
         (EvaluateReport::SCHEMA, of::<EvaluateReport>()),
+        (ExportReport::SCHEMA, of::<ExportReport>()),
         (CompareReport::SCHEMA, of::<CompareReport>()),
         (ImportReport::SCHEMA, of::<ImportReport>()),
         (PlanReport::SCHEMA, of::<PlanReport>()),

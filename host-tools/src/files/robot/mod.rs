@@ -1,4 +1,5 @@
 mod check;
+mod draft;
 mod keys;
 mod meaning;
 mod sense;
@@ -13,6 +14,7 @@ use crate::error::Result;
 use crate::model::{Joint, LinkMass, Placement, Robot};
 use crate::units::{from_mm, joint_from_file};
 use check::Checker;
+pub use draft::RobotDraft;
 use keys::{JointFile, PlacementFile, RobotFile};
 use sense::Sense;
 
