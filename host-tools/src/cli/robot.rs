@@ -19,16 +19,16 @@ pub struct MakeRobot {
     #[command(flatten)]
     source: Source,
     /// First link of the chain; its frame is that of all coordinates
-    #[arg(long, value_name = "LINK", requires = "urdf")]
+    #[arg(long, value_name = "LINK", conflicts_with_all = ["dh", "preset", "list", "init"])]
     base_link: Option<String>,
     /// Last link of the chain; its origin is the target
-    #[arg(long, value_name = "LINK", requires = "urdf")]
+    #[arg(long, value_name = "LINK", conflicts_with_all = ["dh", "preset", "list", "init"])]
     tip_link: Option<String>,
     /// Unit of the table's lengths, if its titles do not tell
-    #[arg(long, requires = "dh")]
+    #[arg(long, conflicts_with_all = ["urdf", "preset", "list", "init"])]
     lengths: Option<Lengths>,
     /// Unit of the table's angles, if its titles do not tell
-    #[arg(long, requires = "dh")]
+    #[arg(long, conflicts_with_all = ["urdf", "preset", "list", "init"])]
     angles: Option<Angles>,
     /// Write it here instead of printing it
     #[arg(long, value_name = "FILE", conflicts_with = "list")]
