@@ -51,8 +51,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Verb {
-    Import(import::Import),
     Robot(robot::MakeRobot),
+    Import(import::Import),
     Identify(identify::Identify),
     Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
@@ -63,9 +63,9 @@ enum Verb {
     Unpack(unpack::Unpack),
     Plan(plan::Plan),
     Verify(verify::Verify),
+    Export(export::Export),
     Completions(completions::Completions),
     Man(man::Manual),
-    Export(export::Export),
 }
 
 /// Runs the verb of the command line; the exit status.
@@ -87,8 +87,8 @@ pub fn run() -> ExitCode {
 impl Cli {
     fn run(self) -> Result<Said> {
         match self.verb {
-            Verb::Import(verb) => verb.run(),
             Verb::Robot(verb) => verb.run(),
+            Verb::Import(verb) => verb.run(),
             Verb::Identify(verb) => verb.run(),
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
@@ -99,9 +99,9 @@ impl Cli {
             Verb::Unpack(verb) => verb.run(),
             Verb::Plan(verb) => verb.run(),
             Verb::Verify(verb) => verb.run(),
+            Verb::Export(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(Self::command()),
             Verb::Man(verb) => verb.run(Self::command()),
-            Verb::Export(verb) => verb.run(),
         }
     }
 }

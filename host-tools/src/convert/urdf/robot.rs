@@ -37,7 +37,7 @@ pub fn robot_of_urdf(path: &Path, ends: &Ends) -> Result<FromUrdf> {
     let document = Document::read(path)?;
     let chain = Serial::of(&document, ends)?;
     let described = chain.axes().describe(Convention::Hayati);
-    let (links, beside) = bodies(&document, &chain, &described.frames);
+    let (mut links, beside) = bodies(&document, &chain, &described.frames);
     let mut warnings = Vec::new();
     if !beside.is_empty() {
         let names = beside.join(", ");
@@ -46,7 +46,10 @@ pub fn robot_of_urdf(path: &Path, ends: &Ends) -> Result<FromUrdf> {
     let massless = links.iter().zip(&chain.joints).filter(|(link, _)| link.mass == 0.0);
     let massless: Vec<&str> = massless.map(|(_, joint)| joint.name.as_str()).collect();
     if !massless.is_empty() {
-        warnings.push(format!("no mass behind {}; [[links]] has 0 kg there", massless.join(", ")));
+        // A torque of part of the arm would be worse than none.
+        let names = massless.join(", ");
+        warnings.push(format!("no mass behind {names}: [[links]] is left out"));
+        links.clear();
     }
     let joints = chain.joints.iter().zip(&described.links).map(|(joint, link)| {
         (joint.name.clone(), Joint { link: *link, limits: joint.limits, gear_ratio: None })
