@@ -19,6 +19,7 @@ pub mod import;
 pub mod methods;
 pub mod model;
 pub mod observations;
+pub mod paths;
 pub mod plan;
 pub mod plot;
 pub mod report;

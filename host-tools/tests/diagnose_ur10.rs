@@ -6,8 +6,8 @@ use std::path::Path;
 use truearm::blob::Blob;
 use truearm::effects::MAX_TERMS;
 use truearm_host::blob::pack;
-use truearm_host::diagnose::{CURVE, DiagnoseOptions, Diagnosis, diagnose};
-use truearm_host::model::{JointTables, Measurements, Robot};
+use truearm_host::diagnose::{DiagnoseOptions, Diagnosis, diagnose};
+use truearm_host::model::{CURVE, JointTables, Measurements, Robot};
 
 fn series(name: &str) -> Diagnosis {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/ur10-ipa");

@@ -44,6 +44,7 @@ fn identified(robot: &Robot, seed: u64) -> Model {
         uncertainties: Vec::new(),
         covered: vec![Some([-1.5, 1.5]); n],
         terms: Vec::new(),
+        curves: Vec::new(),
         stations: Vec::new(),
         markers: vec![(String::new(), marker)],
         frame_translation,

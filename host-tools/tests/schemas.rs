@@ -57,6 +57,7 @@ fn reports_are_valid() {
     let rows = fs::read_to_string(folder.path().join("measurements.csv")).unwrap();
     let commanded = (1..=6).fold(rows, |t, j| t.replace(&format!("q{j}_"), &format!("cmd{j}_")));
     fs::write(folder.path().join("commanded.csv"), commanded).unwrap();
+    fs::write(folder.path().join("pose.csv"), "x_mm,y_mm,z_mm\n-400,-200,300\n").unwrap();
     let limits = ["-120:120"; 6].join(",");
     let plan = format!("plan robot.toml --poses 14 --candidates 100 --out p.csv --limits {limits}");
     let mut names: Vec<String> = [
@@ -68,6 +69,9 @@ fn reports_are_valid() {
         "compare robot.toml measurements.csv",
         &plan,
         "verify model.toml commanded.csv --before commanded.csv --tolerance-mm 100",
+        "fk model.toml measurements.csv --out fk.csv",
+        "ik model.toml pose.csv --out ik.csv",
+        "compensate model.toml measurements.csv --from joints --out told.csv",
     ]
     .map(|line| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));

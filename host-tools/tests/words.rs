@@ -124,6 +124,26 @@ fn verify() {
     verb("verify", "verify model.toml commanded.csv --tolerance-mm 0.5", &[]);
 }
 
+#[test]
+fn fk() {
+    verb("fk", "fk model.toml measurements.csv --out fk.csv", &[]);
+}
+
+#[test]
+fn compensate() {
+    let line = "compensate model.toml measurements.csv --from joints --out told.csv";
+    verb("compensate", line, &[]);
+}
+
+#[test]
+fn ik() {
+    let folder = folder();
+    fs::write(folder.path().join("poses.csv"), "x_mm,y_mm,z_mm\n-400,-200,300\n0,0,9000\n")
+        .unwrap();
+    let said = rounded(&says(&folder, "ik model.toml poses.csv --out ik.csv"));
+    insta::assert_snapshot!("ik", said);
+}
+
 /// What is wrong in a file is shown where it stands.
 #[test]
 fn errors() {

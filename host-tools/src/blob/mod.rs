@@ -13,4 +13,5 @@ pub use describe::describe;
 pub use diff::diff;
 pub use explain::explain;
 pub use pack::{PackOptions, notes, pack, pack_with};
+pub(crate) use pack::{arm_terms, parameters};
 pub use unpack::{Name, not_carried, unpack};

@@ -123,7 +123,7 @@ fn factor(model: &Model, terms: usize) -> Result<&[f32]> {
 }
 
 /// The terms that belong to the arm, in the order of the blob.
-fn arm_terms(model: &Model) -> impl Iterator<Item = Term<f64>> {
+pub(crate) fn arm_terms(model: &Model) -> impl Iterator<Item = Term<f64>> {
     model.terms.iter().filter_map(|term| match term {
         ModelTerm::Arm(term) => Some(*term),
         _ => None,
@@ -206,7 +206,8 @@ fn masses<const N: usize>(robot: &Robot) -> Option<Masses<f64, N>> {
     })
 }
 
-fn parameters<'t, const N: usize>(
+/// What a controller has to know of a model's arm, before any rounding.
+pub(crate) fn parameters<'t, const N: usize>(
     model: &Model,
     terms: heapless::Vec<Term<f64>, MAX_TERMS>,
     curves: Curves<'t>,

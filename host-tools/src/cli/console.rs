@@ -18,7 +18,8 @@ Exit status:
   0  done and good
   1  error
   2  wrong usage
-  3  found wrong: verify, an error beyond the tolerance
+  3  found wrong: verify, an error beyond the tolerance; ik and compensate, rows
+     that the arm does not reach or the model does not cover
   4  cannot be decided: verify, the tolerance is within the uncertainty";
 
 /// Whether nothing is said but errors: set once, before the verb runs.

@@ -1,13 +1,17 @@
 //! The command line: one file a subcommand, each a thin layer over the library.
 
+mod arm_file;
 mod compare;
+mod compensate;
 mod completions;
 mod console;
 mod diagnose;
 mod diff;
 mod evaluate;
 mod export;
+mod fk;
 mod identify;
+mod ik;
 mod import;
 mod inspect;
 mod man;
@@ -66,6 +70,9 @@ enum Verb {
     Export(export::Export),
     Completions(completions::Completions),
     Man(man::Manual),
+    Fk(fk::Fk),
+    Ik(ik::Ik),
+    Compensate(compensate::Compensate),
 }
 
 /// Runs the verb of the command line; the exit status.
@@ -102,6 +109,9 @@ impl Cli {
             Verb::Export(verb) => verb.run(),
             Verb::Completions(verb) => verb.run(Self::command()),
             Verb::Man(verb) => verb.run(Self::command()),
+            Verb::Fk(verb) => verb.run(),
+            Verb::Ik(verb) => verb.run(),
+            Verb::Compensate(verb) => verb.run(),
         }
     }
 }

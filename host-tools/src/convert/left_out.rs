@@ -8,7 +8,7 @@ use truearm::{Approach, Pose};
 
 use super::reach::{POSES, ranges};
 use crate::model::arm::{ArmMasses, RowInputs, chain};
-use crate::model::{Model, ModelTerm};
+use crate::model::{CURVE, JointTables, Model, ModelTerm};
 
 /// Temperatures drawn: so far from the reference temperature, K.
 pub const WARMTH: f64 = 10.0;
@@ -32,15 +32,22 @@ pub struct LeftOut {
 /// entry, with an empty name, is of all together. Empty without terms.
 #[must_use]
 pub fn left_out(model: &Model) -> Vec<LeftOut> {
-    let groups = groups(model);
-    if groups.is_empty() {
+    let mut groups = groups(model);
+    if groups.is_empty() && model.curves.is_empty() {
         return Vec::new();
+    }
+    if !model.curves.is_empty() {
+        let joints = model.curves.iter().map(|curve| usize::from(curve.joint()) + 1);
+        groups.push((CURVE, joints.collect(), Vec::new()));
     }
     let tool = model.markers.first().map_or(model.robot.tool, |(_, point)| *point);
     let arm = chain(&model.links(), Pose::identity(), tool);
     let states = states(model);
     let size = |(effect, joints, terms): &Group| {
+        let curved = *effect == CURVE || effect.is_empty();
         let moved = states.iter().map(|(q, inputs)| {
+            let bare = RowInputs { curves: Vec::new(), ..inputs.clone() };
+            let inputs = if curved { inputs } else { &bare };
             (arm.bent(q, terms, inputs).translation - arm.pose(q).translation).norm()
         });
         let moved: Vec<f64> = moved.collect();
@@ -82,6 +89,7 @@ fn states(model: &Model) -> Vec<(Vec<f64>, RowInputs)> {
         payload: robot.payload,
     });
     let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let tables = JointTables::new(&model.curves);
     let ranges = ranges(model);
     let state = |_| {
         let q: Vec<f64> = ranges.iter().map(|[low, high]| rng.random_range(*low..=*high)).collect();
@@ -90,7 +98,8 @@ fn states(model: &Model) -> Vec<(Vec<f64>, RowInputs)> {
         let side = |forward: bool| if forward { Approach::Positive } else { Approach::Negative };
         let approach = q.iter().map(|_| side(rng.random())).collect();
         let warmth = rng.random_range(-WARMTH..=WARMTH);
-        (q, RowInputs { torque, moment, approach, warmth })
+        let curves = tables.bend(&q);
+        (q, RowInputs { torque, moment, approach, warmth, curves })
     };
     (0..POSES).map(state).collect()
 }

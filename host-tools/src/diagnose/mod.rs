@@ -33,7 +33,6 @@ use crate::statistics::Stats;
 use node::Node;
 use policy::POLICY;
 use question::Question;
-pub use show::CURVE;
 use show::{HeldOut, Show};
 use weigh::{Weighed, weigh, with_curves};
 

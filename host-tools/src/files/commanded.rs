@@ -49,11 +49,11 @@ impl Commanded {
                  cmd_z_mm in the robot's frame",
             )),
             (_, false) => {
-                let data = Measurements::table(path, text, robot, Some("cmd"))?;
+                let data = Measurements::table(path, text, robot, (Some("cmd"), true))?;
                 Ok(Self { data, points: Vec::new() })
             }
             (false, true) => {
-                let mut data = Measurements::table(path, text, robot, None)?;
+                let mut data = Measurements::table(path, text, robot, (None, true))?;
                 let to_arm = robot.base.pose().inverse();
                 let points = points_of(&source, &header, &data)?;
                 let points: Vec<_> = points.iter().map(|p| to_arm.transform_point(p)).collect();

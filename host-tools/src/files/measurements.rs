@@ -27,17 +27,18 @@ impl Measurements {
     /// # Errors
     /// As for [`Measurements::read`].
     pub fn parse(path: &Path, text: &str, robot: &Robot) -> Result<Self> {
-        let mut data = Self::table(path, text, robot, Some("q"))?;
+        let mut data = Self::table(path, text, robot, (Some("q"), true))?;
         data.remark(robot);
         Ok(data)
     }
 
-    /// The rows of a file whose joint columns begin with `joints`.
+    /// The rows of a file: what its joint columns begin with, if it has any, and
+    /// whether it says what was measured.
     pub(super) fn table(
         path: &Path,
         text: &str,
         robot: &Robot,
-        joints: Option<&str>,
+        columns: (Option<&str>, bool),
     ) -> Result<Self> {
         let source = Source { path, text };
         source.refuse_toml()?;
@@ -47,7 +48,8 @@ impl Measurements {
             .from_reader(text.as_bytes());
         let headers = reader.headers().map_err(|e| unreadable(&source, &e))?;
         let names: Vec<String> = headers.iter().map(str::to_owned).collect();
-        let columns = Columns::find(source, &names, robot, joints)?;
+        let joints = columns.0;
+        let columns = Columns::find(source, &names, robot, columns)?;
         let (mut rows, mut labels) = (Vec::new(), Labels::default());
         for record in reader.records() {
             let record = record.map_err(|e| unreadable(&source, &e))?;
@@ -101,6 +103,13 @@ impl Measurements {
         if !self.extra_columns.is_empty() {
             warn(format!("columns kept without use: {}", self.extra_columns.join(", ")));
         }
+        self.remark_joints(robot);
+    }
+
+    /// Joint values that look wrong.
+    pub(super) fn remark_joints(&mut self, robot: &Robot) {
+        let mut warn =
+            |text: String| self.warnings.push(format!("{}: {text}", self.path.display()));
         let revolute = |j: usize| robot.joints[j].link.kind == JointKind::Revolute;
         let seven = 7_f64.to_radians();
         let mut angles = self.rows.iter().flat_map(|r| {

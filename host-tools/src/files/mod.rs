@@ -12,6 +12,7 @@ mod model;
 mod model_curves;
 mod model_terms;
 mod number;
+mod path;
 mod poses;
 mod robot;
 mod signed;
@@ -19,6 +20,7 @@ mod source;
 
 pub use key::read_key;
 pub use number::number;
+pub use path::Wanted;
 pub use poses::poses_csv;
 pub use robot::RobotDraft;
 pub use signed::{Comment, overwritable, signed};

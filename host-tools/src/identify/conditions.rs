@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use truearm::{Approach, Pose};
 
-use crate::model::arm::{ArmMasses, RowInputs, chain};
-use crate::model::{ErrorCurve, JointTables, Measurements, Model, Robot};
+use crate::model::arm::{ArmMasses, Kinematics, RowInputs, chain};
+use crate::model::{ErrorCurve, JointTables, Measurements, Model, Robot, Row};
 
 /// Inputs of every row, and which of them are known at all.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -23,11 +23,33 @@ pub struct Conditions {
     pub series: Vec<String>,
 }
 
-impl Conditions {
-    /// Of these measurements. Loads are those of the nominal arm: what the
-    /// corrections change of them is of second order.
+/// What terms and curves depend on: the state that a row tells, gravity at the
+/// masses of a robot, tables of its joints.
+pub struct Surroundings {
+    masses: Option<ArmMasses>,
+    arm: Box<dyn Kinematics>,
+    reference: f64,
+    curves: Option<JointTables>,
+}
+
+impl Surroundings {
+    /// Of a model's arm, with its curves.
     #[must_use]
-    pub fn new(data: &Measurements, robot: &Robot) -> Self {
+    pub fn of_model(model: &Model) -> Self {
+        let curves = (!model.curves.is_empty()).then(|| JointTables::new(&model.curves));
+        Self { curves, ..Self::new(&model.robot) }
+    }
+
+    /// Whether joints err by a curve.
+    #[must_use]
+    pub fn has_curves(&self) -> bool {
+        self.curves.is_some()
+    }
+
+    /// Of a robot. Loads are those of the nominal arm: what the corrections
+    /// change of them is of second order.
+    #[must_use]
+    pub fn new(robot: &Robot) -> Self {
         let masses = match robot.gravity {
             Some(gravity) if !robot.links.is_empty() => Some(ArmMasses {
                 gravity,
@@ -37,15 +59,29 @@ impl Conditions {
             _ => None,
         };
         let arm = chain(&robot.nominal(), Pose::identity(), Vector3::zeros());
-        let rows = data.rows.iter().map(|row| {
-            let payload = row.payload.unwrap_or(0.0);
-            let (torque, moment) =
-                masses.as_ref().map(|m| arm.load(m, &row.q, payload)).unwrap_or_default();
-            let warmth = row.temperature.map_or(0.0, |t| t - robot.reference_temperature);
-            let approach = row.directions.iter().map(|d| Approach::of_motion(f64::from(*d)));
-            let (approach, curves) = (approach.collect(), Vec::new());
-            RowInputs { torque, moment, approach, warmth, curves }
-        });
+        Self { masses, arm, reference: robot.reference_temperature, curves: None }
+    }
+
+    /// At joint values `q` (rad or m) in the state that a row tells.
+    #[must_use]
+    pub fn inputs(&self, row: &Row, q: &[f64]) -> RowInputs {
+        let payload = row.payload.unwrap_or(0.0);
+        let (torque, moment) =
+            self.masses.as_ref().map(|m| self.arm.load(m, q, payload)).unwrap_or_default();
+        let warmth = row.temperature.map_or(0.0, |t| t - self.reference);
+        let approach = row.directions.iter().map(|d| Approach::of_motion(f64::from(*d)));
+        let curves = self.curves.as_ref().map_or_else(Vec::new, |tables| tables.bend(q));
+        let approach = approach.collect();
+        RowInputs { torque, moment, approach, warmth, curves }
+    }
+}
+
+impl Conditions {
+    /// Of these measurements.
+    #[must_use]
+    pub fn new(data: &Measurements, robot: &Robot) -> Self {
+        let surroundings = Surroundings::new(robot);
+        let rows = data.rows.iter().map(|row| surroundings.inputs(row, &row.q));
         let differ = |f: fn(&crate::model::Row) -> Option<f64>| {
             let mut values = data.rows.iter().filter_map(f);
             values.next().is_some_and(|first| values.any(|v| v != first))
@@ -58,7 +94,7 @@ impl Conditions {
         }
         Self {
             rows: rows.collect(),
-            masses: masses.is_some(),
+            masses: surroundings.masses.is_some(),
             temperature: differ(|r| r.temperature),
             direction: data.rows.iter().any(|r| r.directions.iter().any(|d| *d != 0)),
             time: differ(|r| r.time),

@@ -23,7 +23,7 @@ mod suspects;
 pub mod uncertainty;
 mod unknowns;
 
-pub use conditions::Conditions;
+pub use conditions::{Conditions, Surroundings};
 pub use figures::{AllRows, Condition, Figures, FlaggedRow};
 pub use lambda::{LambdaChoice, LambdaRule, choose, lambda_by};
 pub use linearised::{Beside, Equations, Linearised};

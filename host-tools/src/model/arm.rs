@@ -77,7 +77,8 @@ pub struct RowInputs {
 }
 
 impl RowInputs {
-    fn fixed<const N: usize>(&self, q: &[f64]) -> TermInputs<f64, N> {
+    /// For so many joints; what is not known is zero or [`Approach::Unknown`].
+    pub(crate) fn fixed<const N: usize>(&self, q: &[f64]) -> TermInputs<f64, N> {
         let or_zero = |v: &[f64]| v.try_into().unwrap_or([0.0; N]);
         TermInputs {
             q: fixed(q),
@@ -111,6 +112,9 @@ impl RowInputs {
 pub trait Kinematics: Send + Sync {
     /// Tool pose at joint values `q`.
     fn pose(&self, q: &[f64]) -> Pose<f64>;
+    /// How the tool moves with each joint, as [`truearm::kinematics::Jacobian`]
+    /// has it: its point, m per rad or m, and its turn, rad per rad or m.
+    fn jacobian(&self, q: &[f64]) -> Vec<[Vector3<f64>; 2]>;
     /// Tool pose with the arm bent by `terms`.
     fn bent(&self, q: &[f64], terms: &[Term<f64>], inputs: &RowInputs) -> Pose<f64>;
     /// Tool point of the bent arm, its derivatives, and those to the terms'
@@ -145,6 +149,10 @@ struct SizedArm<const N: usize> {
 impl<const N: usize> Kinematics for SizedArm<N> {
     fn pose(&self, q: &[f64]) -> Pose<f64> {
         self.chain.forward(&fixed(q))
+    }
+
+    fn jacobian(&self, q: &[f64]) -> Vec<[Vector3<f64>; 2]> {
+        self.chain.jacobian(&fixed(q)).columns.map(|c| [c.linear, c.angular]).to_vec()
     }
 
     fn bent(&self, q: &[f64], terms: &[Term<f64>], inputs: &RowInputs) -> Pose<f64> {

@@ -8,6 +8,8 @@ use truearm::Curves;
 use truearm::blob::{curve_len, encode_curve};
 use truearm::effects::Curve;
 
+/// Name of the effect in reports.
+pub const CURVE: &str = "joint-error-curve";
 /// Steps of the largest node of a table whose step follows from it.
 const MOST_STEPS: f64 = 32_767.0;
 /// Places between two nodes at which a function is looked at.

@@ -73,6 +73,30 @@ pub struct Provenance {
 }
 
 impl Model {
+    /// An arm as its drawing has it: no corrections, stations or markers.
+    #[must_use]
+    pub fn nominal(robot: Robot) -> Self {
+        let joints = robot.joints.len();
+        Self {
+            corrections: vec![MdhParameters::default(); joints],
+            uncertainties: Vec::new(),
+            covered: vec![None; joints],
+            terms: Vec::new(),
+            curves: Vec::new(),
+            stations: Vec::new(),
+            markers: Vec::new(),
+            frame_translation: Vector3::zeros(),
+            frame_rotation: Vector3::zeros(),
+            provenance: Provenance::default(),
+            unidentifiable: Vec::new(),
+            orientation_identified: false,
+            robot_id: None,
+            covariance: None,
+            changed: false,
+            robot,
+        }
+    }
+
     /// The identified links: nominal plus corrections.
     #[must_use]
     pub fn links(&self) -> Vec<truearm::Link<f64>> {

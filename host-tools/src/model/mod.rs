@@ -6,14 +6,16 @@ mod error_curve;
 mod identified;
 mod measurements;
 pub mod near;
+mod path;
 mod robot;
 mod term;
 mod values;
 mod workspace;
 
-pub use error_curve::{CurveFit, ErrorCurve, JointTables};
+pub use error_curve::{CURVE, CurveFit, ErrorCurve, JointTables};
 pub use identified::{Model, Provenance};
 pub use measurements::{Commanded, KindId, Measurements, Row};
+pub use path::{Coordinates, Path, Target};
 pub use robot::{Joint, LinkMass, Placement, Robot};
 pub(crate) use term::{DRIFT, XYZ};
 pub use term::{ModelTerm, friction, friction_unit, part};

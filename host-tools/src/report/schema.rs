@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 
 use super::{
-    CompareReport, DiagnoseReport, EvaluateReport, ExportReport, IdentifyReport, ImportReport,
-    PlanReport, SeparationReport, VerifyReport,
+    CompareReport, CompensateReport, DiagnoseReport, EvaluateReport, ExportReport, FkReport,
+    IdentifyReport, IkReport, ImportReport, PlanReport, SeparationReport, VerifyReport,
 };
 
 /// Name and text of every schema, as they stand in `docs/schemas`.
@@ -20,6 +20,9 @@ pub fn all() -> Vec<(&'static str, String)> {
         (PlanReport::SCHEMA, of::<PlanReport>()),
         (SeparationReport::SCHEMA, of::<SeparationReport>()),
         (VerifyReport::SCHEMA, of::<VerifyReport>()),
+        (FkReport::SCHEMA, of::<FkReport>()),
+        (IkReport::SCHEMA, of::<IkReport>()),
+        (CompensateReport::SCHEMA, of::<CompensateReport>()),
     ]
 }
 

@@ -1,7 +1,8 @@
 //! What a diagnosis of a dirty set was worth.
 
-use truearm_host::diagnose::{CURVE, DiagnoseOptions, Outcome, Verdict, diagnose};
+use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
 use truearm_host::effects::OUTLIERS;
+use truearm_host::model::CURVE;
 use truearm_simulate::effects::Kind;
 
 use super::set::DirtySet;

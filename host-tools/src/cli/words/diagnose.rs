@@ -1,7 +1,7 @@
-use truearm_host::diagnose::CURVE;
 use truearm_host::diagnose::policy::POLICY;
 use truearm_host::diagnose::{Alternative, Effect, Outcome, Verdict};
 use truearm_host::effects::OUTLIERS;
+use truearm_host::model::CURVE;
 use truearm_host::table::Table;
 use truearm_host::units::MILLI;
 

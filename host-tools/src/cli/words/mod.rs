@@ -1,6 +1,7 @@
 //! What the verbs say on the terminal: one file a verb.
 
 mod compare;
+mod compensate;
 mod diagnose;
 mod evaluate;
 mod identify;
@@ -9,6 +10,7 @@ mod plan;
 mod verify;
 
 pub use compare::compare;
+pub use compensate::{compensation, not_reached};
 pub use diagnose::diagnosis;
 pub use evaluate::validation;
 pub use identify::identification;

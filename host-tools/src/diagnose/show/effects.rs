@@ -1,7 +1,7 @@
 use truearm::JointKind;
 use truearm::effects::ActsOn;
 
-use super::gap::{CURVE, stage_name};
+use super::gap::stage_name;
 use crate::diagnose::node::{Node, crowded};
 use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
 use crate::diagnose::policy::POLICY;
@@ -9,7 +9,7 @@ use crate::diagnose::weigh::{Curved, Weighed};
 use crate::effects::OUTLIERS;
 use crate::identify::Findings;
 use crate::identify::robust::Outlier;
-use crate::model::{ModelTerm, Values, friction_unit};
+use crate::model::{CURVE, ModelTerm, Values, friction_unit};
 
 /// What the final model holds beyond geometry: what may be named, and what is
 /// only suspected. One entry a name and order, couplings and thermal links one

@@ -12,7 +12,7 @@ use crate::identify::estimate::without_parts;
 use crate::identify::folds::Fold;
 use crate::identify::robust::robust_fit_near;
 use crate::identify::{Conditions, Problem, State};
-use crate::model::{ErrorCurve, Measurements, Robot};
+use crate::model::{CURVE, ErrorCurve, Measurements, Robot};
 use crate::observations::Residual;
 use crate::statistics::{Stats, own_evidence};
 
@@ -237,9 +237,6 @@ pub struct Shown {
     /// Its held-out residuals.
     pub held_out: HeldOut,
 }
-
-/// Name of error curves in reports.
-pub const CURVE: &str = "joint-error-curve";
 
 fn rms(residuals: impl Iterator<Item = Residual>) -> f64 {
     Stats::of(&residuals.collect::<Vec<_>>()).map_or(0.0, |s| s.rms_mm)

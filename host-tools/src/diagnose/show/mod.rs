@@ -9,4 +9,4 @@ mod stages;
 
 pub use alternatives::alternatives;
 pub use effects::effects;
-pub use gap::{CURVE, HeldOut, Show};
+pub use gap::{HeldOut, Show};

@@ -24,7 +24,8 @@ const MOST_DEGREES: f64 = 1e5;
 /// Where each known column stands.
 pub(super) struct Columns {
     q: Vec<usize>,
-    measured: MeasuredColumns,
+    /// `None` where nothing was measured.
+    measured: Option<MeasuredColumns>,
     optional: Optional,
     directions: Vec<Option<usize>>,
     orientation: Option<[usize; 4]>,
@@ -77,16 +78,17 @@ fn label(list: &mut Vec<String>, text: &str) -> usize {
 
 impl Columns {
     /// Finds the columns by name. `joints` is what the columns of the joints
-    /// begin with; `None` if there are none.
+    /// begin with; `None` if there are none. Where nothing was `measured`, its
+    /// columns are columns without a meaning.
     pub fn find(
         source: Source,
         names: &[String],
         robot: &Robot,
-        joints: Option<&str>,
+        (joints, measured): (Option<&str>, bool),
     ) -> Result<Self> {
         let mut header = Header::new(source, names)?;
         let q = header.joints(robot, joints)?;
-        let measured = MeasuredColumns::find(&mut header)?;
+        let measured = measured.then(|| MeasuredColumns::find(&mut header)).transpose()?;
         let orientation = header.orientation()?;
         let directions =
             (1..=robot.joints.len()).map(|j| header.take(&format!("dir{j}"))).collect();
@@ -107,7 +109,8 @@ impl Columns {
     pub fn row(&self, cells: &Cells, robot: &Robot, labels: &mut Labels) -> Result<Row> {
         let o = &self.optional;
         let text = |column: Option<usize>| column.map_or("", |c| cells.text(c));
-        let (kind, measured) = self.measured.row(cells)?;
+        let measured = self.measured.as_ref().map(|measured| measured.row(cells)).transpose()?;
+        let (kind, measured) = measured.unwrap_or_default();
         Ok(Row {
             line: cells.line,
             q: self.joints(cells, robot)?,

@@ -174,3 +174,18 @@ impl Part<'_> {
         Ok(terms)
     }
 }
+
+impl Model {
+    /// Reads a model.toml, or a robot.toml as an arm without any correction.
+    ///
+    /// # Errors
+    /// As for [`Model::read`] and [`Robot::read`].
+    pub fn read_or_nominal(path: &Path) -> Result<Self> {
+        let text = crate::files::read(path)?;
+        let keys = text.parse::<toml::Table>().unwrap_or_default();
+        if ["schema", "corrections"].iter().any(|key| keys.contains_key(*key)) {
+            return Self::read(path);
+        }
+        Ok(Self::nominal(Robot::parse(path, &text)?))
+    }
+}

@@ -1,0 +1,50 @@
+use std::path::Path;
+
+use truearm_host::model::{Model, Robot};
+use truearm_host::units::joint_from_file;
+use truearm_host::{Error, Result};
+
+/// What is said where the configuration was chosen for the user.
+pub const CHOSEN: &str = "the configuration of the first row was chosen, the nearest found to \
+                          mid-range: give the joints to begin at with --start";
+
+/// The two files of a verb in the wrong order are told as that.
+pub fn in_order(arm: &Path, rows: &Path) -> Result<()> {
+    let ends =
+        |path: &Path, with: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(with));
+    if ends(arm, "csv") || ends(rows, "toml") {
+        return Err(Error::usage(
+            format!("{} where the model belongs, {} where the rows", arm.display(), rows.display()),
+            "the model comes first: model.toml, then the rows, such as path.csv",
+        ));
+    }
+    Ok(())
+}
+
+/// Joint values of an option, degrees or mm, within the limits: rad or m.
+pub fn start(text: &str, model: &Model) -> Result<Vec<f64>> {
+    let Robot { joints, .. } = &model.robot;
+    let cells: Vec<Option<f64>> =
+        text.split(',').map(|c| c.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
+    let given: Option<Vec<f64>> = cells.into_iter().collect();
+    let given = given.filter(|given| given.len() == joints.len()).ok_or_else(|| {
+        Error::usage(
+            format!("--start {text}"),
+            format!(
+                "give {} joint values separated by commas, degrees (mm for prismatic joints)",
+                joints.len()
+            ),
+        )
+    })?;
+    let values = given.iter().zip(joints).enumerate().map(|(j, (value, joint))| {
+        let q = joint_from_file(joint.link.kind, *value);
+        match joint.limits {
+            Some([low, high]) if q < low || q > high => Err(Error::usage(
+                format!("--start {text}: joint {} is outside its limits", j + 1),
+                "give where the robot stands before its first row",
+            )),
+            _ => Ok(q),
+        }
+    });
+    values.collect()
+}

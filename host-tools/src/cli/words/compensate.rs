@@ -1,0 +1,80 @@
+use truearm_host::report::{CompensateReport, RowLeft};
+
+use super::{Errors, count};
+
+/// How many lines are named before the others are only counted.
+const NAMED: usize = 8;
+
+/// A report of `compensate`.
+pub fn compensation(report: &CompensateReport) -> String {
+    let mut out = format!(
+        "{}: {}, task {}, {}\n",
+        report.path,
+        count(report.rows, "row"),
+        report.task,
+        report.numbers
+    );
+    let mut table = Errors::new();
+    table.row("as commanded, by the model", report.before.as_ref());
+    table.row("corrected", report.left.as_ref());
+    out += &table.0.to_string();
+    out += &format!(
+        "orientation: off by at most {:.4} degrees as commanded, {:.4} corrected\n",
+        report.turns.before_max_deg, report.turns.left_max_deg
+    );
+    for step in &report.largest_steps {
+        out += &format!(
+            "largest step of a joint: {:.4} {unit} commanded, {:.4} {unit} corrected (joint {}, \
+             to line {})\n",
+            step.commanded,
+            step.corrected,
+            step.joint,
+            step.line,
+            unit = step.unit
+        );
+    }
+    if !report.clamped.is_empty() {
+        out += &format!(
+            "{} with a correction that was held back: {}\n",
+            count(report.clamped.len(), "row"),
+            lines(&report.clamped)
+        );
+    }
+    if !report.not_covered.is_empty() {
+        let done = if report.extrapolated {
+            "corrected by extrapolation, as asked"
+        } else {
+            "left as commanded (--extrapolate corrects them as a controller does)"
+        };
+        out += &format!(
+            "{} outside the joint ranges of the identification, {done}: {}\n",
+            count(report.not_covered.len(), "row"),
+            lines(&report.not_covered)
+        );
+    }
+    out + &not_reached(&report.not_reached)
+}
+
+/// Rows that the arm does not reach.
+pub fn not_reached(rows: &[RowLeft]) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    let mut out = format!("{} not reached, without joints:\n", count(rows.len(), "row"));
+    for row in rows.iter().take(NAMED) {
+        out += &format!(
+            "  line {}: {:.3} mm and {:.4} degrees are left\n",
+            row.line, row.left_mm, row.left_deg
+        );
+    }
+    if rows.len() > NAMED {
+        out += &format!("  and {} more\n", rows.len() - NAMED);
+    }
+    out
+}
+
+fn lines(lines: &[usize]) -> String {
+    let named = super::list(&lines[..lines.len().min(NAMED)]);
+    let what = if lines.len() == 1 { "line" } else { "lines" };
+    if lines.len() > NAMED { format!("{what} {named} ...") } else { format!("{what} {named}") }
+}

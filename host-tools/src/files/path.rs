@@ -1,0 +1,232 @@
+//! A path.csv: joints or tool poses, and the state columns of measurements.csv.
+
+use std::path::Path as FilePath;
+
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
+
+use super::source::Source;
+use crate::error::{Error, Result};
+use crate::model::{Coordinates, Measurements, Path, Placement, Robot, Row, Target};
+use crate::units::{joint_column, point_from_mm};
+
+const POINT: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
+const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
+const RPY: [&str; 3] = ["roll_deg", "pitch_deg", "yaw_deg"];
+/// No arm of these files reaches farther, mm.
+const MOST_MM: f64 = 1e6;
+
+/// Which columns of a path are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    /// The joints; other columns are only carried along.
+    Joints,
+    /// The poses of the tool; joint columns are only carried along.
+    Poses,
+    /// The one of the two that is there; both are an error.
+    Either,
+}
+
+impl Path {
+    /// Reads and checks a path of `robot`.
+    ///
+    /// # Errors
+    /// Names file, line, column and remedy.
+    pub fn read(path: &FilePath, robot: &Robot, wanted: Wanted) -> Result<Self> {
+        Self::parse(path, &super::read(path)?, robot, wanted)
+    }
+
+    /// Like [`Path::read`] from a text.
+    ///
+    /// # Errors
+    /// As for [`Path::read`].
+    pub fn parse(path: &FilePath, text: &str, robot: &Robot, wanted: Wanted) -> Result<Self> {
+        let source = Source { path, text };
+        let header = text.lines().next().unwrap_or("").split(',');
+        let header: Vec<&str> = header.map(|name| name.trim().trim_matches('"')).collect();
+        let joints = joints_wanted(&source, &header, wanted)?;
+        let mut data = Measurements::table(path, text, robot, (joints.then_some("q"), false))?;
+        let (names, cells) = cells(text);
+        if joints {
+            data.remark_joints(robot);
+            let coordinates = Coordinates::Joints;
+            return Ok(Self { data, targets: Vec::new(), coordinates, names, cells });
+        }
+        let poses = Poses::find(&source, &header)?;
+        let targets = data.rows.iter().enumerate();
+        let targets =
+            targets.map(|(i, row)| poses.target(&cells[i], row)).collect::<Result<_>>()?;
+        Ok(Self { data, targets, coordinates: poses.coordinates(), names, cells })
+    }
+
+    /// Whether joint values are within the limits of the robot.
+    ///
+    /// # Errors
+    /// The first that is not: its line, column, value and limits.
+    pub fn within_limits(&self, robot: &Robot) -> Result<()> {
+        for row in &self.data.rows {
+            for (j, (q, joint)) in row.q.iter().zip(&robot.joints).enumerate() {
+                let Some([low, high]) = joint.limits else { continue };
+                if *q < low || *q > high {
+                    let kind = joint.link.kind;
+                    let value = |x| crate::units::joint_to_file(kind, x);
+                    let unit = crate::units::joint_unit(kind);
+                    return Err(Error::file(
+                        &self.data.path,
+                        crate::error::Place::field(row.line, &joint_column("q", j, kind)),
+                        format!(
+                            "joint {} at {} {unit} is outside its limits, {} to {}",
+                            j + 1,
+                            value(*q),
+                            value(low),
+                            value(high)
+                        ),
+                        format!(
+                            "the robot does not go there: mend the row, or the limits in {}",
+                            robot.path.display()
+                        ),
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether the joints are meant, of the columns that are there.
+fn joints_wanted(source: &Source, header: &[&str], wanted: Wanted) -> Result<bool> {
+    let joint = |name: &str| {
+        let rest =
+            name.strip_prefix('q').and_then(|r| r.strip_suffix("_deg").or(r.strip_suffix("_mm")));
+        rest.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let joints = header.iter().any(|name| joint(name));
+    let point = POINT.iter().any(|name| header.contains(name));
+    match wanted {
+        Wanted::Joints => Ok(true),
+        Wanted::Poses => Ok(false),
+        Wanted::Either if joints && point => Err(source.in_line(
+            1,
+            0,
+            "both joints and points of the tool",
+            "say which of them is the command with --from joints or --from poses, or delete the \
+             other columns",
+        )),
+        Wanted::Either if !joints && !point && !source.text.trim().is_empty() => Err(source
+            .in_line(
+                1,
+                0,
+                "no joints and no points of the tool",
+                "add the columns q1_deg.. (qN_mm for prismatic joints), or x_mm, y_mm, z_mm with \
+                 qx, qy, qz, qw or roll_deg, pitch_deg, yaw_deg, of [tool] in [base]",
+            )),
+        Wanted::Either => Ok(!point),
+    }
+}
+
+/// Names and cells as they stand in the file.
+fn cells(text: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut reader =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
+    let owned = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+    let names = reader.headers().map(owned).unwrap_or_default();
+    // What could not be read was an error before.
+    (names, reader.records().filter_map(|r| r.ok()).map(|r| owned(&r)).collect())
+}
+
+/// Where the columns of the poses stand.
+struct Poses<'a> {
+    source: &'a Source<'a>,
+    point: [usize; 3],
+    rpy: Option<[usize; 3]>,
+    quaternion: bool,
+}
+
+impl<'a> Poses<'a> {
+    fn find(source: &'a Source<'a>, header: &[&str]) -> Result<Self> {
+        let at = |name: &str| header.iter().position(|n| *n == name);
+        let mut point = [0; 3];
+        for (slot, name) in point.iter_mut().zip(POINT) {
+            *slot = at(name).ok_or_else(|| {
+                let help = "a pose of the tool needs x_mm, y_mm, z_mm, of [tool] in [base]";
+                source.in_line(1, 0, format!("missing column {name}"), help)
+            })?;
+        }
+        let quaternion = QUATERNION.iter().all(|name| at(name).is_some());
+        let rpy = match RPY.map(at) {
+            [Some(x), Some(y), Some(z)] => Some([x, y, z]),
+            [None, None, None] => None,
+            _ => {
+                let message = "orientation needs all of roll_deg, pitch_deg, yaw_deg";
+                let help = "add the missing ones or delete the others";
+                return Err(source.in_line(1, 0, message, help));
+            }
+        };
+        if quaternion && rpy.is_some() {
+            return Err(source.in_line(
+                1,
+                0,
+                "orientation as quaternion and as angles",
+                "keep qx, qy, qz, qw or roll_deg, pitch_deg, yaw_deg and delete the other columns",
+            ));
+        }
+        Ok(Self { source, point, rpy, quaternion })
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        match (self.quaternion, self.rpy) {
+            (true, _) => Coordinates::Quaternion,
+            (false, Some(_)) => Coordinates::Rpy,
+            (false, None) => Coordinates::Point,
+        }
+    }
+
+    fn target(&self, cells: &[String], row: &Row) -> Result<Target> {
+        let mut mm = [0.0; 3];
+        for ((slot, column), name) in mm.iter_mut().zip(self.point).zip(POINT) {
+            *slot = self.number(cells, row, (column, name), MOST_MM)?;
+        }
+        Ok(Target { point: point_from_mm(mm), rotation: self.rotation(cells, row)? })
+    }
+
+    fn rotation(&self, cells: &[String], row: &Row) -> Result<Option<Matrix3<f64>>> {
+        if let Some(columns) = self.rpy {
+            let mut placement = Placement::default();
+            for ((turn, column), name) in placement.rpy.iter_mut().zip(columns).zip(RPY) {
+                *turn = self.number(cells, row, (column, name), 1e5)?.to_radians();
+            }
+            return Ok(Some(placement.pose().rotation));
+        }
+        let unit = |[x, y, z, w]: [f64; 4]| {
+            UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)).to_rotation_matrix()
+        };
+        match row.orientation {
+            Some(q) => Ok(Some(unit(q).into_inner())),
+            None if self.quaternion => {
+                let start = self.source.start_of(row.line);
+                let help = "give every row qx, qy, qz, qw, or delete the columns for a path of \
+                            positions";
+                Err(self.source.in_line(row.line, start, "a pose without orientation", help))
+            }
+            None => Ok(None),
+        }
+    }
+
+    fn number(
+        &self,
+        cells: &[String],
+        row: &Row,
+        (column, name): (usize, &str),
+        most: f64,
+    ) -> Result<f64> {
+        let text = cells.get(column).map_or("", String::as_str);
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() && value.abs() <= most => Ok(value),
+            _ => {
+                let span = self.source.cell(self.source.start_of(row.line), column);
+                let message = format!("\"{text}\" is no coordinate of a pose");
+                let help = "give the point of [tool] in mm and its angles in degrees, in [base]";
+                Err(self.source.in_cell(row.line, (name, span), message, help))
+            }
+        }
+    }
+}
