@@ -126,7 +126,7 @@ fn arms() -> [(&'static str, &'static str); 4] {
     [
         ("three parallel axes", robots::ALL[0]),
         ("seven joints", robots::ALL[4]),
-        ("six joints on a rail", robots::ON_RAIL),
+        ("six joints on a rail", robots::ALL[5]),
         ("SCARA", SCARA),
     ]
 }
@@ -222,6 +222,8 @@ fn promised(name: &str, model: &Model, task: Task) {
     let (wanted, reached) = (nominal.all(&path.data), real.all(&told.data));
     let before = real.all(&path.data);
     let (left, turned) = (numbers(&told, "left_mm"), numbers(&told, "left_deg"));
+    // Near a limit a joint corrects less, and a SCARA has no other for its height.
+    let held: Vec<bool> = column(&told, "clamped").iter().map(|cell| cell == "true").collect();
     let (mut misses, mut were) = (Vec::new(), Vec::new());
     for i in 0..rows.len() {
         let [point, turn] = off(&wanted[i], &reached[i]);
@@ -242,12 +244,14 @@ fn promised(name: &str, model: &Model, task: Task) {
         // 0.07 mm a mrad, and 1 mrad is more than the waves of these arms come to.
         let waves = if model.terms.len() > MAX_TERMS { 0.07e-3 } else { 0.0 };
         assert!(b <= a * 1.02 + 2e-6 + waves, "{name} {i}: {a} -> {b}");
-        misses.push(b);
-        were.push(a);
+        if !held[i] {
+            misses.push(b);
+            were.push(a);
+        }
     }
     let [a, b] = [&were, &misses].map(|v| root_mean_square(v) * 1e3);
     println!("{name}, {task:?}, {} terms: {a:.3} -> {b:.4} mm RMS", model.terms.len());
-    assert!(b < a / 4.0, "{name}, {task:?}: {a} -> {b} mm");
+    assert!(misses.len() > 300 && b < a / 4.0, "{name}, {task:?}: {a} -> {b} mm");
 }
 
 #[test]
@@ -337,7 +341,7 @@ fn single_precision_has_the_bits_of_the_controller() {
     bits::<6>("three parallel axes", robots::ALL[0], Task::Position);
     bits::<6>("three parallel axes", robots::ALL[0], Task::Pose);
     bits::<7>("seven joints", robots::ALL[4], Task::Position);
-    bits::<7>("six joints on a rail", robots::ON_RAIL, Task::Pose);
+    bits::<7>("six joints on a rail", robots::ALL[5], Task::Pose);
     bits::<4>("SCARA", SCARA, Task::Position);
 }
 
@@ -375,17 +379,15 @@ fn poses_and_joints_are_two_ways_to_say_a_path() {
     for (name, robot) in arms() {
         let model = model(robot, Terms::Few, 2);
         let mut rng = ChaCha8Rng::seed_from_u64(4);
-        // A path: rows next to each other, within the limits, away from both ends.
+        // A path: rows next to each other, through no pose in which arms are singular.
         let limits: Vec<[f64; 2]> =
             model.robot.joints.iter().map(|joint| joint.limits.unwrap()).collect();
         let middle = |[low, high]: &[f64; 2], share: f64| low + (high - low) * share;
         let (from, to): (Vec<f64>, Vec<f64>) = limits
             .iter()
             .map(|limit| {
-                (
-                    middle(limit, rng.random_range(0.3..0.45)),
-                    middle(limit, rng.random_range(0.55..0.7)),
-                )
+                let share = rng.random_range(0.55..0.6);
+                (middle(limit, share), middle(limit, share + 0.05))
             })
             .unzip();
         let rows: Vec<Vec<f64>> = (0..60)

@@ -19,6 +19,7 @@ fn says(folder: &TempDir, line: &[&str]) -> (i32, String) {
     let ran = command.current_dir(folder).args(line).env("COLUMNS", "1000").output().unwrap();
     let text = String::from_utf8([ran.stdout, ran.stderr].concat()).unwrap();
     assert!(!text.contains("panicked"), "{text}");
+    let text = text.replace('│', " ");
     (ran.status.code().unwrap(), text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
@@ -169,7 +170,7 @@ fn languages() {
     assert!(yaml.contains("{sec: 0, nanosec: 500000000}"), "{yaml}");
     assert!(yaml.ends_with("{sec: 2, nanosec: 250000000}\n"), "{yaml}");
 
-    let template = "header = 'DEF path() ; {rows} rows {{\n'\nseparator = \",\\n\"\n\
+    let template = "header = \"DEF path() ; {rows} rows {{\\n\"\nseparator = \",\\n\"\n\
         row = '{row}: {q1_deg:.3} {q6_rad:.2} {name} {time_s:.2} {z_mm:.1}'\nfooter = \"\\nEND\"\n";
     fs::write(folder.path().join("mine.toml"), template).unwrap();
     run(&folder, &format!("{line} told.src --template mine.toml"));
