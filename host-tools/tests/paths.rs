@@ -434,6 +434,19 @@ fn poses_and_joints_are_two_ways_to_say_a_path() {
     }
 }
 
+/// A row of units below the header is no row: the user's cells stay with their own.
+#[test]
+fn a_row_of_units_moves_no_cell() {
+    let model = model(robots::ALL[0], Terms::None, 2);
+    let rows = file(&model, &commands(&model, 5, 6));
+    let (header, rest) = rows.split_once('\n').unwrap();
+    let units = "deg,deg,deg,deg,deg,deg,,,,";
+    let path = read(&format!("{header}\n{units}\n{rest}"), &model, Wanted::Joints);
+    let plain = read(&rows, &model, Wanted::Joints);
+    assert_eq!(path.cells, plain.cells);
+    assert_eq!(path.data.rows.len(), 5);
+}
+
 /// Out of reach is said, with what is left, and nothing is made up; the row after it goes
 /// on from the one before.
 #[test]

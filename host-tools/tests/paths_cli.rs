@@ -302,8 +302,8 @@ fn bad_input() {
         ),
         ("compensate model.toml ROWS --template bad3.toml", ROWS, "", 1, "unknown field `rows`"),
         ("compensate robot.toml ROWS", ROWS, "", 1, "give a model.toml as written by"),
-        ("compensate ROWS model.toml", ROWS, "", 2, "the model comes first"),
-        ("fk ROWS robot.toml", ROWS, "", 2, "the model comes first"),
+        ("compensate ROWS model.toml", ROWS, "", 1, "are the arguments swapped?"),
+        ("fk ROWS robot.toml", ROWS, "", 1, "are the arguments swapped?"),
         (
             "fk robot.toml ROWS --station C",
             ROWS,

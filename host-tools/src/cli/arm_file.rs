@@ -1,5 +1,3 @@
-use std::path::Path;
-
 use truearm_host::model::{Model, Robot};
 use truearm_host::units::joint_from_file;
 use truearm_host::{Error, Result};
@@ -7,19 +5,6 @@ use truearm_host::{Error, Result};
 /// What is said where the configuration was chosen for the user.
 pub const CHOSEN: &str = "the configuration of the first row was chosen, the nearest found to \
                           mid-range: give the joints to begin at with --start";
-
-/// The two files of a verb in the wrong order are told as that.
-pub fn in_order(arm: &Path, rows: &Path) -> Result<()> {
-    let ends =
-        |path: &Path, with: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(with));
-    if ends(arm, "csv") || ends(rows, "toml") {
-        return Err(Error::usage(
-            format!("{} where the model belongs, {} where the rows", arm.display(), rows.display()),
-            "the model comes first: model.toml, then the rows, such as path.csv",
-        ));
-    }
-    Ok(())
-}
 
 /// Joint values of an option, degrees or mm, within the limits: rad or m.
 pub fn start(text: &str, model: &Model) -> Result<Vec<f64>> {

@@ -103,7 +103,6 @@ enum Motion {
 
 impl Compensate {
     pub fn run(self) -> Result<Said> {
-        arm_file::in_order(&self.model, &self.path)?;
         let template = self.template.as_deref().map(Template::read).transpose()?;
         let format = self.format()?;
         if let Some(every) = self.every.filter(|every| !(*every > 0.0 && every.is_finite())) {

@@ -8,7 +8,7 @@ use truearm_host::model::{Model, Path};
 use truearm_host::paths::{Forward, View, forward_csv, unknown};
 use truearm_host::report::{FkReport, to_json};
 
-use super::{Said, arm_file, warn, words};
+use super::{Said, warn, words};
 
 /// Where the tool is at given joints: the pose of [tool] in the coordinates of
 /// [base], the real arm's by default.
@@ -40,7 +40,6 @@ pub struct Fk {
 
 impl Fk {
     pub fn run(self) -> Result<Said> {
-        arm_file::in_order(&self.model, &self.rows)?;
         let model = Model::read_or_nominal(&self.model)?;
         let path = Path::read(&self.rows, &model.robot, Wanted::Joints)?;
         let view = View { station: self.station, marker: self.marker };

@@ -35,7 +35,6 @@ pub struct Ik {
 
 impl Ik {
     pub fn run(self) -> Result<Said> {
-        arm_file::in_order(&self.model, &self.rows)?;
         let model = Model::read_or_nominal(&self.model)?;
         let start = self.start.as_deref().map(|text| arm_file::start(text, &model)).transpose()?;
         let path = Path::read(&self.rows, &model.robot, Wanted::Poses)?;

@@ -45,7 +45,7 @@ impl Path {
         let header: Vec<&str> = header.map(|name| name.trim().trim_matches('"')).collect();
         let joints = joints_wanted(&source, &header, wanted)?;
         let mut data = Measurements::table(path, text, robot, (joints.then_some("q"), false))?;
-        let (names, cells) = cells(text);
+        let (names, cells) = cells(text, &data.rows);
         if joints {
             data.remark_joints(robot);
             let coordinates = Coordinates::Joints;
@@ -123,14 +123,21 @@ fn joints_wanted(source: &Source, header: &[&str], wanted: Wanted) -> Result<boo
     }
 }
 
-/// Names and cells as they stand in the file.
-fn cells(text: &str) -> (Vec<String>, Vec<Vec<String>>) {
+/// Names, and the cells of the rows that were read, as they stand in the file.
+fn cells(text: &str, rows: &[Row]) -> (Vec<String>, Vec<Vec<String>>) {
     let mut reader =
         csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
     let owned = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
     let names = reader.headers().map(owned).unwrap_or_default();
-    // What could not be read was an error before.
-    (names, reader.records().filter_map(|r| r.ok()).map(|r| owned(&r)).collect())
+    // What could not be read was an error before; a row of units is no row.
+    let mut rows = rows.iter().peekable();
+    let records = reader.records().filter_map(std::result::Result::ok);
+    let read = records.filter(|record| {
+        let line = record.position().map_or(0, |p| p.line() as usize);
+        rows.next_if(|row| row.line == line).is_some()
+    });
+    let cells = read.map(|record| owned(&record)).collect();
+    (names, cells)
 }
 
 /// Where the columns of the poses stand.
