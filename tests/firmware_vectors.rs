@@ -14,6 +14,9 @@ const VECTORS: &[u8] = include_bytes!("data/firmware/fk.vectors");
 const TERMS_BLOB: &[u8] = include_bytes!("data/firmware/ur10-terms.blob");
 const TERMS_VECTORS: &[u8] = include_bytes!("data/firmware/terms.vectors");
 
+const CURVES_BLOB: &[u8] = include_bytes!("data/firmware/ur10-curves.blob");
+const CURVES_VECTORS: &[u8] = include_bytes!("data/firmware/curves.vectors");
+
 fn parameters<T: Scalar>(blob: &[u8]) -> ArmParameters<'_, T, JOINTS> {
     Blob::check(blob).unwrap().parameters().unwrap()
 }
@@ -27,7 +30,10 @@ fn hashes<T: Scalar>(parameters: &ArmParameters<T, JOINTS>, vectors: &Vectors) -
 /// changes no bit of a result.
 #[test]
 fn host_gives_the_bits_of_the_vector_files() {
-    for (blob, vectors) in [(BLOB, VECTORS), (TERMS_BLOB, TERMS_VECTORS)] {
+    let files = [(BLOB, VECTORS), (TERMS_BLOB, TERMS_VECTORS), (CURVES_BLOB, CURVES_VECTORS)];
+    // Without the feature the last blob is refused.
+    let known = if cfg!(feature = "curves") { 3 } else { 2 };
+    for (blob, vectors) in files.into_iter().take(known) {
         let vectors = Vectors::parse(vectors).unwrap();
         assert_eq!(vectors.poses::<f32>().len(), 1024);
         let hint = "if meant: cargo xtask vectors";
@@ -59,6 +65,29 @@ fn the_second_blob_has_every_effect_and_all_of_them_act() {
         assert_eq!(arm.real_pose_in(&q, &vectors::state(i)), arm.real_pose(&q));
     }
     assert_eq!(ArmParameters { terms: bare.terms.clone(), ..full }, bare);
+}
+
+/// What a real arm has, in one blob; every curve moves poses and ticks.
+#[cfg(feature = "curves")]
+#[test]
+fn the_third_blob_has_curves_and_all_of_them_act() {
+    let full = parameters::<f32>(CURVES_BLOB);
+    assert_eq!(full.terms.len(), 9);
+    assert!(full.terms.iter().any(|term| term.effect == Effect::JointCompliance));
+    assert!(CURVES_BLOB.len() <= 4096);
+    let nodes: Vec<usize> = full.curves.iter().map(|curve| curve.nodes().len()).collect();
+    assert_eq!(nodes, [256; 5]);
+    let vectors = Vectors::parse(CURVES_VECTORS).unwrap();
+    let table = truearm::blob::curve_len(256);
+    for left_out in 0..5 {
+        let mut rest = full.curves.as_bytes().to_vec();
+        rest.drain(left_out * table..(left_out + 1) * table);
+        let curves = truearm::Curves::of(&rest).unwrap();
+        let [poses, jacobians, ticks] = hashes(&ArmParameters { curves, ..full.clone() }, &vectors);
+        assert_ne!(poses, vectors.single[0]);
+        assert_eq!(jacobians, vectors.single[1]);
+        assert_ne!(ticks, vectors.single[2]);
+    }
 }
 
 /// A hash that never differs would prove nothing.

@@ -1,4 +1,4 @@
-//! The board whose parameters are in an EEPROM: QEMU with an AT24C32 backed by
+//! The board whose parameters are in an EEPROM: QEMU with an AT24C64 backed by
 //! a file and a TMP105, and an image on it.
 
 use std::fs::{self, File};
@@ -16,11 +16,11 @@ use truearm::store::{ByteSlots, Store};
 use crate::image::image;
 use crate::run::{Result, target_dir};
 
-/// Bytes of an AT24C32.
-pub const EEPROM: usize = 4096;
+/// Bytes of an AT24C64.
+pub const EEPROM: usize = 8192;
 const PAGE: usize = 32;
 /// Bytes of a slot, as the image has them.
-pub const SLOT: u32 = 2048;
+pub const SLOT: u32 = 4096;
 
 const LIMIT: Duration = Duration::from_secs(60);
 

@@ -8,7 +8,9 @@ use std::{fs, iter};
 
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
-use crate::image::{build_for, command_of, dir_of, directory, image, image_in, read_toml};
+use crate::image::{
+    CURVES, build_for, build_in, command_of, dir_of, directory, image, image_in, read_toml,
+};
 use crate::qemu;
 use crate::run::{Result, call};
 use crate::tools::TARGET;
@@ -48,6 +50,13 @@ fn texts() -> Result<String> {
             let (text, _) = sizes(&image_in(&dir_of(level), binary), "Reset")?;
             writeln!(output, "text {binary}-{name} {text}")?;
         }
+        // Elsewhere, so that no other step finds it in place of the plain one.
+        let dir = dir_of("curves");
+        let mut with_curves = build_in(&dir, "controller");
+        with_curves.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", level).args(CURVES);
+        call(with_curves.args(["--target", TARGET]))?;
+        let (text, _) = sizes(&image_in(&dir, "controller"), "Reset")?;
+        writeln!(output, "text controller-curves-{name} {text}")?;
     }
     Ok(output)
 }

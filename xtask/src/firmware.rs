@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
-use crate::image::{build, command, files_for, run_image};
+use crate::image::{
+    CURVES, build, build_in, command, dir_of, directory, files_for, image_in, qemu_command,
+    run_image,
+};
 use crate::run::{Result, call, step};
 use crate::vectors::{self, Files};
-use crate::{budgets, m7, proof, refusals, reidentify, sigma, tools};
+use crate::{budgets, m7, proof, qemu, refusals, reidentify, sigma, tools};
 
 pub fn run(blob: Option<&Path>) -> Result {
     tools::ensure()?;
@@ -25,10 +28,20 @@ pub fn budgets() -> Result {
     run_all(&vectors::shipped())
 }
 
+/// The image that knows of curves, on the blob that has some.
+fn curves() -> Result<String> {
+    let dir = dir_of("curves");
+    call(build_in(&dir, "firmware").args(CURVES))?;
+    let command = qemu_command(&image_in(&dir, "firmware"), &vectors::shipped_curves())?;
+    let ended = qemu::run(&command, &directory())?;
+    if ended.success { Ok(ended.output) } else { Err("the image found a fault".into()) }
+}
+
 fn run_all(files: &Files) -> Result {
     step("build of the image", || call(&mut build("firmware")))?;
     let mut output = step("run under QEMU", || run_image(files))?;
     output += &step("run with terms of every effect", || run_image(&vectors::shipped_terms()))?;
+    output += &step("run with curves", curves)?;
     output += &step("uncertainty of the tool point", sigma::check)?;
     output += &step("re-identification", reidentify::check)?;
     output += &step("a controller and nothing else", budgets::controller)?;

@@ -13,6 +13,9 @@ use crate::vectors::{self, Files};
 /// The function that does not exist, see `tests/firmware/src/bin/no_panic.rs`.
 pub const PANIC_SYMBOL: &str = "truearm_panic_is_reachable";
 
+/// An image that takes blobs with curves.
+pub const CURVES: [&str; 2] = ["--features", "curves"];
+
 /// The firmware's workspace. Its `.cargo/config.toml` counts only for a cargo
 /// that runs here.
 pub fn directory() -> PathBuf {

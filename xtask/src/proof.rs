@@ -2,7 +2,7 @@
 //! links, and with a panic built in it does not. By target and optimisation
 //! level, for what one optimiser proves another need not.
 
-use crate::image::{PANIC_SYMBOL, build_for};
+use crate::image::{CURVES, PANIC_SYMBOL, build_for};
 use crate::run::{Result, call, cargo, root, step};
 use crate::tools::{OTHERS, RISC_V, TARGET};
 
@@ -30,9 +30,9 @@ pub fn others() -> Result {
 
 fn prove(target: &str, level: &str) -> Result {
     step(&format!("proof of no panic: {target}, opt-level {level}"), || {
-        call(&mut build_for(target, level, "no_panic"))?;
+        call(build_for(target, level, "no_panic").args(CURVES))?;
         let mut control = build_for(target, level, "no_panic");
-        let output = control.args(["--features", "negative_control"]).output()?;
+        let output = control.args(["--features", "negative_control,curves"]).output()?;
         let message = String::from_utf8_lossy(&output.stderr);
         if output.status.success() {
             return Err("the negative control links: the proof proves nothing".into());

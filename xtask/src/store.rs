@@ -8,7 +8,7 @@ use truearm::blob::{Blob, robot_id};
 use truearm::{Arm6, ArmParameters, State};
 
 use crate::board::{Board, EEPROM, SLOT};
-use crate::image::{build, image};
+use crate::image::{CURVES, build, image};
 use crate::run::{Result, call, cargo, root, step, target_dir};
 use crate::study::restarts;
 use crate::vectors;
@@ -21,7 +21,7 @@ const RESTARTS: u32 = 20;
 
 pub fn run() -> Result {
     step("size of the store", check_text)?;
-    step("build of the store image", || call(&mut build("store")))?;
+    step("build of the store image", || call(build("store").args(CURVES)))?;
     step("parameters in an EEPROM", survive)?;
     step("a blob of truearm pack in the EEPROM", packed)?;
     step("restarts at random moments", || restarts::run(RESTARTS, 1))
@@ -68,6 +68,16 @@ fn survive() -> Result {
     check_tool(&output, &fs::read(&newer)?, 31.5)?;
     let output = expect(&board, "boot", -12_000, None, true, &["sequence: 7"])?;
     check_tool(&output, &fs::read(&newer)?, -12.0)?;
+
+    // Two blobs with five tables of 256 nodes each, one beside the other.
+    let curved = fs::read(vectors::shipped_curves().blob)?;
+    for (sequence, slot) in [(8, "A"), (9, "B")] {
+        fs::write(&newer, renumbered(&curved, sequence)?)?;
+        let stored = format!("stored: Written({slot})");
+        expect(&board, "store", 20_000, Some(&newer), true, &[&stored])?;
+    }
+    let output = expect(&board, "boot", 31_500, None, true, &["slot B, the newest"])?;
+    check_tool(&output, &fs::read(&newer)?, 31.5)?;
 
     let mut bytes = board.read()?;
     bytes[SLOT as usize + 200] ^= 0x10;

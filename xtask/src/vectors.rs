@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm::blob::{Blob, encode, encoded_len};
-use truearm::effects::{Effect, MAX_TERMS, Term};
-use truearm::{Arm, ArmParameters};
+use truearm::blob::{Blob, curve_len, encode, encode_curve, encoded_len};
+use truearm::effects::{Curve, Effect, MAX_TERMS, Term};
+use truearm::{Arm, ArmParameters, Curves};
 
 use crate::run::{Result, root};
 pub use format::{JOINTS, Joints, Vectors, state};
@@ -40,6 +40,11 @@ pub fn shipped_terms() -> Files {
     shipped_as("ur10-terms.blob", "terms.vectors")
 }
 
+/// The same arm with curves, compliance and what else a real arm of its kind has.
+pub fn shipped_curves() -> Files {
+    shipped_as("ur10-curves.blob", "curves.vectors")
+}
+
 /// Rewrites the shipped files for this blob; without one only what follows from
 /// the shipped blob.
 pub fn ship(blob: Option<&Path>) -> Result {
@@ -49,7 +54,10 @@ pub fn ship(blob: Option<&Path>) -> Result {
     let poses: Vec<Joints> = (0..POSES).map(|_| [0; JOINTS].map(|_| angle())).collect();
     let bytes = fs::read(blob).map_err(|error| format!("{}: {error}", blob.display()))?;
     let with_terms = with_terms(&bytes)?;
-    for (files, bytes) in [(shipped(), bytes), (shipped_terms(), with_terms)] {
+    let with_curves = with_curves(&with_terms, &mut rng)?;
+    let blobs =
+        [(shipped(), bytes), (shipped_terms(), with_terms), (shipped_curves(), with_curves)];
+    for (files, bytes) in blobs {
         let vectors = file(&bytes, &poses)?;
         fs::write(&files.vectors, vectors)?;
         fs::write(&files.blob, &bytes)?;
@@ -70,6 +78,38 @@ fn with_terms(blob: &[u8]) -> Result<Vec<u8>> {
     let terms: Vec<_> = invented_terms().collect();
     parameters.terms = heapless::Vec::from_slice(&terms)?;
     let mut bytes = vec![0; encoded_len(JOINTS, MAX_TERMS)];
+    encode(&parameters, &mut bytes)?;
+    Ok(bytes)
+}
+
+/// The blob with invented curves in the joints 1 to 5 and nine of its terms: compliance
+/// of three joints and of the base, a line of the gear, play in two joints.
+fn with_curves(blob: &[u8], rng: &mut ChaCha8Rng) -> Result<Vec<u8>> {
+    // Noise of some 0.4 mrad, as smooth as two nodes.
+    const SMOOTH: [i32; 7] = [1, 6, 15, 20, 15, 6, 1];
+    let mut tables = Vec::new();
+    for joint in 0..5 {
+        let noise: Vec<i32> =
+            (0..Curve::USUAL_NODES).map(|_| rng.random_range(-32_767..=32_767)).collect();
+        let node = |k: usize| {
+            let near = SMOOTH.iter().enumerate().map(|(i, w)| w * noise[(k + i) % noise.len()]);
+            (near.sum::<i32>() / 64) as i16
+        };
+        let nodes: Vec<i16> = (0..noise.len()).map(node).collect();
+        let mut table = vec![0; curve_len(nodes.len())];
+        encode_curve(joint, 4.7e-8, 2e-5, &nodes, &mut table)?;
+        tables.extend(table);
+    }
+    let mut parameters: ArmParameters<f32, JOINTS> = Blob::check(blob)?.parameters()?;
+    use Effect::*;
+    let chosen = [JointCompliance, BaseCompliance, GearTransmissionError, Backlash];
+    parameters.terms.retain(|term| chosen.contains(&term.effect));
+    // Half the gap by direction, which gravity does not decide.
+    let gap = |term: &mut Term<f32>| term.order = 0.0;
+    parameters.terms.iter_mut().filter(|term| term.effect == Backlash).for_each(gap);
+    let _ = parameters.terms.pop();
+    parameters.curves = Curves::of(&tables)?;
+    let mut bytes = vec![0; encoded_len(JOINTS, parameters.terms.len()) + tables.len()];
     encode(&parameters, &mut bytes)?;
     Ok(bytes)
 }

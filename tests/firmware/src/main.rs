@@ -89,6 +89,25 @@ fn find_parameters() -> Result<(&'static [u8], ArmParameters<'static, Real, JOIN
     Err(Refused)
 }
 
+/// What bends an arm, in the names of what is measured: `+TERMS`, with curves
+/// `+TERMS+CURVES`.
+struct Bends(usize, usize);
+
+impl Bends {
+    fn of(arm: &Arm<Real, JOINTS>) -> Self {
+        Self(arm.terms().len(), arm.curves().iter().count())
+    }
+}
+
+impl fmt::Display for Bends {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self(terms, 0) => write!(f, "+{terms}"),
+            Self(terms, curves) => write!(f, "+{terms}+{curves}"),
+        }
+    }
+}
+
 /// Prints one line `instructions NAME COUNT` for each piece of work; xtask
 /// holds these against budgets.toml.
 fn measure(
@@ -102,6 +121,7 @@ fn measure(
     let print = |name: fmt::Arguments, tenths: u64| {
         hprintln!("instructions {} {}.{}", name, tenths / 10, tenths % 10);
     };
+    let bends = Bends::of(arm);
     let mut inputs = [[0.0; JOINTS]; MEASURED];
     let mut states = [([0.0; JOINTS], vectors::state(0)); MEASURED];
     let cases = inputs.iter_mut().zip(&mut states).zip(poses.clone());
@@ -116,7 +136,7 @@ fn measure(
     let count = counter.tenths_per_call(8, &states, |(q, state)| {
         black_box(&forward_in(black_box(arm), q, state));
     });
-    print(format_args!("real_pose_in+{}", arm.terms().len()), count);
+    print(format_args!("real_pose_in{bends}"), count);
     let count = counter.tenths_per_call(8, &inputs, |q| {
         black_box(&jacobian(black_box(arm), q));
     });
@@ -132,18 +152,18 @@ fn measure(
         let count = counter.tenths_per_call(8, &motion(&states), |(q, state)| {
             black_box(&tick(&mut black_box(&compensator).borrow_mut(), q, state));
         });
-        print(format_args!("{}+{}", name, arm.terms().len()), count);
+        print(format_args!("{name}{bends}"), count);
         // Over poses far apart, many of them near singular or out of bounds.
         let cases = poses.clone().enumerate().map(|(index, q)| (q, vectors::state(index)));
         let longest = counter.longest(cases, |(q, state)| {
             black_box(&tick(&mut black_box(&compensator).borrow_mut(), q, state));
         });
-        print(format_args!("{}_longest+{}", name, arm.terms().len()), longest * 10);
+        print(format_args!("{name}_longest{bends}"), longest * 10);
     }
     let count = counter.tenths_per_call(1000, &[bytes], |bytes| {
         let _ = black_box(&decode(bytes));
     });
-    print(format_args!("check+parameters+{}", arm.terms().len()), count);
+    print(format_args!("check+parameters{bends}"), count);
     let count = counter.tenths_per_call(1000, &[parameters], |parameters| {
         black_box(&load(parameters));
     });

@@ -10,7 +10,7 @@ mod reference;
 use clap::Args;
 use rayon::prelude::*;
 
-use crate::image::build;
+use crate::image::{CURVES, build};
 use crate::reidentification_poses;
 use crate::run::{Result, call};
 use life::{CHECKS, Errors, Life, TASKS, live};
@@ -38,7 +38,7 @@ pub fn check() -> Result {
 }
 
 pub fn run(options: &Options) -> Result {
-    call(&mut build("demo"))?;
+    call(build("demo").args(CURVES))?;
     let poses =
         reidentification_poses::choose(&robot(UR10_LIKE), POINTS, cell::NOISE, |jacobian| {
             let offsets = jacobian.links.iter().map(|link| link.theta);

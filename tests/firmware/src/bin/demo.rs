@@ -46,10 +46,10 @@ use mend::{GROUPS, JOINTS, POINTS, Point};
 use sbcon::{Clocks, SbCon};
 use uart::Uart;
 
-/// Pages of an AT24C32.
+/// Pages of an AT24C64.
 const PAGE: usize = 32;
 /// Half of it for each slot.
-const SLOT: u32 = 2048;
+const SLOT: u32 = 4096;
 /// Ticks until the arm stands: fading in and the largest correction take less.
 const TICKS: u32 = 2000;
 
@@ -67,7 +67,7 @@ fn run(port: &mut Uart, bus: SbCon) -> Result<(), Failed> {
     let mut room = [0; 80];
     let robot = command::line(&mut room).and_then(|line| line.split_whitespace().nth(1));
     let robot = robot.and_then(|word| u64::from_str_radix(word, 16).ok()).unwrap_or(0);
-    let eeprom = Eeprom24x::new_24x32(bus, SlaveAddr::default());
+    let eeprom = Eeprom24x::new_24x64(bus, SlaveAddr::default());
     let slots = ByteSlots::<_, PAGE>::new(Storage::new(eeprom, Clocks), [0, SLOT], SLOT);
     let slots = slots.map_err(|error| failed(port, error))?;
     let mut buffer = [0; SLOT as usize];

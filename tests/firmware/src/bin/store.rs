@@ -1,4 +1,4 @@
-//! A controller whose parameters are in an AT24C32 EEPROM, with a temperature
+//! A controller whose parameters are in an AT24C64 EEPROM, with a temperature
 //! sensor on the same bus. At power-up it loads them and says what it found;
 //! then it does what the command line says, `VERB ROBOT-ID`:
 //!
@@ -31,10 +31,10 @@ use truearm::{Arm6, ArmParameters6, State};
 
 use sbcon::{Clocks, SbCon};
 
-/// Pages of an AT24C32.
+/// Pages of an AT24C64.
 const PAGE: usize = 32;
 /// Half of it for each slot.
-const SLOT: u32 = 2048;
+const SLOT: u32 = 4096;
 
 /// Why the image exits with 1; the reason has been printed.
 struct Failed;
@@ -51,7 +51,7 @@ fn run() -> Result<(), Failed> {
     let robot = words.next().and_then(|word| u64::from_str_radix(word, 16).ok()).unwrap_or(0);
     // SAFETY: the image is for mps2 boards, and this line runs once.
     let bus = RefCell::new(unsafe { SbCon::new() });
-    let eeprom = Eeprom24x::new_24x32(RefCellDevice::new(&bus), SlaveAddr::default());
+    let eeprom = Eeprom24x::new_24x64(RefCellDevice::new(&bus), SlaveAddr::default());
     let slots = ByteSlots::<_, PAGE>::new(Storage::new(eeprom, Clocks), [0, SLOT], SLOT);
     let slots = slots.map_err(|error| failed("slots", error))?;
 
