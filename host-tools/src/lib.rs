@@ -6,6 +6,7 @@
 //! [`truearm`] crate, the same code that runs on the controller.
 
 pub mod blob;
+pub mod check;
 pub mod convert;
 pub mod diagnose;
 pub mod effects;

@@ -68,6 +68,7 @@ fn reports_are_valid() {
         "export model.toml",
         "compare robot.toml measurements.csv",
         &plan,
+        "check robot.toml measurements.csv",
         "verify model.toml commanded.csv --before commanded.csv --tolerance-mm 100",
         "fk model.toml measurements.csv --out fk.csv",
         "ik model.toml pose.csv --out ik.csv",

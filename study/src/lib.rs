@@ -4,8 +4,11 @@
 #![allow(missing_docs, reason = "for this repository only")]
 
 pub mod blind;
+pub mod check;
 pub mod coverage;
 pub mod dirty;
+#[path = "../../host-tools/tests/mistakes/mod.rs"]
+pub mod mistakes;
 pub mod planning;
 pub mod regret;
 pub mod reproduce;

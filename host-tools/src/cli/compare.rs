@@ -4,14 +4,15 @@ use clap::Args;
 use truearm_host::Result;
 use truearm_host::files::write;
 use truearm_host::methods::{self, Comparison, Frames, Outcome};
-use truearm_host::model::{Measurements, Robot};
+use truearm_host::model::Measurements;
 use truearm_host::plot::{Axis, Panel, Series, grid};
 use truearm_host::report::{CompareReport, to_json};
 use truearm_host::statistics::Stats;
 use truearm_host::units::to_mm;
 
+use super::check::explained;
 use super::evaluate::Frames as Anew;
-use super::{Said, warn, words};
+use super::{Said, read_both, warn, words};
 
 /// The paper's methods side by side: errors, reduction, time, size of the corrections.
 #[derive(Args)]
@@ -39,13 +40,13 @@ pub struct Compare {
 
 impl Compare {
     pub fn run(self) -> Result<Said> {
-        let robot = Robot::read(&self.robot)?;
-        let data = Measurements::read(&self.data, &robot)?;
+        let (robot, data) = read_both(&self.robot, &self.data)?;
         let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         let anew = self.reregister.map(Into::into).unwrap_or_default();
         let frames = if self.hold_frames { Frames::Held } else { Frames::Fitted };
         let judge = other.as_ref().map(|o| (o, anew));
-        let found = methods::compare(&robot, &data, judge, frames, &methods::all())?;
+        let found = methods::compare(&robot, &data, judge, frames, &methods::all())
+            .map_err(|error| explained(error, &robot, &data))?;
         warn(&found.warnings);
         let json = to_json(&CompareReport::new(&found));
         let mut wrote = String::new();

@@ -18,9 +18,10 @@ Exit status:
   0  done and good
   1  error
   2  wrong usage
-  3  found wrong: verify, an error beyond the tolerance; ik and compensate, rows
-     that the arm does not reach or the model does not cover
-  4  cannot be decided: verify, the tolerance is within the uncertainty";
+  3  found wrong: verify, an error beyond the tolerance; check, a mistake and what undoes it;
+     ik and compensate, rows that the arm does not reach or the model does not cover
+  4  cannot be decided: verify, the tolerance is within the uncertainty; check, nothing
+     explains the disagreement";
 
 /// Whether nothing is said but errors: set once, before the verb runs.
 static QUIET: AtomicBool = AtomicBool::new(false);

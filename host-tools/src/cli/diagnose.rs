@@ -2,13 +2,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
-use truearm_host::model::{Measurements, Robot};
+use truearm_host::model::Measurements;
 use truearm_host::report::DiagnoseReport;
 use truearm_host::{Error, Result};
 
+use super::check::{explained, remark};
 use super::identify::residuals;
 use super::progress::Bar;
-use super::{Said, deliver, warn, words};
+use super::{Said, deliver, read_both, warn, words};
 
 /// Find where model and measurement disagree, name the missing effect, add it,
 /// and show the gap shrink on poses that were not fitted.
@@ -43,8 +44,7 @@ pub struct Diagnose {
 
 impl Diagnose {
     pub fn run(self) -> Result<Said> {
-        let robot = Robot::read(&self.robot)?;
-        let data = Measurements::read(&self.data, &robot)?;
+        let (robot, data) = read_both(&self.robot, &self.data)?;
         let holdout = self.holdout.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         if let Some(holdout) = &holdout {
             apart(&data, holdout)?;
@@ -57,7 +57,9 @@ impl Diagnose {
         let bar = Bar::new("diagnosing");
         let found = diagnose(&robot, &data, holdout.as_ref(), &options, &|stage| bar.stage(stage));
         bar.finish();
-        let found = found?;
+        let mut found = found.map_err(|error| explained(error, &robot, &data))?;
+        let figures = &mut found.outcome.figures;
+        figures.warnings.extend(remark(figures, &robot, &data));
         let report = DiagnoseReport::new(found.outcome);
         warn(&report.outcome.figures.warnings);
         deliver(

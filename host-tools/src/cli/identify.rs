@@ -4,14 +4,15 @@ use clap::{Args, ValueEnum};
 use truearm_host::evaluate::evaluate;
 use truearm_host::files::csv_text;
 use truearm_host::identify::{LambdaRule, Options, RowResult, Scaling, identify};
-use truearm_host::model::{Measurements, Robot, Row};
+use truearm_host::model::{Measurements, Row};
 use truearm_host::report::IdentifyReport;
 use truearm_host::units::to_mm;
 use truearm_host::{Error, Result};
 
+use super::check::{explained, remark};
 use super::evaluate::Frames;
 use super::progress::Bar;
-use super::{Said, deliver, warn, words};
+use super::{Said, deliver, read_both, warn, words};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
 #[derive(Args)]
@@ -57,13 +58,13 @@ enum Mode {
 impl Identify {
     pub fn run(self) -> Result<Said> {
         let options = self.options()?;
-        let robot = Robot::read(&self.robot)?;
-        let data = Measurements::read(&self.data, &robot)?;
+        let (robot, data) = read_both(&self.robot, &self.data)?;
         let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         let bar = Bar::new("identifying");
         let found = identify(&robot, &data, &options, &|done, total| bar.update(done, total));
         bar.finish();
-        let mut found = found?;
+        let mut found = found.map_err(|error| explained(error, &robot, &data))?;
+        found.figures.warnings.extend(remark(&found.figures, &robot, &data));
         let mut validation = None;
         if let Some(other) = &other {
             let frames = self.reregister.map(Into::into).unwrap_or_default();

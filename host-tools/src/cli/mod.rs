@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each a thin layer over the library.
 
 mod arm_file;
+mod check;
 mod compare;
 mod compensate;
 mod completions;
@@ -33,7 +34,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::blob::explain;
 use truearm_host::files::write;
-use truearm_host::model::Model;
+use truearm_host::model::{Measurements, Model, Robot};
 use truearm_host::report::to_json;
 use truearm_host::{Error, Kind, Result};
 
@@ -60,6 +61,7 @@ enum Verb {
     Identify(identify::Identify),
     Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
+    Check(check::Check),
     Compare(compare::Compare),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
@@ -99,6 +101,7 @@ impl Cli {
             Verb::Identify(verb) => verb.run(),
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
+            Verb::Check(verb) => verb.run(),
             Verb::Compare(verb) => verb.run(),
             Verb::Pack(verb) => verb.run(),
             Verb::Inspect(verb) => verb.run(),
@@ -114,6 +117,14 @@ impl Cli {
             Verb::Compensate(verb) => verb.run(),
         }
     }
+}
+
+/// Reads an arm and what was measured of it. What looks wrong in the first may
+/// be why the second cannot be read: it is said before the error is.
+fn read_both(robot: &Path, data: &Path) -> Result<(Robot, Measurements)> {
+    let robot = Robot::read(robot)?;
+    let data = Measurements::read(data, &robot).inspect_err(|_| warn(&robot.warnings))?;
+    Ok((robot, data))
 }
 
 /// Reads a file and takes it as a blob; what is wrong with it is explained.

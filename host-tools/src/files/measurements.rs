@@ -42,10 +42,7 @@ impl Measurements {
     ) -> Result<Self> {
         let source = Source { path, text };
         source.refuse_toml()?;
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .flexible(true)
-            .from_reader(text.as_bytes());
+        let mut reader = super::csv_reader(text);
         let headers = reader.headers().map_err(|e| unreadable(&source, &e))?;
         let names: Vec<String> = headers.iter().map(str::to_owned).collect();
         let joints = columns.0;
@@ -53,8 +50,9 @@ impl Measurements {
         let (mut rows, mut labels) = (Vec::new(), Labels::default());
         for record in reader.records() {
             let record = record.map_err(|e| unreadable(&source, &e))?;
-            let (line, start) =
-                record.position().map_or((0, 0), |p| (p.line() as usize, p.byte() as usize));
+            let (line, start) = record
+                .position()
+                .map_or((0, 0), |p| source.begin(p.line() as usize, p.byte() as usize));
             if record.len() != names.len() {
                 return Err(source.in_line(
                     line,

@@ -5,6 +5,7 @@ mod columns;
 mod commanded;
 mod covariance;
 mod digest;
+mod edit;
 mod key;
 mod measured;
 mod measurements;
@@ -18,6 +19,7 @@ mod robot;
 mod signed;
 mod source;
 
+pub use edit::CsvEdit;
 pub use key::read_key;
 pub use number::number;
 pub use path::Wanted;
@@ -51,6 +53,15 @@ pub(crate) fn read(path: &Path) -> Result<String> {
         )
     })?;
     Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
+}
+
+/// How tables are read: lines that begin with `#` are comments.
+fn csv_reader(text: &str) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes())
 }
 
 /// The text of a CSV file; labels are quoted where they must be.

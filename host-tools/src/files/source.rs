@@ -135,12 +135,25 @@ impl Source<'_> {
         })
     }
 
+    /// Line and byte where the first CSV record from these on begins: behind
+    /// empty lines and comments.
+    pub fn begin(&self, line: usize, byte: usize) -> (usize, usize) {
+        let (mut line, mut at) = (line, byte);
+        for text in self.text.get(byte..).unwrap_or("").split_inclusive('\n') {
+            let empty = text.trim_end_matches(['\r', '\n']).is_empty();
+            if !empty && !text.starts_with('#') {
+                break;
+            }
+            (line, at) = (line + 1, at + text.len());
+        }
+        (line, at)
+    }
+
     /// The bytes of a cell, without blanks around it, of the CSV record that
     /// begins at a byte; of its last cell if there are fewer.
     pub fn cell(&self, record: usize, column: usize) -> Range<usize> {
         let bytes = self.text.as_bytes();
-        let blank = |at: &usize| matches!(bytes.get(*at), Some(b'\n' | b'\r'));
-        let mut at = (record..).find(|at| !blank(at)).unwrap_or(record);
+        let (_, mut at) = self.begin(0, record);
         let (mut begin, mut seen, mut quoted) = (at, 0, false);
         while let Some(byte) = bytes.get(at) {
             match byte {
@@ -176,8 +189,7 @@ impl Source<'_> {
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> Error {
-        let rest = self.text.get(start..).unwrap_or("");
-        let begin = start + rest.len() - rest.trim_start_matches(['\r', '\n']).len();
+        let (_, begin) = self.begin(line, start);
         let length = self.text.get(begin..).and_then(|t| t.lines().next()).map_or(0, str::len);
         Error::file(self.path, Place::line(line), message, help)
             .showing(self.text, begin..begin + length)

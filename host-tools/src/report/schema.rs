@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 
 use super::{
-    CompareReport, CompensateReport, DiagnoseReport, EvaluateReport, ExportReport, FkReport,
-    IdentifyReport, IkReport, ImportReport, PlanReport, SeparationReport, VerifyReport,
+    CheckReport, CompareReport, CompensateReport, DiagnoseReport, EvaluateReport, ExportReport,
+    FkReport, IdentifyReport, IkReport, ImportReport, PlanReport, SeparationReport, VerifyReport,
 };
 
 /// Name and text of every schema, as they stand in `docs/schemas`.
@@ -15,6 +15,7 @@ pub fn all() -> Vec<(&'static str, String)> {
         (DiagnoseReport::SCHEMA, of::<DiagnoseReport>()),
         (EvaluateReport::SCHEMA, of::<EvaluateReport>()),
         (ExportReport::SCHEMA, of::<ExportReport>()),
+        (CheckReport::SCHEMA, of::<CheckReport>()),
         (CompareReport::SCHEMA, of::<CompareReport>()),
         (ImportReport::SCHEMA, of::<ImportReport>()),
         (PlanReport::SCHEMA, of::<PlanReport>()),

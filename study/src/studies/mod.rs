@@ -1,6 +1,7 @@
 //! The long form of each study: options, tables, and what must be reached.
 
 mod blind;
+mod check;
 mod coverage;
 mod dirty;
 mod lambda;
@@ -26,6 +27,8 @@ pub enum Study {
     Blind(blind::Options),
     /// Several effects, noise misstated, poses as people choose them: can probabilities be trusted?
     Dirty(dirty::Options),
+    /// Gross mistakes between robot and measurements: are they named?
+    Check(check::Options),
     /// How large must an effect be to be named?
     Power(power::Options),
     /// Stated 95 % intervals: how many hold the truth?
@@ -44,6 +47,7 @@ pub fn run(study: &Study) -> Result {
     match study {
         Study::Blind(options) => blind::run(options),
         Study::Dirty(options) => dirty::run(options),
+        Study::Check(options) => check::run(options),
         Study::Power(options) => power::run(options),
         Study::Coverage(options) => coverage::run(options),
         Study::Planning(options) => planning::run(options),

@@ -1,5 +1,6 @@
 //! What the verbs say on the terminal: one file a verb.
 
+mod check;
 mod compare;
 mod compensate;
 mod diagnose;
@@ -9,6 +10,7 @@ mod import;
 mod plan;
 mod verify;
 
+pub use check::{checked, together};
 pub use compare::compare;
 pub use compensate::{compensation, not_reached};
 pub use diagnose::diagnosis;

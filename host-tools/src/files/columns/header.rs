@@ -39,7 +39,8 @@ impl<'a> Header<'a> {
     }
 
     pub fn fail(&self, message: impl Into<String>, help: impl Into<String>) -> Error {
-        self.source.in_line(1, 0, message, help)
+        let (line, start) = self.source.begin(1, 0);
+        self.source.in_line(line, start, message, help)
     }
 
     /// A column that is needed is not there: what is, what may be meant, and who

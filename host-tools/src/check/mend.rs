@@ -1,0 +1,283 @@
+//! The user's two files with the mistakes undone, everything else as it was.
+
+use nalgebra::{Rotation3, Vector3};
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+use truearm::JointKind;
+
+use super::change::{Change, Convention};
+use super::words::tidy;
+use super::{Finding, undone};
+use crate::error::{Error, Kind, Result};
+use crate::files::CsvEdit;
+use crate::model::{Measurements, Robot};
+use crate::units::{DEGREES, joint_column, point_to_mm};
+
+/// The two texts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Mended {
+    /// `robot.toml`
+    pub robot: String,
+    /// `measurements.csv`
+    pub measurements: String,
+}
+
+/// Undoes the mistakes in the texts that robot and measurements were read from.
+///
+/// # Errors
+/// Texts that are not those.
+pub fn mend(
+    (robot, robot_text): (&Robot, &str),
+    (data, data_text): (&Measurements, &str),
+    finding: &Finding,
+) -> Result<Mended> {
+    let (of_data, of_robot): (Vec<_>, Vec<_>) =
+        finding.changes.iter().zip(&finding.said).partition(|(change, _)| change.of_data());
+    let remarks = |said: &[(&Change, &super::Said)]| {
+        said.iter()
+            .map(|(_, said)| format!("# truearm check: {said}; mended\n"))
+            .collect::<String>()
+    };
+    let mut texts = Mended { robot: robot_text.to_owned(), measurements: data_text.to_owned() };
+    if !of_robot.is_empty() {
+        texts.robot = remarks(&of_robot) + &robot_mended(robot, robot_text, finding)?;
+    }
+    if !of_data.is_empty() {
+        let mut ordered: Vec<&Change> = of_data.iter().map(|(change, _)| *change).collect();
+        ordered.sort_by_key(|change| change.rank());
+        let mut edit = CsvEdit::new(&data.path, data_text)?;
+        ordered.iter().for_each(|change| rows_mended(&mut edit, robot, change));
+        texts.measurements = remarks(&of_data) + &edit.finish();
+    }
+    Ok(texts)
+}
+
+impl Change {
+    /// Whether measurements.csv is mended; else robot.toml is.
+    fn of_data(&self) -> bool {
+        !matches!(self, Self::Convention(_) | Self::RobotUnit(_) | Self::Value(..))
+    }
+}
+
+fn rows_mended(edit: &mut CsvEdit, robot: &Robot, change: &Change) {
+    let kinds: Vec<JointKind> = robot.joints.iter().map(|j| j.link.kind).collect();
+    let joints: Vec<Option<usize>> = kinds
+        .iter()
+        .enumerate()
+        .map(|(j, kind)| edit.column(&joint_column("q", j, *kind)))
+        .collect();
+    let sides: Vec<Option<usize>> =
+        (1..=kinds.len()).map(|j| edit.column(&format!("dir{j}"))).collect();
+    let of_kind = |of: JointKind| {
+        joints.iter().zip(&kinds).filter(move |(_, k)| **k == of).filter_map(|(c, _)| *c)
+    };
+    let points = || ["x_mm", "y_mm", "z_mm"];
+    match change {
+        Change::Step(step) => stepped(edit, *step, joints.iter().chain(&sides).flatten()),
+        Change::JointUnit(unit) => scaled(edit, of_kind(JointKind::Revolute), unit.degrees()),
+        Change::SlideUnit(unit) => scaled(edit, of_kind(JointKind::Prismatic), unit.millimetres()),
+        Change::PointUnit(unit) => {
+            let columns: Vec<usize> = points().iter().filter_map(|c| edit.column(c)).collect();
+            scaled(edit, columns.into_iter(), unit.millimetres());
+        }
+        // With the points their orientation is seen in a mirror.
+        Change::Hand => {
+            let columns: Vec<usize> =
+                ["z_mm", "qx", "qy"].iter().filter_map(|c| edit.column(c)).collect();
+            negated(edit, columns);
+        }
+        Change::Order(order) => {
+            permuted(edit, &joints, order);
+            permuted(edit, &sides, order);
+        }
+        Change::Sense(joint) => {
+            negated(edit, [joints[*joint], sides[*joint]].into_iter().flatten());
+        }
+        Change::Convention(_) | Change::RobotUnit(_) | Change::Value(..) => {}
+    }
+}
+
+/// Cells of these columns from the row before or after.
+fn stepped<'a>(edit: &mut CsvEdit, step: isize, columns: impl Iterator<Item = &'a usize>) {
+    let (rows, down) = (edit.rows(), step > 0);
+    for column in columns {
+        let cells: Vec<String> = (0..rows).map(|r| edit.cell(r, *column).to_owned()).collect();
+        for row in 0..rows {
+            let from = if down { row + 1 } else { row.wrapping_sub(1) };
+            if let Some(cell) = cells.get(from) {
+                edit.set(row, *column, cell.as_str());
+            }
+        }
+    }
+    // Nobody knows the joints of the row at the end.
+    edit.drop_row(if down { rows.saturating_sub(1) } else { 0 });
+}
+
+fn permuted(edit: &mut CsvEdit, columns: &[Option<usize>], order: &[usize]) {
+    for row in 0..edit.rows() {
+        let cell = |column: &Option<usize>| column.map(|c| edit.cell(row, c).to_owned());
+        let cells: Vec<Option<String>> = columns.iter().map(cell).collect();
+        for (column, from) in columns.iter().zip(order) {
+            if let Some(column) = column {
+                edit.set(row, *column, cells[*from].clone().unwrap_or_default());
+            }
+        }
+    }
+}
+
+fn scaled(edit: &mut CsvEdit, columns: impl Iterator<Item = usize>, factor: f64) {
+    for column in columns {
+        for row in 0..edit.rows() {
+            if let Ok(value) = edit.cell(row, column).parse::<f64>() {
+                // Nine decimals: a picometre, a nanodegree.
+                let now = (value * factor * 1e9).round() / 1e9;
+                edit.set(row, column, format!("{now}"));
+            }
+        }
+    }
+}
+
+/// The same digits with the other sign; nought has none.
+fn negated(edit: &mut CsvEdit, columns: impl IntoIterator<Item = usize>) {
+    for column in columns {
+        for row in 0..edit.rows() {
+            let cell = edit.cell(row, column);
+            let now = match (cell.strip_prefix('-'), cell.parse::<f64>()) {
+                (_, Err(_) | Ok(0.0)) => continue,
+                (Some(digits), _) => digits.to_owned(),
+                (None, _) => format!("-{}", cell.strip_prefix('+').unwrap_or(cell)),
+            };
+            edit.set(row, column, now);
+        }
+    }
+}
+
+fn robot_mended(robot: &Robot, text: &str, finding: &Finding) -> Result<String> {
+    let other = || {
+        Error::data(
+            Kind::File,
+            format!("{}: not the text that was read", robot.path.display()),
+            "the file changed in between: try again",
+        )
+    };
+    let mut document: DocumentMut = text.parse().map_err(|_| other())?;
+    let now = undone(robot, &finding.changes);
+    let mut joints = tables(&mut document, "joints");
+    if joints.len() != robot.joints.len() {
+        return Err(other());
+    }
+    for ((table, stated), joint) in joints.iter_mut().zip(&robot.joints).zip(&now.joints) {
+        let (then, now) = (&stated.link.parameters, &joint.link.parameters);
+        let along = match joint.link.kind {
+            JointKind::Revolute => "d_mm",
+            JointKind::Prismatic => "d_offset_mm",
+        };
+        let numbers = [
+            ("alpha_deg", then.alpha, now.alpha, DEGREES),
+            ("a_mm", then.a, now.a, 1e3),
+            ("theta_offset_deg", then.theta, now.theta, DEGREES),
+            (along, then.d, now.d, 1e3),
+        ];
+        for (key, then, now, unit) in numbers {
+            if then != now {
+                set(*table, key, within_a_turn(key, now * unit).into());
+            }
+        }
+    }
+    let tool = tool_mended(robot, &now, finding);
+    if tool != robot.tool {
+        set_tool(&mut document, "xyz_mm", point_to_mm(&tool));
+    }
+    if let Some(turn) = finding.changes.iter().find_map(|c| turned_tool(robot, c)) {
+        set_tool(&mut document, "rpy_deg", turn.map(|angle| angle * DEGREES));
+    }
+    Ok(document.to_string())
+}
+
+/// Where units were wrong the tool may have been typed in them as well: it is
+/// what was seen that tells.
+fn tool_mended(stated: &Robot, now: &Robot, finding: &Finding) -> Vector3<f64> {
+    let scale = finding.changes.iter().find_map(|c| match c {
+        Change::RobotUnit(unit) => Some(unit.millimetres()),
+        _ => None,
+    });
+    match scale {
+        Some(scale) => {
+            let far = |tool: Vector3<f64>| (tool - finding.tool).norm();
+            let scaled = stated.tool * scale;
+            if far(scaled) < far(now.tool) { scaled } else { now.tool }
+        }
+        None => now.tool,
+    }
+}
+
+/// How the target's frame is turned once the last alpha belongs to the tool.
+fn turned_tool(robot: &Robot, change: &Change) -> Option<[f64; 3]> {
+    let Change::Convention(Convention::Standard) = change else { return None };
+    let alpha = robot.joints.last()?.link.parameters.alpha;
+    if alpha == 0.0 {
+        return None;
+    }
+    let [r, p, y] = [robot.tool_rpy.x, robot.tool_rpy.y, robot.tool_rpy.z];
+    let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), alpha)
+        * Rotation3::from_euler_angles(r, p, y);
+    Some(turn.euler_angles().into())
+}
+
+/// A file's angles are within a turn.
+fn within_a_turn(key: &str, value: f64) -> f64 {
+    let angle = key.ends_with("_deg") && value.abs() > 180.0;
+    let value = if angle { value - 360.0 * (value / 360.0).round() } else { value };
+    tidy(value).parse().unwrap_or(value)
+}
+
+/// `[[joints]]`, or `joints = [{..}]`.
+fn tables<'a>(document: &'a mut DocumentMut, key: &str) -> Vec<&'a mut dyn TableLike> {
+    match document.get_mut(key) {
+        Some(Item::ArrayOfTables(tables)) => {
+            tables.iter_mut().map(|table| table as &mut dyn TableLike).collect()
+        }
+        Some(Item::Value(Value::Array(array))) => {
+            let tables = array.iter_mut().filter_map(Value::as_inline_table_mut);
+            tables.map(|table| table as &mut dyn TableLike).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Another value of a key; blanks and comments around it stay.
+fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
+    match table.get_mut(key).and_then(Item::as_value_mut) {
+        Some(stood) => {
+            *value.decor_mut() = stood.decor().clone();
+            *stood = value;
+        }
+        None => {
+            table.insert(key, Item::Value(value));
+        }
+    }
+}
+
+fn set_tool(document: &mut DocumentMut, key: &str, numbers: [f64; 3]) {
+    let value: Value = numbers.map(|x| within_a_turn(key, x)).into_iter().collect();
+    let tool = document.entry("tool").or_insert_with(toml_edit::table);
+    if let Some(tool) = tool.as_table_like_mut() {
+        set(tool, key, value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_keeps_what_stands_around_it() {
+        let text = "# arm\njoints = [\n  { alpha_deg = 0, a_mm = 12.5 }, # first\n]\n";
+        let mut document: DocumentMut = text.parse().unwrap();
+        set(tables(&mut document, "joints")[0], "a_mm", (-12.5).into());
+        assert_eq!(document.to_string(), text.replace("12.5", "-12.5"));
+        let text = "[[joints]]\na_mm   =  12.5  # by hand\n\n[[joints]]\na_mm = 1\n";
+        let mut document: DocumentMut = text.parse().unwrap();
+        set(tables(&mut document, "joints")[0], "a_mm", 25.0.into());
+        assert_eq!(document.to_string(), text.replace("12.5", "25.0"));
+    }
+}

@@ -1,0 +1,203 @@
+//! Gross mistakes between a robot file and its measurements, found and named:
+//! senses, zeros, orders, units, conventions, signs, hands, rows out of step.
+//!
+//! Each hypothesis undoes one mistake ([`Change`]), is registered and fitted
+//! shortly with the links held near nominal and the noise unknown; the most
+//! probable one wins if it is more probable than that nothing is wrong. Where one
+//! does not do, pairs are tried. What base or tool absorb cannot be seen and is
+//! said.
+
+mod absorbed;
+mod change;
+mod fit;
+mod hypotheses;
+pub mod mend;
+mod sample;
+mod scene;
+mod search;
+mod words;
+
+pub use change::{AngleUnit, Change, Convention, LengthUnit, New};
+pub use words::Said;
+
+use nalgebra::Vector3;
+
+use sample::Sample;
+use scene::Scene;
+use search::{Found, Search};
+
+use crate::error::Result;
+use crate::model::{Measurements, Robot};
+
+/// An explanation must be this much more probable than a simpler one, nats.
+const CLEARLY: f64 = 12.0;
+/// Explanations within this of the best one are as good, nats.
+const AS_GOOD: f64 = 6.0;
+/// A fit that leaves less, m, and corrects by less, tolerances, asks for no
+/// second mistake.
+const GOOD: (f64, f64) = (2e-3, 12.0);
+/// A misfit beyond makes no sense, m: no arm and no effect is that far off.
+const SENSELESS: f64 = 0.02;
+/// The same over how far the points are spread: an explanation must explain
+/// them, not make the arm small.
+const EXPLAINED: f64 = 0.05;
+/// Corrections beyond are no arm's own, tolerances.
+const UNBELIEVABLE: f64 = 100.0;
+
+/// What there is to say about a robot file and its measurements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// No gross mistake.
+    Sound,
+    /// Mistakes were found, and what undoes them.
+    Mendable,
+    /// They do not agree, and no one or two mistakes say why.
+    NotUnderstood,
+}
+
+/// What was found.
+#[derive(Debug, Clone)]
+pub struct Finding {
+    /// Whether anything is wrong.
+    pub verdict: Verdict,
+    /// What undoes it.
+    pub changes: Vec<Change>,
+    /// The same in words.
+    pub said: Vec<Said>,
+    /// Others that undo it as well: the data cannot tell them from these.
+    pub equivalent: Vec<Vec<Said>>,
+    /// Misfit of the next explanation that is not as good over that of this
+    /// one; none where nothing is wrong.
+    pub margin: Option<f64>,
+    /// Mistakes that these data cannot show, in words: base or tool absorb them.
+    pub absorbed: Vec<String>,
+    /// Root mean square misfit as the files are, links within their
+    /// tolerances, m.
+    pub rms_before: f64,
+    /// The same with the mistakes undone, m.
+    pub rms_after: f64,
+    /// Largest correction of the links before, tolerances.
+    pub correction_before: f64,
+    /// Where the first marker is seen in the last frame, m.
+    pub tool: Vector3<f64>,
+}
+
+impl Finding {
+    /// Whether the frames of the links are no longer those that the robot file
+    /// had, so that centres of mass may be elsewhere.
+    #[must_use]
+    pub fn moves_frames(&self) -> bool {
+        let turns = |c: &Change| matches!(c, Change::Convention(_) | Change::Value(..));
+        self.changes.iter().any(turns)
+    }
+}
+
+/// Looks for gross mistakes.
+///
+/// # Errors
+/// Too few points.
+pub fn check(robot: &Robot, data: &Measurements) -> Result<Finding> {
+    let links = robot.nominal();
+    let sample = Sample::of(data, links.iter().map(|link| link.kind).collect())?;
+    let search = Search { links: &links, tool: robot.tool, sample: &sample };
+    let nothing = search.nothing();
+    let ones = search.one();
+    let mut best = better(nothing.clone(), ones.first());
+    let mut ranked = ones.clone();
+    if !good(&best) {
+        let twos = search.two(&ones);
+        best = better(best, twos.first());
+        ranked.extend(twos);
+    }
+    ranked.push(nothing.clone());
+    ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let verdict = match (&best, best.changes.is_empty()) {
+        (best, _) if senseless(best) => Verdict::NotUnderstood,
+        (_, true) => Verdict::Sound,
+        _ => Verdict::Mendable,
+    };
+    let absorbed = absorbed::by_base_or_tool(&search, &nothing, &ranked);
+    let said = |changes: &[Change]| words::said(robot, &sample.kinds, changes);
+    let understood = verdict == Verdict::Mendable;
+    let others = if understood { others(&best, &ranked) } else { Others::default() };
+    let equivalent = others.equivalent.iter().map(|f| said(&f.changes)).collect();
+    Ok(Finding {
+        verdict,
+        said: if understood { said(&best.changes) } else { Vec::new() },
+        changes: if understood { best.changes.clone() } else { Vec::new() },
+        equivalent,
+        margin: others.next.map(|next| next.fitted.rms / best.fitted.rms),
+        absorbed,
+        rms_before: nothing.fitted.rms,
+        rms_after: best.fitted.rms,
+        correction_before: nothing.fitted.correction,
+        tool: best.fitted.state.markers.first().copied().unwrap_or(robot.tool),
+    })
+}
+
+/// Explanations beside the best one.
+#[derive(Default)]
+struct Others<'a> {
+    /// As good as it is.
+    equivalent: Vec<&'a Found>,
+    /// The next one.
+    next: Option<&'a Found>,
+}
+
+/// Of ranked explanations. The same number found from another start is no
+/// other one.
+fn others<'a>(best: &Found, ranked: &'a [Found]) -> Others<'a> {
+    let same = |a: &Found, b: &Found| {
+        a.changes.len() == b.changes.len()
+            && a.changes.iter().all(|a| {
+                b.changes.iter().any(|b| match (a, b) {
+                    (Change::Value(..), Change::Value(..)) => a.same_place(b),
+                    _ => a == b,
+                })
+            })
+    };
+    let mut found = Others::default();
+    for other in ranked.iter().filter(|other| !same(other, best)) {
+        if other.cost - best.cost >= AS_GOOD {
+            found.next = Some(other);
+            break;
+        }
+        let known = found.equivalent.iter().any(|known| same(known, other));
+        if !known && other.changes.len() <= best.changes.len() {
+            found.equivalent.push(other);
+        }
+    }
+    found
+}
+
+/// The other if it is clearly more probable.
+fn better(simple: Found, other: Option<&Found>) -> Found {
+    match other {
+        Some(other) if simple.cost - other.cost >= CLEARLY && explains(other) => other.clone(),
+        _ => simple,
+    }
+}
+
+fn good(found: &Found) -> bool {
+    found.fitted.spread <= GOOD.0 && found.fitted.correction <= GOOD.1 && explains(found)
+}
+
+fn explains(found: &Found) -> bool {
+    !senseless(found) && found.fitted.rms <= EXPLAINED * found.fitted.extent
+}
+
+fn senseless(found: &Found) -> bool {
+    found.fitted.rms > SENSELESS || found.fitted.correction > UNBELIEVABLE
+}
+
+/// Robot and rows with the mistakes undone.
+fn undone(robot: &Robot, changes: &[Change]) -> Robot {
+    let nothing =
+        Sample { kinds: Vec::new(), stations: 0, markers: 0, sigma: 0.0, rows: Vec::new() };
+    let scene = Scene::new(&robot.nominal(), robot.tool, &nothing, changes);
+    let mut robot = robot.clone();
+    robot.joints.iter_mut().zip(scene.links).for_each(|(joint, link)| joint.link = link);
+    robot.tool = scene.tool;
+    robot
+}

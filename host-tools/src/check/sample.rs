@@ -1,0 +1,91 @@
+//! The rows that hypotheses are tried on: points, with the joints of the rows
+//! before and after, should the file be out of step.
+
+use nalgebra::Vector3;
+use truearm::JointKind;
+
+use crate::error::{Error, Kind, Result};
+use crate::model::Measurements;
+use crate::observations::kind;
+
+/// So many rows tell a gross mistake from a sound file; more only cost time.
+const MOST_ROWS: usize = 100;
+/// A base has six unknowns, three points nine equations.
+const LEAST_OF_STATION: usize = 3;
+/// Fewer points agree with nearly any arm: base and tool alone are nine unknowns.
+const LEAST_ROWS: usize = 6;
+
+/// Some rows of a file that measured points.
+#[derive(Debug, Clone)]
+pub(super) struct Sample {
+    /// Kinds of the joints.
+    pub kinds: Vec<JointKind>,
+    /// How many stations the file has.
+    pub stations: usize,
+    /// How many markers the file has.
+    pub markers: usize,
+    /// Smallest standard deviation that a row states, m.
+    pub sigma: f64,
+    /// The rows.
+    pub rows: Vec<SampledRow>,
+}
+
+/// A row and its neighbours.
+#[derive(Debug, Clone)]
+pub(super) struct SampledRow {
+    /// Joint values of the row before, of this one and of the one after, rad or m.
+    pub q: [Vec<f64>; 3],
+    /// The point in the tracker frame, m.
+    pub point: Vector3<f64>,
+    /// Index of the station.
+    pub station: usize,
+    /// Index of the marker.
+    pub marker: usize,
+}
+
+impl Sample {
+    /// Rows evenly out of the whole file; its first and last lack a neighbour.
+    ///
+    /// # Errors
+    /// Too few points.
+    pub fn of(data: &Measurements, kinds: Vec<JointKind>) -> Result<Self> {
+        let all = &data.rows;
+        let inner = 1..all.len().saturating_sub(1);
+        let usable: Vec<usize> =
+            inner.filter(|i| kind(&all[*i]).point(&all[*i]).is_some()).collect();
+        let of = |s: usize| usable.iter().filter(|i| all[**i].station == s).count();
+        let counts: Vec<usize> = (0..data.stations.len()).map(of).collect();
+        let usable: Vec<usize> =
+            usable.into_iter().filter(|i| counts[all[*i].station] >= LEAST_OF_STATION).collect();
+        if usable.len() < LEAST_ROWS {
+            return Err(Error::data(
+                Kind::TooFewPoses,
+                format!("{}: {} points are too few to check", data.path.display(), usable.len()),
+                "measure at least eight poses, better 50",
+            ));
+        }
+        let count = usable.len().min(MOST_ROWS);
+        let picked = (0..count).map(|k| usable[k * usable.len() / count]);
+        let rows = picked.map(|i| SampledRow {
+            q: [i - 1, i, i + 1].map(|i| all[i].q.clone()),
+            point: all[i].measured.point(),
+            station: all[i].station,
+            marker: all[i].marker,
+        });
+        Ok(Self {
+            rows: rows.collect(),
+            kinds,
+            stations: data.stations.len(),
+            markers: data.markers.len(),
+            sigma: all.iter().map(|row| row.sigma).fold(f64::INFINITY, f64::min),
+        })
+    }
+
+    /// At most so many of the rows, evenly.
+    #[must_use]
+    pub fn thinned(&self, most: usize) -> Self {
+        let count = self.rows.len().min(most);
+        let rows = (0..count).map(|k| self.rows[k * self.rows.len() / count].clone());
+        Self { rows: rows.collect(), ..self.clone() }
+    }
+}

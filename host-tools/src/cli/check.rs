@@ -1,0 +1,153 @@
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use truearm_host::check::mend::mend;
+use truearm_host::check::{Finding, Verdict, check};
+use truearm_host::files::{read_text, write};
+use truearm_host::identify::Figures;
+use truearm_host::model::{Measurements, Robot};
+use truearm_host::report::{CheckReport, to_json};
+use truearm_host::units::to_mm;
+use truearm_host::{Error, Kind, Result};
+
+use super::{End, Said, warn, words};
+
+/// Find gross mistakes between robot and measurements: senses, zeros, orders,
+/// units, conventions. Exit status 3: found, 4: they disagree and nothing says why.
+#[derive(Args)]
+pub struct Check {
+    /// The nominal arm, robot.toml
+    robot: PathBuf,
+    /// Measured points, measurements.csv
+    data: PathBuf,
+    /// Write robot.toml and measurements.csv into this folder, mended
+    #[arg(long, value_name = "DIR")]
+    fix: Option<PathBuf>,
+    /// Print JSON instead of words
+    #[arg(long)]
+    json: bool,
+}
+
+impl Check {
+    pub fn run(self) -> Result<Said> {
+        let texts = [read_text(&self.robot)?, read_text(&self.data)?];
+        let robot = Robot::parse(&self.robot, &texts[0])?;
+        let data = Measurements::parse(&self.data, &texts[1], &robot)?;
+        let mut warnings = [robot.warnings.clone(), data.warnings.clone()].concat();
+        // Before anything can fail: what looks wrong may be why.
+        warn(&warnings);
+        let finding = check(&robot, &data)?;
+        let wrote = match &self.fix {
+            Some(folder) => self.fixed(folder, (&robot, &data), &texts, &finding)?,
+            None => String::new(),
+        };
+        if self.fix.is_some() && !robot.links.is_empty() && finding.moves_frames() {
+            let masses = "[[links]] com_mm were left as they were: they are in the links' frames";
+            let remark = format!("{}: {masses}", self.robot.display());
+            warn(std::slice::from_ref(&remark));
+            warnings.push(remark);
+        }
+        let [robot, data] = [&self.robot, &self.data].map(|path| path.display().to_string());
+        let report = CheckReport::new(robot, data, &finding, warnings);
+        let text = if self.json { to_json(&report) } else { words::checked(&report) + &wrote };
+        let end = match finding.verdict {
+            Verdict::Sound => End::Good,
+            Verdict::Mendable => End::Wrong,
+            Verdict::NotUnderstood => End::Undecided,
+        };
+        Ok(Said { text, end })
+    }
+
+    /// Writes the two files, unless nothing is understood.
+    fn fixed(
+        &self,
+        folder: &Path,
+        (robot, data): (&Robot, &Measurements),
+        texts: &[String; 2],
+        finding: &Finding,
+    ) -> Result<String> {
+        if finding.verdict == Verdict::NotUnderstood {
+            return Ok("wrote nothing: what is wrong is not understood\n".to_owned());
+        }
+        let targets = [folder.join("robot.toml"), folder.join("measurements.csv")];
+        let real = |path: &Path| std::fs::canonicalize(path).ok();
+        for source in [&self.robot, &self.data] {
+            if targets.iter().any(|t| real(t).is_some() && real(t) == real(source)) {
+                return Err(Error::usage(
+                    format!("--fix {} would overwrite {}", folder.display(), source.display()),
+                    "give another folder",
+                ));
+            }
+        }
+        let mended = mend((robot, &texts[0]), (data, &texts[1]), finding)?;
+        write(&targets[0], mended.robot.as_bytes())?;
+        write(&targets[1], mended.measurements.as_bytes())?;
+        Ok(format!("wrote {}\n", folder.join("{robot.toml,measurements.csv}").display()))
+    }
+}
+
+/// Corrections beyond are no arm's own, tolerances: the norm of all of them.
+const MANY_TOLERANCES: f64 = 100.0;
+/// From here on it is worth a look whether a mistake is behind them: poorly made
+/// arms of seven joints have 20.
+const SUSPICIOUS_TOLERANCES: f64 = 40.0;
+/// A misfit beyond makes no sense, mm.
+const SENSELESS_MM: f64 = 20.0;
+
+/// An error of a fit, with what `check` has to say of the files. Their warnings
+/// come first: what looked wrong there may be why.
+pub fn explained(error: Error, robot: &Robot, data: &Measurements) -> Error {
+    warn(&[robot.warnings.as_slice(), &data.warnings].concat());
+    let kinds = [Kind::NotConverged, Kind::Contradiction, Kind::Singular];
+    if !kinds.contains(&error.kind()) {
+        return error;
+    }
+    match found(robot, data) {
+        Some(found) => {
+            let help = format!("{found}\n{}", error.help());
+            Error::data(error.kind(), error.to_string(), help)
+        }
+        None => error,
+    }
+}
+
+/// A remark where a fit ended at figures that make no sense.
+pub fn remark(figures: &Figures, robot: &Robot, data: &Measurements) -> Option<String> {
+    let size = figures.correction_norm;
+    let rms = figures.identified.map_or(0.0, |stats| stats.rms_mm);
+    if size <= SUSPICIOUS_TOLERANCES && rms <= SENSELESS_MM {
+        return None;
+    }
+    let what = if rms > SENSELESS_MM {
+        format!("a misfit of {rms:.0} mm RMS is left")
+    } else {
+        format!("the corrections are {size:.0} tolerances")
+    };
+    let why = match found(robot, data) {
+        Some(why) => why,
+        None if size <= MANY_TOLERANCES && rms <= SENSELESS_MM => return None,
+        None => "no gross mistake explains it".to_owned(),
+    };
+    Some(format!("{}: {what}, more than a sound arm has: {why}", data.path.display()))
+}
+
+/// What `check` finds, in a sentence; `None` where it finds nothing.
+fn found(robot: &Robot, data: &Measurements) -> Option<String> {
+    let finding = check(robot, data).ok()?;
+    let words = match finding.verdict {
+        Verdict::Sound => return None,
+        Verdict::Mendable => format!(
+            "{}; with that mended {:.2} mm RMS are left: `truearm check {} {} --fix DIR` mends it",
+            words::together(&finding.said),
+            to_mm(finding.rms_after),
+            robot.path.display(),
+            data.path.display(),
+        ),
+        Verdict::NotUnderstood => format!(
+            "robot and measurements disagree by {:.0} mm RMS and no one or two mistakes explain it: \
+             are they of the same arm?",
+            to_mm(finding.rms_before),
+        ),
+    };
+    Some(words)
+}

@@ -1,0 +1,44 @@
+use truearm_host::check::{Said, Verdict};
+use truearm_host::report::CheckReport;
+
+/// What is wrong between a robot file and its measurements.
+pub fn checked(report: &CheckReport) -> String {
+    let (before, after) = (report.rms_before_mm, report.rms_after_mm);
+    let mut out = match report.verdict {
+        Verdict::Sound => {
+            format!("no gross mistake: robot and measurements agree to {before:.2} mm RMS\n")
+        }
+        Verdict::Mendable => String::from("found wrong:\n"),
+        Verdict::NotUnderstood => format!(
+            "not understood: robot and measurements disagree by {before:.0} mm RMS, and no one or \
+             two mistakes explain it; are they of the same arm?\n"
+        ),
+    };
+    for change in &report.changes {
+        out += &format!("  {change}\n");
+    }
+    if report.verdict == Verdict::Mendable {
+        out +=
+            &format!("misfit {before:.2} mm RMS as the files are, {after:.2} mm with that mended");
+        if let Some(margin) = report.margin {
+            out += &format!("; the next explanation leaves {margin:.1} times as much");
+        }
+        out += "\n";
+        if !report.equivalent.is_empty() {
+            out += "the data cannot tell it from:\n";
+        }
+        for other in &report.equivalent {
+            out += &format!("  {}\n", together(other));
+        }
+    }
+    if !report.absorbed.is_empty() {
+        let list = report.absorbed.join(", ");
+        out += &format!("mistakes here base or tool absorb, so that they cannot be seen: {list}\n");
+    }
+    out
+}
+
+/// Several changes in a sentence.
+pub fn together(changes: &[Said]) -> String {
+    changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", and ")
+}
