@@ -7,6 +7,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use truearm_host::check::Verdict;
+use truearm_host::model::Robot;
 use truearm_simulate::robots;
 
 use crate::mistakes::{Mistake, Outcome, Session, drawn, judged};
@@ -23,14 +24,19 @@ pub struct Trial {
     pub seconds: f64,
 }
 
+/// A session as good ones are, or as many are.
+fn session(robot: &Robot, hard: bool, rng: &mut ChaCha8Rng) -> Session {
+    if hard { Session::draw_hard(robot, rng) } else { Session::draw(robot, rng) }
+}
+
 /// A session with so many mistakes; which arm and which mistakes are drawn.
 ///
 /// # Panics
 /// Where a file cannot be read that was written here.
-pub fn trial(seed: u64, mistakes: usize) -> Trial {
+pub fn trial(seed: u64, mistakes: usize, hard: bool) -> Trial {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let robot = robot(robots::ALL[(seed % robots::ALL.len() as u64) as usize]);
-    let clean = Session::draw(&robot, &mut rng);
+    let clean = session(&robot, hard, &mut rng);
     let mut typed = clean.clone();
     let mut made: Vec<Mistake> = Vec::new();
     while made.len() < mistakes {
@@ -84,8 +90,8 @@ pub fn name(mistake: &Mistake) -> String {
 
 /// Trials of so many seeds from one on.
 #[must_use]
-pub fn trials(from: u64, count: u64, mistakes: usize) -> Vec<Trial> {
-    (from..from + count).into_par_iter().map(|seed| trial(seed, mistakes)).collect()
+pub fn trials(from: u64, count: u64, mistakes: usize, hard: bool) -> Vec<Trial> {
+    (from..from + count).into_par_iter().map(|seed| trial(seed, mistakes, hard)).collect()
 }
 
 /// Whether an outcome tells the user what is to be known.
@@ -111,11 +117,11 @@ pub fn tally(
 
 /// Sound sessions from a seed on in which something was found wrong.
 #[must_use]
-pub fn alarms(from: u64, count: u64) -> Vec<(u64, String)> {
+pub fn alarms(from: u64, count: u64, hard: bool) -> Vec<(u64, String)> {
     let of = |seed: u64| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let robot = robot(robots::ALL[(seed % robots::ALL.len() as u64) as usize]);
-        let finding = Session::draw(&robot, &mut rng).checked();
+        let finding = session(&robot, hard, &mut rng).checked();
         let said: Vec<String> = finding.said.iter().map(ToString::to_string).collect();
         (finding.verdict != Verdict::Sound).then(|| (seed, said.join(", and ")))
     };

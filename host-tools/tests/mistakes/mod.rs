@@ -98,6 +98,29 @@ impl Session {
         }
     }
 
+    /// The same as it is in many cells: every joint within 50 degrees or 0.2 m,
+    /// one row in thirty a gross error, the tool stated up to 0.1 m off.
+    pub fn draw_hard(robot: &Robot, rng: &mut impl Rng) -> Self {
+        let mut narrow = robot.clone();
+        for joint in &mut narrow.joints {
+            let (half, usual) = match joint.link.kind {
+                JointKind::Revolute => (25_f64.to_radians(), 2.5),
+                JointKind::Prismatic => (0.1, 0.5),
+            };
+            let [low, high] = joint.limits.unwrap_or([-usual, usual]);
+            let middle = rng.random_range(low + half..(high - half).max(low + half + 1e-6));
+            joint.limits = Some([middle - half, middle + half]);
+        }
+        let mut session = Self::draw(&narrow, rng);
+        for point in session.points.iter_mut().step_by(30) {
+            point[rng.random_range(0..3)] += rng.random_range(5.0..50.0);
+        }
+        let off = vector(rng);
+        let off = off / off.norm() * rng.random_range(0.0..100.0);
+        session.tool.iter_mut().zip(off.iter()).for_each(|(tool, off)| *tool += off);
+        session
+    }
+
     pub fn make(&mut self, mistake: &Mistake) {
         let n = self.table.len();
         match *mistake {

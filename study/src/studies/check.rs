@@ -19,6 +19,9 @@ pub struct Options {
     /// Sessions without
     #[arg(long, default_value_t = 300)]
     sound: u64,
+    /// Joints within 50 degrees, gross rows, the tool misstated; nothing is required then
+    #[arg(long)]
+    hard: bool,
     /// Another seed, other sessions
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -36,7 +39,12 @@ const OUTCOMES: [(Outcome, &str); 6] = [
 pub fn run(options: &Options) -> Result {
     let mut missed = Vec::new();
     for (mistakes, count, least) in [(1, options.singles, 0.98), (2, options.doubles, 0.9)] {
-        let trials = trials((options.seed << 32) + 1_000_000 * mistakes as u64, count, mistakes);
+        let trials = trials(
+            (options.seed << 32) + 1_000_000 * mistakes as u64,
+            count,
+            mistakes,
+            options.hard,
+        );
         println!("\n{count} sessions, mistakes in each: {mistakes}\n");
         table("mistake", &tally(&trials, |t| t.mistakes.iter().map(name).collect()));
         table("arm", &tally(&trials, |t| vec![t.arm.clone()]));
@@ -48,13 +56,13 @@ pub fn run(options: &Options) -> Result {
             missed.push(format!("{mistakes} at once: {:.1} %", good * 100.0));
         }
     }
-    let alarms = alarms(options.seed << 32, options.sound);
+    let alarms = alarms(options.seed << 32, options.sound, options.hard);
     println!("\nalarms in {} sound sessions: {}", options.sound, alarms.len());
     for (seed, said) in &alarms {
         println!("  seed {seed}: {said}");
         missed.push(format!("an alarm at seed {seed}"));
     }
-    if missed.is_empty() { Ok(()) } else { Err(missed.join("; ").into()) }
+    if missed.is_empty() || options.hard { Ok(()) } else { Err(missed.join("; ").into()) }
 }
 
 fn failed(trial: &Trial) {
