@@ -273,8 +273,13 @@ fn column(unknown: Unknown, sight: &Sight, d: &Derivatives) -> Option<Vector3<f6
 }
 
 /// Of terms a gross mistake knows nothing.
-const PLAIN: RowInputs =
-    RowInputs { torque: Vec::new(), moment: [0.0; 2], approach: Vec::new(), warmth: 0.0 };
+const PLAIN: RowInputs = RowInputs {
+    torque: Vec::new(),
+    moment: [0.0; 2],
+    approach: Vec::new(),
+    warmth: 0.0,
+    curves: Vec::new(),
+};
 
 /// Chains of all stations and markers.
 struct Chains {
