@@ -52,7 +52,7 @@ pub fn left_out(model: &Model) -> Vec<LeftOut> {
         });
         let moved: Vec<f64> = moved.collect();
         LeftOut {
-            effect: *effect,
+            effect,
             joints: joints.clone(),
             rms: (moved.iter().map(|m| m * m).sum::<f64>() / moved.len() as f64).sqrt(),
             largest: moved.iter().fold(0.0, |most, m| m.max(most)),

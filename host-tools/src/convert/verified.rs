@@ -41,8 +41,9 @@ pub fn verified(
         let (made, given) = (target(&q), pose(&q));
         let apart = (made.translation - given.translation).norm();
         let turned = angle_between(&made, &given);
-        // Not `>`, which lets NaN pass.
-        if !(apart.max(turned) <= TOLERANCE) {
+        // Asked for what is good, or NaN would pass.
+        let good = apart <= TOLERANCE && turned <= TOLERANCE;
+        if !good {
             return Err(Error::data(
                 Kind::Refused,
                 format!("the arm that was made is {apart:.1e} m and {turned:.1e} rad off at {q:?}"),
