@@ -7,7 +7,7 @@
 //! out d (S. Hayati, M. Mirmirani, *Improving the absolute positioning accuracy
 //! of robot manipulators*, J. Robotic Systems 2, 1985).
 
-use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Rotation3, Unit, Vector3};
 use truearm::{JointKind, Link, MdhParameters, Pose};
 
 use super::frames::{about_y, screw, twist};
@@ -119,11 +119,10 @@ impl Axes {
 fn first_frame(axis: &Axis) -> Pose<f64> {
     let u = axis.direction;
     let translation = axis.point - u * axis.point.dot(&u);
-    let turn = UnitQuaternion::rotation_between(&Vector3::z(), &u);
-    let rotation = match turn {
-        Some(turn) => turn.to_rotation_matrix(),
-        None => Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI),
-    };
+    // By the arc tangent: the cosine of a small angle does not know it.
+    let across = Vector3::z().cross(&u);
+    let axis = Unit::try_new(across, f64::MIN_POSITIVE).unwrap_or(Vector3::x_axis());
+    let rotation = Rotation3::from_axis_angle(&axis, across.norm().atan2(u.z));
     clean(&Pose { rotation: rotation.into_inner(), translation })
 }
 
