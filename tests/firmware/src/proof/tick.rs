@@ -44,7 +44,8 @@ fn poses<T: Scalar>(blob: &Blob<'_>, arm: &Arm<'_, T, 6>, q: &[T; 6]) {
     compute(arm.real_pose_in(q, black_box(&state)));
     compute(arm.deflection(q, black_box(&state)));
     compute(arm.covers(q));
-    compute(arm.tables().get(black_box(0)));
+    let curves = arm.curves();
+    compute(curves.of_joint(black_box(0)).map(|curve| (curve.at(x), curve.band())));
     compute((arm.limits(), arm.orientation_identified(), arm.reference_temperature()));
     for chain in [arm.nominal(), arm.real()] {
         compute(chain.forward(q));
