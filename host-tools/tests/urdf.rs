@@ -164,7 +164,10 @@ prop_compose! {
     }
 }
 
-fn text_of(joints: &[(u8, [f64; 3], [f64; 3], [f64; 3])]) -> String {
+/// Kind, axis, translation and rotation of a joint's origin.
+type AnyJoint = (u8, [f64; 3], [f64; 3], [f64; 3]);
+
+fn text_of(joints: &[AnyJoint]) -> String {
     let three = |v: &[f64; 3]| format!("{:?} {:?} {:?}", v[0], v[1], v[2]);
     let mut text = String::from("<robot name=\"random\"><link name=\"l0\"/>");
     for (i, (kind, axis, xyz, rpy)) in joints.iter().enumerate() {
