@@ -5,7 +5,7 @@ use sha2::Sha256;
 
 use super::acceptance::AcceptanceError;
 use super::check::Blob;
-use super::encode::EncodeError;
+use super::error::EncodeError;
 use super::layout::{CHECKSUM, FLAG_TAG, FLAGS, LENGTH, TAG, checksum};
 
 /// The secret that host and controller share: 32 random bytes.

@@ -1,10 +1,10 @@
 use core::fmt;
 
 use super::check::{Blob, head_of, kind_of};
-use super::decode::{mdh, vector};
 use super::fields;
 use super::layout::{RECORD, uncertain_parameters};
 use super::term;
+use super::values::{mdh, vector};
 use crate::arm::{Arm, State};
 use crate::effects::{MAX_TERMS, Term};
 use crate::kinematics::{Link, LinkParameter};

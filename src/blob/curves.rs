@@ -1,7 +1,6 @@
 //! The curves of a blob: what stands in their bytes, see [`super::format`].
 
-use super::encode::EncodeError;
-use super::error::{DecodeError, FieldName, Flaw, Record};
+use super::error::{DecodeError, EncodeError, FieldName, Flaw, Record};
 use super::layout::FLAG_CURVES;
 use crate::effects::{CURVE_HEAD, Curves, EXPONENTS, first_curve};
 

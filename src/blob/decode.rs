@@ -4,12 +4,13 @@ use nalgebra::Vector3;
 use super::check::{Blob, head_of, kind_of};
 use super::covariance::Covariance;
 use super::error::DecodeError;
-use super::fields::{self, Field};
+use super::fields;
 use super::layout::{
     CREATED, FLAG_MASSES, FLAG_ORIENTATION, FLAGS, HAS_COVERED, HAS_LIMITS, LENGTH, RECORD,
     ROBOT_ID, SEQUENCE, TERM,
 };
 use super::term;
+use super::values::{mdh, range, real, vector};
 use crate::arm::ArmParameters;
 use crate::effects::{Curves, Masses};
 use crate::kinematics::{JointKind, Link, MdhParameters};
@@ -152,26 +153,4 @@ fn joint<T: Scalar>(
     *ranges.1 = range(&fields::COVERED, record, presence & HAS_COVERED != 0);
     *load.0 = real(&fields::MASS, record);
     *load.1 = vector(&fields::CENTRE_OF_MASS, record);
-}
-
-#[inline(never)]
-fn real<T: Scalar>(field: &Field, bytes: &[u8]) -> T {
-    let [value] = field.read(bytes);
-    T::from_f32(value)
-}
-
-#[inline(never)]
-pub(super) fn vector<T: Scalar>(field: &Field, bytes: &[u8]) -> Vector3<T> {
-    let [x, y, z] = field.read(bytes).map(T::from_f32);
-    Vector3::new(x, y, z)
-}
-
-#[inline(never)]
-pub(super) fn mdh<T: Scalar>(field: &Field, bytes: &[u8]) -> MdhParameters<T> {
-    MdhParameters::from_array(field.read(bytes).map(T::from_f32))
-}
-
-#[inline(never)]
-fn range<T: Scalar>(field: &Field, bytes: &[u8], present: bool) -> Option<[T; 2]> {
-    present.then_some(field.read(bytes).map(T::from_f32))
 }

@@ -153,3 +153,61 @@ impl fmt::Display for DecodeError {
 }
 
 impl core::error::Error for DecodeError {}
+
+/// Why parameters were not written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum EncodeError {
+    /// The output is too small.
+    NoRoom {
+        /// Bytes needed.
+        needed: usize,
+        /// Bytes given.
+        got: usize,
+    },
+    /// The factor of a covariance has the wrong size for these joints and terms.
+    Factor {
+        /// Numbers needed, see [`super::factor_len`].
+        needed: usize,
+        /// Numbers given.
+        got: usize,
+    },
+    /// The last sequence number there is, see
+    /// [`AcceptanceError::LastSequence`](super::AcceptanceError::LastSequence).
+    LastSequence,
+    /// A reader would refuse the result for this reason.
+    Refused(DecodeError),
+}
+
+impl fmt::Display for EncodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoRoom { needed, got } => {
+                write!(f, "{got} bytes of room where {needed} are needed")
+            }
+            Self::Factor { needed, got } => {
+                write!(f, "a covariance factor of {got} numbers where {needed} are needed")
+            }
+            Self::LastSequence => {
+                write!(f, "sequence {} is the last there is: none could follow it", u32::MAX)
+            }
+            Self::Refused(error) => write!(f, "these parameters would be refused: {error}"),
+        }
+    }
+}
+
+impl core::error::Error for EncodeError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Refused(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<DecodeError> for EncodeError {
+    fn from(error: DecodeError) -> Self {
+        Self::Refused(error)
+    }
+}

@@ -23,6 +23,7 @@ mod frame;
 mod layout;
 mod reader;
 mod term;
+mod values;
 
 pub use acceptance::{Acceptance, AcceptanceError};
 #[cfg(feature = "auth")]
@@ -30,7 +31,7 @@ pub use auth::{Key, authenticate};
 pub use check::Blob;
 pub use covariance::{Covariance, CovarianceError};
 pub use curves::{curve_len, encode_curve};
-pub use encode::{EncodeError, encode, encode_with};
-pub use error::{DecodeError, FieldName, Flaw, Record};
+pub use encode::{encode, encode_with};
+pub use error::{DecodeError, EncodeError, FieldName, Flaw, Record};
 pub(crate) use frame::Frame;
 pub use layout::{LAYOUT, MAGIC, TAG, encoded_len, factor_len, robot_id, uncertain_parameters};

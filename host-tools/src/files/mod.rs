@@ -7,7 +7,6 @@ mod covariance;
 mod digest;
 mod edit;
 mod key;
-mod measured;
 mod measurements;
 mod model;
 mod model_curves;

@@ -2,17 +2,18 @@
 
 mod cells;
 mod header;
+mod measured;
 mod sense;
 
 use truearm::JointKind;
 
-use super::measured::MeasuredColumns;
 use super::source::Source;
 use crate::error::Result;
 use crate::model::{Robot, Row};
 use crate::units::{from_mm, joint_from_file};
 pub(super) use cells::Cells;
 pub(super) use header::Header;
+use measured::MeasuredColumns;
 
 /// More mm no measurement is uncertain by.
 const MOST_SIGMA: f64 = 10.0;

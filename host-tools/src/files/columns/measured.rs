@@ -1,12 +1,13 @@
 //! The columns that say what a row measured: `kind` and those of each kind.
 
-use super::columns::{Cells, Header};
+use super::cells::Cells;
+use super::header::Header;
 use crate::error::Result;
 use crate::model::{KindId, Values};
 use crate::observations::{KINDS, by_name};
 
 /// Where they stand.
-pub(super) struct MeasuredColumns {
+pub struct MeasuredColumns {
     /// Column `kind`.
     kind: Option<usize>,
     /// Of each kind its columns; `None` where one is missing.
