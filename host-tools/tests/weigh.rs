@@ -41,3 +41,57 @@ fn names_do_not_hang_on_the_stated_sigma() {
         }
     }
 }
+
+/// A row that was written twice was measured once: same names, probabilities and
+/// error bars.
+#[test]
+fn rows_written_again_change_nothing() {
+    let sets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/hidden-effects/cases");
+    for case in ["case_005", "case_014", "case_015"] {
+        let robot = Robot::read(&sets.join(case).join("robot.toml")).unwrap();
+        let text = std::fs::read_to_string(sets.join(case).join("measurements.csv")).unwrap();
+        let (header, rows) = text.split_once('\n').unwrap();
+        let report = |times: usize| {
+            let text = format!("{header}\n{}", rows.repeat(times));
+            let data = Measurements::parse(Path::new("m.csv"), &text, &robot).unwrap();
+            let options = DiagnoseOptions::default();
+            diagnose(&robot, &data, None, &options, &|_| ()).unwrap().outcome
+        };
+        let once = report(1);
+        for times in [2, 3] {
+            let again = report(times);
+            assert_eq!((again.verdict, again.effects.len()), (once.verdict, once.effects.len()));
+            for (a, b) in again.effects.iter().zip(&once.effects) {
+                assert_eq!((a.name, &a.joints), (b.name, &b.joints), "{case} x {times}");
+                assert!((a.probability - b.probability).abs() < 0.05, "{case} x {times}");
+                for (a, b) in a.coefficients.iter().zip(&b.coefficients) {
+                    assert!((a.sigma / b.sigma - 1.0).abs() < 0.05, "{case} x {times}");
+                }
+            }
+            assert!(again.figures.warnings.iter().any(|w| w.contains("count once")));
+        }
+    }
+}
+
+/// A model for less room has no more terms than there is room for, and is still
+/// better than geometry alone.
+#[test]
+fn a_model_has_no_more_terms_than_asked_for() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../tests/data/hidden-effects/cases/case_015");
+    let robot = Robot::read(&folder.join("robot.toml")).unwrap();
+    let data = Measurements::read(&folder.join("measurements.csv"), &robot).unwrap();
+    let report = |most_terms| {
+        let options = DiagnoseOptions { most_terms, ..DiagnoseOptions::default() };
+        let found = diagnose(&robot, &data, None, &options, &|_| ()).unwrap();
+        let gap = found.outcome.gap.iter().filter_map(|row| row.cross_validated_rms_mm);
+        (found.model.terms.len(), gap.collect::<Vec<f64>>())
+    };
+    let (all, _) = report(128);
+    assert!(all > 2, "{all}");
+    for most in [0, 1, 2] {
+        let (terms, gap) = report(most);
+        assert!(terms <= most, "{terms} terms where {most} were asked for");
+        assert!(most == 0 || gap[gap.len() - 1] < gap[0], "{gap:?}");
+    }
+}

@@ -100,7 +100,8 @@ fn diagnosed(
     let robot = assumed.as_ref().unwrap_or(robot);
     let problem = Problem::new(data, robot, Scaling::Prior);
     enough(&problem, &Options { allow_few_poses: options.allow_few_poses, ..Options::default() })?;
-    let rows: Vec<usize> = (0..data.rows.len()).collect();
+    // A row that was written twice was measured once.
+    let rows = data.distinct();
     let start = register(data, &problem.nominal, robot.tool)?;
     let (offered, not_testable) = candidates::all(&problem, robot);
     let folds = folds::random(data, &rows, folds::SEED);
@@ -127,7 +128,11 @@ fn diagnosed(
     let tables: Vec<ErrorCurve> = weighed.curves.iter().map(|c| c.table.clone()).collect();
     let problem = with_curves(&rigid, &tables);
     let question = Question { problem: &problem, ..question };
-    let best = node::fitted(&question, weighed.best.added.clone(), &weighed.best.fit.fit.state)?;
+    let mut added = weighed.best.added.clone();
+    if let Some(stage) = weighed.stages.last() {
+        added.retain(|candidate| stage.names.contains(&candidate.name()));
+    }
+    let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
     let show = Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot };
     shown(&show, Found { weighed, best, root, start, not_testable })
 }
@@ -159,6 +164,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let findings = findings(show, &terms, &best, nominal, held_out)?;
     let mut identified = findings.summarise();
     identified.figures.warnings.extend(too_many(&best));
+    identified.figures.warnings.extend(repeated(problem.data));
     let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed);
     let outcome = Outcome {
         figures: identified.figures,
@@ -230,6 +236,14 @@ fn findings<'a>(
             "{} folds of poses, flags redone in each, terms held",
             q.folds.len()
         ),
+    })
+}
+
+/// A remark where rows were written more than once.
+fn repeated(data: &Measurements) -> Option<String> {
+    let again = data.rows.len() - data.distinct().len();
+    (again > 0).then(|| {
+        format!("{}: {again} rows repeat others in every cell and count once", data.path.display())
     })
 }
 

@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use nalgebra::Vector3;
@@ -68,6 +69,14 @@ pub struct Row {
     pub extra: Vec<String>,
 }
 
+impl Row {
+    /// Whether both say the same, on whatever line of the file.
+    fn repeats(&self, other: &Self) -> bool {
+        // Most differ in what was measured: no need to look at the rest.
+        self.measured == other.measured && Self { line: self.line, ..other.clone() } == *self
+    }
+}
+
 impl Measurements {
     /// Rows that could be measured next, under the conditions of the first row,
     /// approached from either side; no point is known of them.
@@ -88,6 +97,23 @@ impl Measurements {
         let mut out = self.clone();
         out.rows.iter_mut().for_each(|row| row.sigma *= scale);
         out
+    }
+
+    /// Rows of which no earlier one is the same in every cell that has a meaning:
+    /// nothing is measured twice to the last digit.
+    #[must_use]
+    pub fn distinct(&self) -> Vec<usize> {
+        let mut of_pose: HashMap<usize, Vec<usize>> = HashMap::new();
+        (0..self.rows.len())
+            .filter(|row| {
+                let known = of_pose.entry(self.rows[*row].pose).or_default();
+                let new = !known.iter().any(|k| self.rows[*k].repeats(&self.rows[*row]));
+                if new {
+                    known.push(*row);
+                }
+                new
+            })
+            .collect()
     }
 
     /// What orders a row in the session: its time, its number, or its place in

@@ -5,7 +5,7 @@ use crate::diagnose::candidates::Candidate;
 use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::outcome::GapRow;
 use crate::diagnose::question::Question;
-use crate::diagnose::weigh::Stage;
+use crate::diagnose::weigh::{Stage, with_curves};
 use crate::error::{Error, Label, Result};
 use crate::evaluate::residuals;
 use crate::identify::estimate::without_parts;
@@ -116,48 +116,34 @@ impl Show<'_> {
     }
 
     /// The gap table of a model with error curves: curves first, then what stands
-    /// beside them, each stage held out in its folds curves and all. An effect that
-    /// does not lower the error of held-out poses is dropped.
+    /// beside them, each stage with curves of its own and held out in its folds
+    /// curves and all. `best` is the last stage.
     ///
     /// # Errors
     /// As for [`Self::gap`].
     pub fn beside_curves(
         &self,
         root: &Node,
-        mut best: Node,
+        best: Node,
         nominal: &State,
         stages: &[Stage],
     ) -> Result<Shown> {
         let figures = Figures::of(self, &best)?;
         let mut gap = self.gap(nominal, std::slice::from_ref(root))?;
-        let mut held_out = HeldOut::new();
-        let mut useless: Vec<&'static str> = Vec::new();
-        let mut names: Vec<&'static str> = Vec::new();
         for stage in stages {
-            let cross = figures.rms_of_rows(&stage.held_out);
-            let last = gap.last().and_then(|row| row.cross_validated_rms_mm);
-            let new = stage.names.last().copied();
-            if let Some(name) = new.filter(|_| last.is_some_and(|last| cross >= last)) {
-                useless.push(name);
-                continue;
-            }
-            names.extend(new);
-            let own = |c: &&Candidate| names.contains(&c.name());
+            let problem = with_curves(self.rigid, &stage.tables);
+            let own = |c: &&Candidate| stage.names.contains(&c.name());
             let added = best.added.iter().filter(own).cloned().collect();
-            let node = fitted(self.question, added, &best.fit.fit.state)?;
+            let q = Question { problem: &problem, ..*self.question };
+            let node = fitted(&q, added, &best.fit.fit.state)?;
             gap.push(GapRow {
-                model: stage_name(new.unwrap_or(CURVE)),
-                train_rms_mm: figures.train(self, self.question.problem, &node.fit.fit.state),
-                cross_validated_rms_mm: Some(cross),
-                holdout_rms_mm: figures.held(self, self.tables, &node.fit.fit.state)?,
+                model: stage_name(stage.names.last().copied().unwrap_or(CURVE)),
+                train_rms_mm: figures.train(self, &problem, &node.fit.fit.state),
+                cross_validated_rms_mm: Some(figures.rms_of_rows(&stage.held_out)),
+                holdout_rms_mm: figures.held(self, &stage.tables, &node.fit.fit.state)?,
             });
-            held_out.clone_from(&stage.held_out);
         }
-        if !useless.is_empty() {
-            let own = |c: &&Candidate| !useless.contains(&c.name());
-            let added = best.added.iter().filter(own).cloned().collect();
-            best = fitted(self.question, added, &best.fit.fit.state)?;
-        }
+        let held_out = stages.last().map_or(HeldOut::new(), |stage| stage.held_out.clone());
         Ok(Shown { best, gap, held_out })
     }
 

@@ -61,6 +61,8 @@ pub struct Curved {
 pub struct Stage {
     /// Effects that the stage has beside the curves.
     pub names: Vec<&'static str>,
+    /// Its curves.
+    pub tables: Vec<ErrorCurve>,
     /// Held-out residuals.
     pub held_out: Vec<Option<Residual>>,
 }

@@ -26,18 +26,18 @@ pub struct From<'s, 'a> {
 /// Each curve with its worth: the fall of the cost that geometry and the curve
 /// have to explain the same, and of the error of either half.
 #[must_use]
-pub fn worth(from: &From, curves: &[Curve], tables: Vec<ErrorCurve>) -> Vec<Curved> {
+pub fn worth(from: &From, curves: &[Curve], tables: &[ErrorCurve]) -> Vec<Curved> {
     let (all, scale) = (from.all, from.found.scale);
     let whole = joined(from.grams.iter(), all.sheet.size());
     let geometry = whole.geometry(all.precision, scale);
     let solution = all.solution(&whole, &geometry, from.found);
-    let out = tables.into_iter().filter_map(|table| {
+    let out = tables.iter().filter_map(|table| {
         let k = curves.iter().position(|c| c.joint == usize::from(table.joint()))?;
         let half_gain = [0, 1].map(|half| gain(from, k, half));
         let columns = all.sheet.columns_of_curve(k);
         let evidence = geometry.worth(all.precision, &solution.geometry, columns);
         let log_odds = evidence + prior::log_odds(all.q.problem.nominal.len(), 1);
-        Some(Curved { table, length: curves[k].prior.length, log_odds, half_gain })
+        Some(Curved { table: table.clone(), length: curves[k].prior.length, log_odds, half_gain })
     });
     out.collect()
 }
@@ -64,7 +64,8 @@ fn gain(from: &From, k: usize, half: usize) -> f64 {
 /// Precision that holds a coefficient at nothing, 1 / rad^2.
 const HELD: f64 = 1e24;
 
-/// Curves alone, then one effect after the other, the largest first.
+/// Curves alone, then one effect after the other, the largest first; what does not
+/// lower the error of held-out poses is left out.
 #[must_use]
 pub fn stages(from: &From) -> Vec<Stage> {
     let members = &from.found.best.members;
@@ -89,15 +90,27 @@ pub fn stages(from: &From) -> Vec<Stage> {
             from.all.part(sum, from.found.scale)
         })
         .collect();
-    (0..=sizes.len())
-        .map(|count| {
-            let names: Vec<&'static str> = sizes[..count].iter().map(|s| s.0).collect();
-            let own = members.iter().copied();
-            let own: Vec<usize> =
-                own.filter(|m| name(m).is_some_and(|n| names.contains(&n))).collect();
-            Stage { held_out: held_out(from, &folds, &own), names }
-        })
-        .collect()
+    let whole = from.all.part(joined(from.grams.iter(), from.all.sheet.size()), from.found.scale);
+    let stage = |names: Vec<&'static str>| {
+        let of = |m: &usize| name(m).is_some_and(|n| names.contains(&n));
+        let own: Vec<usize> = members.iter().copied().filter(of).collect();
+        let held_out = held_out(from, &folds, &own);
+        Stage { tables: from.all.tables(&whole, from.found, &own), names, held_out }
+    };
+    let mut out = vec![stage(Vec::new())];
+    for (name, _) in sizes {
+        let last = &out[out.len() - 1];
+        let next = stage([last.names.as_slice(), &[name]].concat());
+        if square(&next.held_out) < square(&last.held_out) {
+            out.push(next);
+        }
+    }
+    out
+}
+
+/// Sum of squares of what is left of all rows.
+fn square(rows: &[Option<Residual>]) -> f64 {
+    rows.iter().flatten().map(|r| r.norm().powi(2)).sum()
 }
 
 /// Every row predicted without its fold, with these members.

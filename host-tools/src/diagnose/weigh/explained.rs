@@ -6,6 +6,7 @@ use super::possible::{Possible, columns_of};
 use super::sheet::{Sheet, Solution};
 use crate::diagnose::question::Question;
 use crate::evidence::{Coefficient, Effort, Explanation, Geometry, Gram, Subsets};
+use crate::model::ErrorCurve;
 
 /// How far the search goes: arms with random-like gear curves take many lines.
 pub const EFFORT: Effort = Effort { beam: 4, branches: 6, of_a_name: 2, members: 40, detours: 240 };
@@ -88,5 +89,12 @@ impl Explained<'_, '_> {
             .map(|(m, c)| (*m, c.iter().map(|c| c.value).collect()))
             .collect();
         (coefficients, self.spread(&part.gram, &part.geometry, values))
+    }
+
+    /// The curves that go with members refitted to some rows.
+    #[must_use]
+    pub fn tables(&self, part: &Part, found: &Explanation, members: &[usize]) -> Vec<ErrorCurve> {
+        let (_, solution) = self.refitted(part, found, members);
+        self.sheet.tables(&solution, &part.geometry)
     }
 }

@@ -62,7 +62,9 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
     // At the noise that is left now, lengths and sizes are told better.
     let bent = with_curves(q.problem, &first.tables);
     let curves = first.curves_wanted(q, &bent);
-    let again = Start { curves, ..first.again() };
+    let mut again = Start { curves, ..first.again() };
+    // A curve that is no longer wanted must not stay in what is predicted.
+    again.tables.retain(|t| again.curves.iter().any(|c| c.joint == usize::from(t.joint())));
     search(q, again, EFFORT, progress)?.judged(q)
 }
 
@@ -201,8 +203,10 @@ impl Searched {
         let mut answer = judge::answer(&all, best, &self.found, &parts, &grams);
         if !self.curves.is_empty() {
             let from = curved::From { all: &all, found: &self.found, parts: &parts, grams: &grams };
-            answer.curves = curved::worth(&from, &self.curves, self.tables);
             answer.stages = curved::stages(&from);
+            // The model is the last stage.
+            let tables = answer.stages.last().map_or(&[][..], |stage| &stage.tables);
+            answer.curves = curved::worth(&from, &self.curves, tables);
         }
         Ok(answer)
     }
