@@ -77,8 +77,8 @@ fn rows_written_again_change_nothing() {
 /// better than geometry alone.
 #[test]
 fn a_model_has_no_more_terms_than_asked_for() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../tests/data/hidden-effects/cases/case_015");
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/hidden-effects/cases/case_015");
     let robot = Robot::read(&folder.join("robot.toml")).unwrap();
     let data = Measurements::read(&folder.join("measurements.csv"), &robot).unwrap();
     let report = |most_terms| {
