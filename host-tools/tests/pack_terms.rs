@@ -8,7 +8,7 @@ use truearm::effects::{Effect, Term};
 use truearm_host::blob::describe;
 use truearm_host::blob::{notes, pack};
 use truearm_host::identify::{Options, identify};
-use truearm_host::model::ModelTerm;
+use truearm_host::model::{Course, ModelTerm};
 use truearm_host::model::{Measurements, Model, Robot};
 
 fn term(effect: Effect, joint: u8, order: f64) -> ModelTerm {
@@ -27,7 +27,7 @@ fn model() -> Model {
     model.robot.reference_temperature = 22.5;
     model.terms = vec![
         term(Effect::JointCompliance, 1, 0.0),
-        ModelTerm::Drift { component: 4, coefficient: 1e-4 },
+        ModelTerm::Drift { component: 4, course: Course::Time, coefficient: 1e-4 },
         term(Effect::JointPeriodicError, 2, 3.15),
         term(Effect::Backlash, 0, 2.5),
         ModelTerm::Remount { series: "2".into(), axis: 0, coefficient: 1e-4 },

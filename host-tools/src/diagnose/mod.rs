@@ -27,7 +27,7 @@ use crate::identify::robust::{Crowd, Flags};
 use crate::identify::{
     Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
-use crate::model::{ErrorCurve, Measurements, Model, Robot};
+use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Robot};
 use crate::observations::{Residual, kind};
 use crate::statistics::Stats;
 use node::Node;
@@ -96,7 +96,8 @@ fn diagnosed(
     crowd: Crowd,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
-    let assumed = robot.with_assumed_masses();
+    let read = data.rows.iter().all(|row| !row.torques.is_empty());
+    let assumed = (!read).then(|| robot.with_assumed_masses()).flatten();
     let robot = assumed.as_ref().unwrap_or(robot);
     let problem = Problem::new(data, robot, Scaling::Prior);
     enough(&problem, &Options { allow_few_poses: options.allow_few_poses, ..Options::default() })?;
@@ -165,6 +166,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let mut identified = findings.summarise();
     identified.figures.warnings.extend(too_many(&best));
     identified.figures.warnings.extend(repeated(problem.data));
+    identified.figures.warnings.extend(guessed(problem.data, &best));
     let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed);
     let outcome = Outcome {
         figures: identified.figures,
@@ -244,6 +246,23 @@ fn repeated(data: &Measurements) -> Option<String> {
     let again = data.rows.len() - data.distinct().len();
     (again > 0).then(|| {
         format!("{}: {again} rows repeat others in every cell and count once", data.path.display())
+    })
+}
+
+/// A remark where sides of approach that no column says are in the model.
+fn guessed(data: &Measurements, best: &Node) -> Option<String> {
+    let depends = |term: &ModelTerm| match term {
+        ModelTerm::Arm(term) => term.effect.needs_approach(),
+        ModelTerm::Lag { .. } => true,
+        ModelTerm::Drift { .. } | ModelTerm::Remount { .. } => false,
+    };
+    let any = best.fit.fit.state.terms.iter().any(depends);
+    (data.directions_from_order && any).then(|| {
+        format!(
+            "{}: no columns dir1..: the sides from which joints came to rest are taken from the \
+             order of the rows",
+            data.path.display()
+        )
     })
 }
 

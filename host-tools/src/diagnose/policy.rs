@@ -23,6 +23,10 @@ pub struct Policy {
     pub tool_prior: f64,
     /// Prior of a base, m or rad.
     pub base_prior: f64,
+    /// Prior of a joint's zero, in tolerances: it is set by hand and not machined,
+    /// and a gain far from zero moves it. At 1, two of eight gains of joints that
+    /// hardly move were named eccentricities (`cargo xtask study ties`).
+    pub zero_prior: f64,
     /// Lines of a joint that a scan offers.
     pub lines_a_joint: usize,
     /// Wobbles of an axis that are looked for, up to so many times a turn.
@@ -74,6 +78,7 @@ pub const POLICY: Policy = Policy {
     least_lambda: 0.02,
     tool_prior: 1.0,
     base_prior: 10.0,
+    zero_prior: 5.0,
     lines_a_joint: 5,
     wobbles: 4,
     worth_a_word: 0.02,

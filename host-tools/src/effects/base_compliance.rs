@@ -7,7 +7,7 @@ use super::{Family, Offer};
 pub(super) const FAMILY: Family = Family {
     name: Effect::BaseCompliance.name(),
     offers: |data| {
-        data.loaded().map(|()| vec![Offer::of_arm(Effect::BaseCompliance, &[], &[0.0], 1)])
+        data.massive().map(|()| vec![Offer::of_arm(Effect::BaseCompliance, &[], &[0.0], 1)])
     },
     // The base gives way to its load.
     plausible: -1e-6..1e-2,

@@ -40,8 +40,14 @@ impl Data<'_> {
         joints.iter().map(|j| Offer::of_arm(effect, &[*j], &[0.0], joints.len())).collect()
     }
 
-    /// An error where what gravity does to the joints is not known.
+    /// An error where the load of the joints is not known.
     pub fn loaded(&self) -> Result<(), &'static str> {
+        let known = self.conditions.masses || self.conditions.torques;
+        if known { Ok(()) } else { Err("gravity_m_s2 and [[links]], or columns torque1_nm..") }
+    }
+
+    /// An error where the load of the base is not known.
+    pub fn massive(&self) -> Result<(), &'static str> {
         if self.conditions.masses { Ok(()) } else { Err("gravity_m_s2 and [[links]]") }
     }
 }

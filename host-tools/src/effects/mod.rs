@@ -18,11 +18,13 @@ mod joint_periodic_error;
 mod joint_stiffening;
 mod measurement_drift;
 mod outliers;
+mod readout_lag;
 mod thermal_expansion;
 mod tool_remount;
 
 pub use family::{Data, Family, Offer};
 pub use outliers::OUTLIERS;
+pub use readout_lag::lag;
 
 /// Every effect that a report may name: those of the arm, then those of the
 /// measurement. As many families an explanation may come from.
@@ -38,6 +40,7 @@ pub const ALL: &[Family] = &[
     thermal_expansion::FAMILY,
     joint_stiffening::FAMILY,
     measurement_drift::FAMILY,
+    readout_lag::FAMILY,
     tool_remount::FAMILY,
     outliers::FAMILY,
 ];

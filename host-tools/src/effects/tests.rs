@@ -52,9 +52,13 @@ fn conditions(known: bool) -> Conditions {
     Conditions {
         rows: Vec::new(),
         masses: known,
+        torques: false,
         temperature: known,
         direction: known,
+        direction_from_order: false,
+        before: Vec::new(),
         time: known,
+        ordered: known,
         series: if known { vec!["A".into(), "B".into()] } else { Vec::new() },
     }
 }
@@ -91,11 +95,13 @@ fn what_is_missing_is_said() {
     assert_eq!(
         missing,
         [
-            "joint-compliance, base-compliance, joint-stiffening: need gravity_m_s2 and [[links]]",
+            "joint-compliance, joint-stiffening: need gravity_m_s2 and [[links]], or columns \
+             torque1_nm..",
+            "base-compliance: needs gravity_m_s2 and [[links]]",
             "gear-transmission-error: needs gear_ratio",
             "backlash: needs columns dir1..",
             "thermal-expansion: needs a column temperature_c that varies",
-            "measurement-drift: needs a column time_s",
+            "measurement-drift: needs a column time_s or order",
             "tool-remount: needs a column series with several labels",
         ]
     );

@@ -7,6 +7,7 @@ use std::ops::Range;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::noise::Noise;
+use super::triangular::{cholesky, solve_lower};
 
 /// Columns a product is computed in at a time; only the lower triangle is.
 const BLOCK: usize = 96;
@@ -139,7 +140,7 @@ impl Gram {
         let factor = factor(scaled);
         // tr(H^-1 G'G / k^2) is what the prior does not decide.
         let mut inverse = DMatrix::identity(h.nrows(), h.ncols());
-        let _ = factor.l_dirty().solve_lower_triangular_mut(&mut inverse);
+        solve_lower(factor.l_dirty(), &mut inverse);
         let own = |i: usize| precision[i] / (unit[i] * unit[i]) * inverse.column(i).norm_squared();
         let seen = |i: &usize| h[(*i, *i)] > 0.0;
         let freedom = (0..h.nrows()).filter(seen).map(|i| 1.0 - own(i)).sum();
@@ -245,8 +246,7 @@ impl Geometry {
             column.component_div_assign(&self.unit);
             column /= k2;
         }
-        // The diagonal of a Cholesky factor is positive.
-        let _ = self.factor.l_dirty().solve_lower_triangular_mut(&mut out);
+        solve_lower(self.factor.l_dirty(), &mut out);
         out
     }
 }
@@ -274,7 +274,7 @@ fn factor(matrix: DMatrix<f64>) -> Cholesky<f64, Dyn> {
             let finite = lifted[(i, i)].is_finite();
             lifted[(i, i)] = if finite { lifted[(i, i)] + jitter } else { 1.0 };
         }
-        if let Some(factor) = lifted.cholesky() {
+        if let Some(factor) = cholesky(lifted) {
             return factor;
         }
         jitter *= 10.0;

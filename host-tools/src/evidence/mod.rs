@@ -46,6 +46,7 @@ mod subset;
 pub mod tails;
 #[cfg(test)]
 mod tests;
+mod triangular;
 
 use nalgebra::DVector;
 

@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::gram::Projected;
 use super::noise::Noise;
+use super::triangular::{cholesky, solve_lower};
 
 /// Lengths of the covariance, rad: 2.5 degrees and longer. Shorter ones do not fit a table
 /// of 256 nodes.
@@ -114,7 +115,7 @@ fn explained(s: &DMatrix<f64>, t: &DVector<f64>, variances: &[f64]) -> (f64, f64
     let d: Vec<f64> = variances[..n].iter().map(|v| v.sqrt()).collect();
     let mut b = DMatrix::from_fn(n, n, |i, j| d[i] * s[(i, j)] * d[j]);
     (0..n).for_each(|i| b[(i, i)] += 1.0);
-    let Some(factor) = b.cholesky() else { return (f64::INFINITY, 0.0) };
+    let Some(factor) = cholesky(b) else { return (f64::INFINITY, 0.0) };
     let l = factor.l_dirty();
     let det = 2.0 * l.diagonal().iter().map(|x| x.ln()).sum::<f64>();
     let right = DVector::from_fn(n, |i, _| d[i] * t[i]);
@@ -151,7 +152,7 @@ impl Rest {
         let mut a = DMatrix::from_fn(n, n, |i, j| c[(columns[i], columns[j])]);
         precision.iter().enumerate().for_each(|(i, p)| a[(i, i)] += p);
         let b = DVector::from_fn(n, |i, _| projected.b[columns[i]]);
-        let factor = a.cholesky();
+        let factor = cholesky(a);
         let right = factor.as_ref().and_then(|f| f.l_dirty().solve_lower_triangular(&b));
         let right = right.unwrap_or_else(|| DVector::zeros(n));
         Self { columns, factor, explained: right.norm_squared(), right }
@@ -173,7 +174,7 @@ impl Rest {
         let mut w = DMatrix::from_fn(self.columns.len(), count, |i, j| {
             projected.c[(self.columns[i], first + j)]
         });
-        factor.l_dirty().solve_lower_triangular_mut(&mut w);
+        solve_lower(factor.l_dirty(), &mut w);
         let wt = w.transpose();
         s.gemm(-1.0, &wt, &w, 1.0);
         t.gemv(-1.0, &wt, &self.right, 1.0);

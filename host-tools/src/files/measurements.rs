@@ -78,12 +78,37 @@ impl Measurements {
             markers: labels.markers,
             poses: 0,
             extra_columns: columns.extra.iter().map(|c| names[*c].clone()).collect(),
+            directions_from_order: false,
             warnings: Vec::new(),
         };
         if joints.is_some() {
             data.number(robot);
+            data.arrive(robot);
         }
         Ok(data)
+    }
+
+    /// Where no column says from which side joints came to rest, the order of the
+    /// rows does: from the pose before.
+    fn arrive(&mut self, robot: &Robot) {
+        if self.rows.iter().any(|row| row.directions.iter().any(|side| *side != 0)) {
+            return;
+        }
+        self.directions_from_order = true;
+        let still: Vec<f64> = robot.joints.iter().map(|j| same(j.link.kind)).collect();
+        let before = self.before();
+        let mut order: Vec<usize> = (0..self.rows.len()).collect();
+        order.sort_by(|a, b| self.when(*a).total_cmp(&self.when(*b)).then(a.cmp(b)));
+        for (row, before) in order.into_iter().filter_map(|row| Some((row, before[row]?))) {
+            let old = &self.rows[before];
+            let moved = self.rows[row].q.iter().zip(&old.q).map(|(new, old)| new - old);
+            let sides =
+                moved.zip(&still).zip(&old.directions).map(|((by, still), side)| match by {
+                    by if by.abs() <= *still => *side,
+                    by => by.signum() as i8,
+                });
+            self.rows[row].directions = sides.collect();
+        }
     }
 
     /// Numbers the poses by their joint values.
@@ -132,6 +157,11 @@ impl Measurements {
             }
         }
     }
+}
+
+/// Values of a joint that agree within this are one, rad or m.
+fn same(kind: JointKind) -> f64 {
+    if kind == JointKind::Revolute { SAME_ANGLE } else { SAME_LENGTH }
 }
 
 fn unreadable(source: &Source, error: &csv::Error) -> Error {

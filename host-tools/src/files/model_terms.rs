@@ -5,7 +5,10 @@ use serde::{Deserialize, Serialize};
 use truearm::JointKind;
 use truearm::effects::{ActsOn, Effect, Order, Term};
 
-use crate::model::{DRIFT, ModelTerm, XYZ, friction_unit};
+use crate::model::{Course, DRIFT, ModelTerm, XYZ, friction_unit};
+
+/// A drift with the order of rows says so.
+const ROWS: &str = "rows";
 
 /// A term of the arm.
 #[derive(Serialize, Deserialize)]
@@ -33,7 +36,17 @@ pub(super) struct MeasurementTermFile {
     effect: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     series: Option<String>,
+    /// Counted from 1.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    joints: Vec<usize>,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     component: String,
+    /// Hours in which a drift settles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    settling_h: Option<f64>,
+    /// What a drift goes with if not with time: `rows`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    with: Option<String>,
     coefficient: f64,
     unit: String,
 }
@@ -63,11 +76,23 @@ pub(super) fn to_file(
                 });
                 continue;
             }
-            ModelTerm::Drift { .. } => None,
+            ModelTerm::Drift { .. } | ModelTerm::Lag { .. } => None,
             ModelTerm::Remount { series, .. } => Some(series.clone()),
         };
         let component = component.unwrap_or_default();
-        measurement.push(MeasurementTermFile { effect, series, component, coefficient, unit });
+        measurement.push(MeasurementTermFile {
+            effect,
+            series,
+            joints: term.joints(),
+            component,
+            settling_h: match term.course() {
+                Some(Course::Settling(hours)) => Some(hours),
+                _ => None,
+            },
+            with: (term.course() == Some(Course::Rows)).then(|| ROWS.to_owned()),
+            coefficient,
+            unit,
+        });
     }
     (arm, measurement)
 }
@@ -125,23 +150,52 @@ fn places(effect: Effect, joints: &[usize], count: usize) -> Result<(u8, u8), St
 }
 
 /// Reads a term of the measurement; what is wrong with it, in words.
-pub(super) fn measurement_term(file: &MeasurementTermFile) -> Result<ModelTerm, String> {
+pub(super) fn measurement_term(
+    file: &MeasurementTermFile,
+    kinds: &[JointKind],
+) -> Result<ModelTerm, String> {
     let coefficient = file.coefficient;
     let find = |names: &[&str]| {
         let found = names.iter().position(|name| *name == file.component);
         found.ok_or_else(|| format!("component must be one of {names:?}"))
     };
     let term = match (&file.effect[..], &file.series) {
-        ("measurement-drift", None) => ModelTerm::Drift { component: find(&DRIFT)?, coefficient },
+        ("measurement-drift", None) => {
+            ModelTerm::Drift { component: find(&DRIFT)?, course: course(file)?, coefficient }
+        }
+        ("readout-lag", None) => {
+            ModelTerm::Lag { joint: turning(&file.joints, kinds)?, coefficient }
+        }
         ("tool-remount", Some(series)) => {
             ModelTerm::Remount { series: series.clone(), axis: find(&XYZ)?, coefficient }
         }
-        ("measurement-drift", Some(_)) => return Err("a drift has no series".to_owned()),
+        ("measurement-drift" | "readout-lag", Some(_)) => {
+            return Err(format!("a {} has no series", file.effect));
+        }
         ("tool-remount", None) => return Err("a tool-remount needs its series".to_owned()),
         (effect, _) => return Err(format!("effect \"{effect}\" is not known")),
     };
     right_unit(&file.unit, term.unit(&[]), coefficient)?;
     Ok(term)
+}
+
+/// What a drift goes with.
+fn course(file: &MeasurementTermFile) -> Result<Course, String> {
+    match (file.settling_h, file.with.as_deref()) {
+        (None, None) => Ok(Course::Time),
+        (None, Some(ROWS)) => Ok(Course::Rows),
+        (Some(hours), None) if hours > 0.0 && hours.is_finite() => Ok(Course::Settling(hours)),
+        (Some(_), None) => Err("settling_h must be hours above 0".to_owned()),
+        _ => Err("a drift has settling_h, or with = \"rows\", or neither".to_owned()),
+    }
+}
+
+/// The one revolute joint of a list counted from 1, counted from 0.
+fn turning(joints: &[usize], kinds: &[JointKind]) -> Result<usize, String> {
+    match joints {
+        [joint] if kinds.get(joint.wrapping_sub(1)) == Some(&JointKind::Revolute) => Ok(joint - 1),
+        _ => Err(format!("joints = {joints:?} must be one revolute joint")),
+    }
 }
 
 fn right_unit(unit: &str, expected: &str, coefficient: f64) -> Result<(), String> {
@@ -182,8 +236,11 @@ mod tests {
             }
         }
         for component in 0..6 {
-            terms.push(ModelTerm::Drift { component, coefficient: 1e-4 });
+            for course in [Course::Time, Course::Settling(0.25), Course::Rows] {
+                terms.push(ModelTerm::Drift { component, course, coefficient: 1e-4 });
+            }
         }
+        terms.push(ModelTerm::Lag { joint: 2, coefficient: 3e-4 });
         for axis in 0..3 {
             terms.push(ModelTerm::Remount { series: "b".into(), axis, coefficient: -3e-4 });
         }
@@ -202,7 +259,7 @@ mod tests {
         let text = toml::to_string(&File { terms: arm, measurement_terms: measurement }).unwrap();
         let file: File = toml::from_str(&text).unwrap();
         let mut read: Vec<_> = file.terms.iter().map(|t| arm_term(t, &KINDS).unwrap()).collect();
-        read.extend(file.measurement_terms.iter().map(|t| measurement_term(t).unwrap()));
+        read.extend(file.measurement_terms.iter().map(|t| measurement_term(t, &KINDS).unwrap()));
         assert_eq!(read, terms());
         for words in ["unit = \"m/N\"", "unit = \"m/rad\"", "friction_n = 3.7", "unit = \"rad/h\""]
         {

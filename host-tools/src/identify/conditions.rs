@@ -13,12 +13,20 @@ pub struct Conditions {
     pub rows: Vec<RowInputs>,
     /// Gravity and masses are given.
     pub masses: bool,
+    /// Torques of the joints were read.
+    pub torques: bool,
     /// Some row has a temperature, and they differ.
     pub temperature: bool,
     /// Some row has approach sides.
     pub direction: bool,
+    /// They were taken from the order of the rows.
+    pub direction_from_order: bool,
+    /// The row that was measured just before each.
+    pub before: Vec<Option<usize>>,
     /// Some row has a time, and they differ.
     pub time: bool,
+    /// Some row has a number in the session, and they differ.
+    pub ordered: bool,
     /// Labels of the series, in order of appearance.
     pub series: Vec<String>,
 }
@@ -81,7 +89,9 @@ impl Conditions {
     #[must_use]
     pub fn new(data: &Measurements, robot: &Robot) -> Self {
         let surroundings = Surroundings::new(robot);
-        let rows = data.rows.iter().map(|row| surroundings.inputs(row, &row.q));
+        let mut rows: Vec<RowInputs> =
+            data.rows.iter().map(|row| surroundings.inputs(row, &row.q)).collect();
+        let torques = read_torques(&mut rows, data, robot);
         let differ = |f: fn(&crate::model::Row) -> Option<f64>| {
             let mut values = data.rows.iter().filter_map(f);
             values.next().is_some_and(|first| values.any(|v| v != first))
@@ -93,11 +103,15 @@ impl Conditions {
             }
         }
         Self {
-            rows: rows.collect(),
+            rows,
             masses: surroundings.masses.is_some(),
+            torques,
             temperature: differ(|r| r.temperature),
             direction: data.rows.iter().any(|r| r.directions.iter().any(|d| *d != 0)),
+            direction_from_order: data.directions_from_order,
+            before: data.before(),
             time: differ(|r| r.time),
+            ordered: differ(|r| r.order),
             series,
         }
     }
@@ -117,4 +131,26 @@ impl Conditions {
         }
         self
     }
+}
+
+/// Puts torques that were read in the place of computed ones; whether there are
+/// any. A joint holds what gravity pulls it by: gravity's torque is the opposite of
+/// what is read, unless the file counts the other way, which computed torques tell.
+fn read_torques(rows: &mut [RowInputs], data: &Measurements, robot: &Robot) -> bool {
+    let with = |row: &Row| !row.torques.is_empty();
+    if !data.rows.iter().all(with) {
+        return false;
+    }
+    let assumed = robot.with_assumed_masses().map(|robot| Surroundings::new(&robot));
+    let alike = |(inputs, row): (&RowInputs, &Row)| {
+        let guessed = assumed.as_ref().map(|s| s.inputs(row, &row.q).torque);
+        let computed = guessed.as_ref().unwrap_or(&inputs.torque);
+        computed.iter().zip(&row.torques).map(|(computed, read)| computed * read).sum::<f64>()
+    };
+    let alike: f64 = rows.iter().zip(&data.rows).map(alike).sum();
+    let sign = if alike > 0.0 { 1.0 } else { -1.0 };
+    for (inputs, row) in rows.iter_mut().zip(&data.rows) {
+        inputs.torque = row.torques.iter().map(|read| sign * read).collect();
+    }
+    true
 }

@@ -90,10 +90,13 @@ pub fn measurement_column(
 ) -> Vector3<f64> {
     match term {
         ModelTerm::Arm(_) => Vector3::zeros(),
-        ModelTerm::Drift { component, .. } => {
-            let hours = row.time.unwrap_or(0.0) / 3600.0;
+        ModelTerm::Drift { component, course, .. } => {
             let axis = Vector3::ith(component % 3, 1.0);
-            hours * if *component < 3 { axis.cross(&(d.point - base)) } else { axis }
+            course.at(row) * if *component < 3 { axis.cross(&(d.point - base)) } else { axis }
+        }
+        ModelTerm::Lag { joint, .. } => {
+            let side = row.directions.get(*joint).copied().unwrap_or(0);
+            d.links[*joint].theta * f64::from(side)
         }
         ModelTerm::Remount { series, axis, .. } => {
             if row.series.as_ref() == Some(series) {

@@ -22,6 +22,8 @@ pub struct Measurements {
     pub poses: usize,
     /// Names of columns without a meaning to truearm; their cells are in [`Row::extra`].
     pub extra_columns: Vec<String>,
+    /// Whether approach sides are those of the order of the rows: no column says them.
+    pub directions_from_order: bool,
     /// Remarks for the user.
     pub warnings: Vec<String>,
 }
@@ -65,6 +67,9 @@ pub struct Row {
     pub orientation: Option<[f64; 4]>,
     /// Side from which each joint came to rest: +1, -1, or 0 if unknown.
     pub directions: Vec<i8>,
+    /// What each joint was read to hold the arm with, N m or N, positive in +q;
+    /// empty where nothing reads it.
+    pub torques: Vec<f64>,
     /// Cells of [`Measurements::extra_columns`].
     pub extra: Vec<String>,
 }
@@ -72,8 +77,14 @@ pub struct Row {
 impl Row {
     /// Whether both say the same, on whatever line of the file.
     fn repeats(&self, other: &Self) -> bool {
-        // Most differ in what was measured: no need to look at the rest.
-        self.measured == other.measured && Self { line: self.line, ..other.clone() } == *self
+        // Most differ in what was measured: no need to look at the rest. Where approach
+        // sides are taken from the order, the first of a file has none.
+        let like = |other: &Self| Self {
+            line: self.line,
+            directions: self.directions.clone(),
+            ..other.clone()
+        };
+        self.measured == other.measured && like(other) == *self
     }
 }
 
@@ -122,6 +133,26 @@ impl Measurements {
     pub fn when(&self, row: usize) -> f64 {
         let of = &self.rows[row];
         of.time.or(of.order).unwrap_or(row as f64)
+    }
+
+    /// The row that was measured just before each of these: none before the first
+    /// of a series or station, and none where the numbers in `order` say that rows
+    /// between them are missing.
+    #[must_use]
+    pub fn before(&self) -> Vec<Option<usize>> {
+        let mut sorted: Vec<usize> = (0..self.rows.len()).collect();
+        sorted.sort_by(|a, b| self.when(*a).total_cmp(&self.when(*b)).then(a.cmp(b)));
+        let step = |pair: &[usize]| Some(self.rows[pair[1]].order? - self.rows[pair[0]].order?);
+        let steps = sorted.windows(2).filter_map(step).filter(|step| *step > 0.0);
+        let usual = steps.fold(f64::INFINITY, f64::min);
+        let mut out = vec![None; self.rows.len()];
+        for pair in sorted.windows(2) {
+            let (a, b) = (&self.rows[pair[0]], &self.rows[pair[1]]);
+            let together = (&a.series, a.station) == (&b.series, b.station);
+            let next = step(pair).is_none_or(|step| (0.0..=1.5 * usual).contains(&step));
+            out[pair[1]] = (together && next).then_some(pair[0]);
+        }
+        out
     }
 
     /// How many rows of `other` are rows of these too: the same joints, the same

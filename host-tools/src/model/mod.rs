@@ -17,7 +17,7 @@ pub use identified::{Model, Provenance};
 pub use measurements::{Commanded, KindId, Measurements, Row};
 pub use path::{Coordinates, Path, Target};
 pub use robot::{Joint, LinkMass, Placement, Robot};
+pub use term::{Course, ModelTerm, friction, friction_unit, part};
 pub(crate) use term::{DRIFT, XYZ};
-pub use term::{ModelTerm, friction, friction_unit, part};
 pub use values::Values;
 pub use workspace::{Sight, Workspace};

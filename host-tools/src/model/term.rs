@@ -4,18 +4,53 @@
 use truearm::JointKind;
 use truearm::effects::{Order, Term};
 
+use super::measurements::Row;
+
+/// What a drift goes with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Course {
+    /// `time_s`, in hours.
+    Time,
+    /// `time_s`, as `1 - exp(-t / settling)`, `settling` in hours.
+    Settling(f64),
+    /// The number in `order`, in thousands of rows.
+    Rows,
+}
+
+impl Course {
+    /// How far it has come at a row; 0 where nothing is known of it.
+    #[must_use]
+    pub fn at(&self, row: &Row) -> f64 {
+        let hours = row.time.unwrap_or(0.0) / 3600.0;
+        match self {
+            Self::Time => hours,
+            Self::Settling(settling) => -(-hours / settling).exp_m1(),
+            Self::Rows => row.order.unwrap_or(0.0) / 1000.0,
+        }
+    }
+}
+
 /// A term with its coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ModelTerm {
     /// Of the arm.
     Arm(Term<f64>),
-    /// The tracker drifts: its frame against the robot, linear in `time_s`.
-    /// Components 0..3 rotate about the x, y, z axes of the station's frame
-    /// through the robot base's origin (rad/h), 3..6 translate along them (m/h).
+    /// The tracker drifts: its frame against the robot. Components 0..3 rotate about the x, y, z axes of the station's
+    /// frame through the robot base's origin, 3..6 translate along them.
     Drift {
         /// 0..6
         component: usize,
-        /// rad/h or m/h
+        /// With what.
+        course: Course,
+        /// rad or m by the unit of the course
+        coefficient: f64,
+    },
+    /// The read-out of a joint lags behind its motion: the joint is ahead of what
+    /// was read, on the side that it came to rest moving to.
+    Lag {
+        /// Counted from 0.
+        joint: usize,
+        /// rad
         coefficient: f64,
     },
     /// The target was re-seated before this series: its point moved in the
@@ -37,6 +72,7 @@ impl ModelTerm {
         match self {
             Self::Arm(term) => term.effect.name(),
             Self::Drift { .. } => "measurement-drift",
+            Self::Lag { .. } => "readout-lag",
             Self::Remount { .. } => "tool-remount",
         }
     }
@@ -46,7 +82,9 @@ impl ModelTerm {
     pub fn coefficient(&self) -> f64 {
         match self {
             Self::Arm(term) => term.coefficient,
-            Self::Drift { coefficient, .. } | Self::Remount { coefficient, .. } => *coefficient,
+            Self::Drift { coefficient, .. }
+            | Self::Lag { coefficient, .. }
+            | Self::Remount { coefficient, .. } => *coefficient,
         }
     }
 
@@ -54,14 +92,20 @@ impl ModelTerm {
     pub fn coefficient_mut(&mut self) -> &mut f64 {
         match self {
             Self::Arm(term) => &mut term.coefficient,
-            Self::Drift { coefficient, .. } | Self::Remount { coefficient, .. } => coefficient,
+            Self::Drift { coefficient, .. }
+            | Self::Lag { coefficient, .. }
+            | Self::Remount { coefficient, .. } => coefficient,
         }
     }
 
     /// Joints it names in reports, counted from 1; coupling is source, target.
     #[must_use]
     pub fn joints(&self) -> Vec<usize> {
-        let Self::Arm(term) = self else { return Vec::new() };
+        let term = match self {
+            Self::Arm(term) => term,
+            Self::Lag { joint, .. } => return vec![joint + 1],
+            Self::Drift { .. } | Self::Remount { .. } => return Vec::new(),
+        };
         let source = term.effect.is_coupled().then_some(term.source);
         source.into_iter().chain(term.own_joint()).map(|joint| usize::from(joint) + 1).collect()
     }
@@ -73,6 +117,12 @@ impl ModelTerm {
             Self::Arm(term) => term.effect.order().is_cycles().then_some(term.order),
             _ => None,
         }
+    }
+
+    /// What it goes with, of a drift.
+    #[must_use]
+    pub fn course(&self) -> Option<Course> {
+        if let Self::Drift { course, .. } = self { Some(*course) } else { None }
     }
 
     /// Friction, N m or N, above which gravity decides; none where it never does.
@@ -91,6 +141,7 @@ impl ModelTerm {
             Self::Arm(term) => part(term),
             Self::Drift { component, .. } => DRIFT.get(*component).copied().unwrap_or_default(),
             Self::Remount { axis, .. } => XYZ.get(*axis).copied().unwrap_or_default(),
+            Self::Lag { .. } => "",
         }
     }
 
@@ -99,8 +150,15 @@ impl ModelTerm {
     pub fn unit(&self, kinds: &[JointKind]) -> &'static str {
         match self {
             Self::Arm(term) => term.unit(kinds),
-            Self::Drift { component: 0..3, .. } => "rad/h",
-            Self::Drift { .. } => "m/h",
+            Self::Drift { component, course, .. } => match (course, *component < 3) {
+                (Course::Time, true) => "rad/h",
+                (Course::Time, false) => "m/h",
+                (Course::Settling(_), true) => "rad",
+                (Course::Settling(_), false) => "m",
+                (Course::Rows, true) => "rad/1000 rows",
+                (Course::Rows, false) => "m/1000 rows",
+            },
+            Self::Lag { .. } => "rad",
             Self::Remount { .. } => "m",
         }
     }

@@ -11,6 +11,10 @@ use crate::effects::Offer;
 use crate::evidence::lines::{JointColumn, Line, Orders, strengths};
 use crate::identify::State;
 
+/// Lines within so many steps of one another may be one: at the ends of what the
+/// joint covered their phases are less than a turn apart.
+const ONE: f64 = 12.0;
+
 /// Steps of a golden section.
 const SECTIONS: usize = 16;
 
@@ -31,13 +35,19 @@ pub fn offered(
         let known: Vec<f64> = held.iter().filter(|h| h.0 == *joint).map(|h| h.1).collect();
         let mut lines: Vec<(Line, Vec<f64>)> = Vec::new();
         for order in &known {
-            let coefficients = wave(state, *joint, *order);
-            let sharp = sharpened(column, *order, orders.step, coefficients);
+            let own = Wave::of(state, *joint, *order);
+            let sharp = sharpened(column, *order, orders.step, &[own]);
             let line = Line { order: sharp, strength: 0.0 };
             let mut variants = vec![*order, sharp];
-            if (sharp.round() - sharp).abs() < orders.step && sharp.round() > 0.0 {
-                variants.push(sharp.round());
+            let close = known.iter().filter(|k| (**k - *order).abs() < ONE * orders.step);
+            let waves: Vec<Wave> = close.map(|k| Wave::of(state, *joint, *k)).collect();
+            if waves.len() > 1 {
+                variants.push(sharpened(column, middle(&waves), orders.step, &waves));
             }
+            let whole = |n: &f64| (n.round() - n).abs() < orders.step && n.round() > 0.0;
+            let wholes: Vec<f64> =
+                variants.iter().filter(|n| whole(n)).map(|n| n.round()).collect();
+            variants.extend(wholes);
             variants.sort_by(f64::total_cmp);
             variants.dedup();
             lines.push((line, variants));
@@ -64,8 +74,29 @@ pub fn offered(
     out
 }
 
-/// Cosine and sine coefficients of a line in a state.
-fn wave(state: &State, joint: usize, order: f64) -> [f64; 2] {
+/// A line in a state.
+struct Wave {
+    order: f64,
+    /// Coefficients of cosine and sine.
+    size: [f64; 2],
+}
+
+impl Wave {
+    fn of(state: &State, joint: usize, order: f64) -> Self {
+        Self { order, size: size(state, joint, order) }
+    }
+}
+
+/// Where several lines would be one, by their squares.
+fn middle(waves: &[Wave]) -> f64 {
+    let square = |wave: &Wave| wave.size.iter().map(|c| c * c).sum::<f64>();
+    let all: f64 = waves.iter().map(square).sum();
+    let sum: f64 = waves.iter().map(|wave| square(wave) * wave.order).sum();
+    if all > 0.0 { sum / all } else { waves[0].order }
+}
+
+/// Coefficients of cosine and sine of a line in a state.
+fn size(state: &State, joint: usize, order: f64) -> [f64; 2] {
     let mut out = [0.0; 2];
     for term in &state.terms {
         if term.effect_name() == Effect::JointPeriodicError.name()
@@ -79,12 +110,14 @@ fn wave(state: &State, joint: usize, order: f64) -> [f64; 2] {
     out
 }
 
-/// The order at which a held line explains most, with its own part added back.
-fn sharpened(column: &JointColumn, order: f64, step: f64, [cos, sin]: [f64; 2]) -> f64 {
+/// The order next to one at which a line explains most, with held ones added back.
+fn sharpened(column: &JointColumn, order: f64, step: f64, held: &[Wave]) -> f64 {
     let mut column = column.clone();
-    for ((right, square), q) in column.right.iter_mut().zip(&column.square).zip(&column.q) {
-        let (s, c) = (order * q).sin_cos();
-        *right += square * (cos * c + sin * s);
+    for Wave { order, size: [cos, sin] } in held {
+        for ((right, square), q) in column.right.iter_mut().zip(&column.square).zip(&column.q) {
+            let (s, c) = (order * q).sin_cos();
+            *right += square * (cos * c + sin * s);
+        }
     }
     let at = |order: f64| strengths(&column, order, step, 1)[0];
     let (mut low, mut high) = ((order - step).max(0.1), order + step);

@@ -8,6 +8,7 @@ mod curves;
 mod explained;
 mod halves;
 mod judge;
+mod lags;
 mod lines;
 mod nameless;
 mod parts;
@@ -114,8 +115,9 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let asked = Question { problem: &problem, ..*q };
         let (state, rows) = (node.fit.fit.state.clone(), node.fit.kept.clone());
         let weights = weights::after(&problem, &node);
-        let mut possible = candidates(&asked, &state, &rows, &weights, (lambda, scale), &held);
-        possible.retain(|p| !p.is(&refused) && !p.is_within(&curves));
+        let mut possible = candidates(&asked, &node, &weights, (lambda, scale), (&held, &refused));
+        let barred = |p: &Possible| p.is(&refused) || lags::is_refused(p, &refused);
+        possible.retain(|p| !barred(p) && !p.is_within(&curves));
         let sheet = Sheet::new(&problem, &state, &possible, &weights, &curves);
         let precision = sheet.precision(lambda);
         let whole = sheet.gram(&rows);
@@ -212,18 +214,20 @@ impl Searched {
     }
 }
 
-/// Everything that is weighed in a round.
+/// Everything that is weighed in a round at a model: lines near those it had, and
+/// what stands in for a refused one.
 fn candidates(
     q: &Question,
-    state: &State,
-    rows: &[usize],
+    node: &Node,
     weights: &Weights,
     noise: (f64, f64),
-    held: &[Held],
+    (held, refused): (&[Held], &[Candidate]),
 ) -> Vec<Possible> {
+    let (state, rows) = (&node.fit.fit.state, &node.fit.kept);
     let mut numbers = Numbers::default();
     let mut out: Vec<Possible> =
         q.offered.iter().map(|candidate| numbers.offered(candidate.clone())).collect();
+    out.extend(lags::offered(q.problem, refused, &mut numbers));
     let columns = scan::joints(q.problem, state, rows, weights, noise);
     out.extend(lines::offered(state, &columns, q.highest_order, held, &mut numbers));
     out.extend(slips::offered(q.problem, rows, &columns, &mut numbers));

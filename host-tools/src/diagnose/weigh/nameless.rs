@@ -53,7 +53,7 @@ impl Nameless {
             for times in 1..=wobbles {
                 out.push((Self::Wobble { joint, times }, n * wobbles));
             }
-            if problem.conditions.masses {
+            if problem.conditions.masses || problem.conditions.torques {
                 out.push((Self::Bend { joint }, n));
             }
             out.push((Self::Memory { joint }, n));
@@ -116,7 +116,7 @@ impl Nameless {
                 format!("the link behind joint {joint} bends more than in proportion to its load")
             }
             Self::Memory { .. } => {
-                format!("joint {joint} is off by a share of its move from the row before")
+                format!("joint {joint} is off by a share of its move from the pose before")
             }
             Self::Creep { .. } => format!("the zero of joint {joint} wanders with time"),
             Self::Slip { row, .. } => {
@@ -145,7 +145,8 @@ impl Nameless {
                 [x * cos, x * sin, y * cos, y * sin].map(|c| c * square).to_vec()
             }
             Self::Memory { .. } => {
-                let before = index.checked_sub(1).map_or(q, |i| problem.data.rows[i].q[joint]);
+                let before = problem.conditions.before[index];
+                let before = before.map_or(q, |i| problem.data.rows[i].q[joint]);
                 vec![*d.links[joint].joint(problem.nominal[joint].kind) * (before - q)]
             }
             Self::Slip { row: first, .. } => {

@@ -3,19 +3,24 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
+use truearm::LinkParameter;
 
 use super::curves::{self, Curve};
 use super::possible::{Possible, columns_of};
 use crate::diagnose::policy::POLICY;
 use crate::evidence::poses::{whiten, within};
 use crate::evidence::{self, Gram};
-use crate::identify::{Linearised, Problem, State};
+use crate::identify::accumulate::tree;
+use crate::identify::{Linearised, Problem, State, Unknown};
 use crate::model::arm::Derivatives;
 use crate::model::{ErrorCurve, Values};
 use crate::observations::Residual;
 
 /// Equations given to a Gram matrix at a time.
 const TOGETHER: usize = 240;
+
+/// Poses that one task sums.
+const PART: usize = 400;
 
 /// How much each row counts, and what the readings of a pose have in common.
 #[derive(Debug, Clone)]
@@ -97,11 +102,12 @@ impl<'a> Sheet<'a> {
     #[must_use]
     pub fn precision(&self, lambda: f64) -> DVector<f64> {
         let unknowns = &self.problem.unknowns;
-        let of = |(k, unknown): (usize, &crate::identify::Unknown)| {
+        let of = |(k, unknown): (usize, &Unknown)| {
             let unit = self.problem.unit(*unknown);
             match unknown {
+                Unknown::Link(_, LinkParameter::Theta) => lambda / POLICY.zero_prior.powi(2),
                 _ if k >= unknowns.free() => lambda,
-                crate::identify::Unknown::Marker(..) => (unit / POLICY.tool_prior).powi(2),
+                Unknown::Marker(..) => (unit / POLICY.tool_prior).powi(2),
                 _ => (unit / POLICY.base_prior).powi(2),
             }
         };
@@ -118,9 +124,20 @@ impl<'a> Sheet<'a> {
         parts.par_iter().map(|rows| self.gram(rows)).collect()
     }
 
-    /// Sums over rows.
+    /// Sums over rows, on all cores, in an order that the rows alone decide.
     #[must_use]
     pub fn gram(&self, rows: &[usize]) -> Gram {
+        let readings = self.readings(rows);
+        let all: Vec<usize> = (0..readings.len()).collect();
+        let leaf = |own: &[usize]| self.summed(own.iter().map(|k| &readings[*k][..]));
+        tree(&all, PART, &leaf, &|mut a: Gram, b| {
+            a.join(&b);
+            a
+        })
+    }
+
+    /// Sums over the readings of some poses.
+    fn summed<'r>(&self, poses: impl Iterator<Item = &'r [usize]>) -> Gram {
         let [p, k] = self.size();
         let mut gram = Gram::new(p, k);
         let mut waiting: Vec<DMatrix<f64>> = Vec::new();
@@ -131,8 +148,8 @@ impl<'a> Sheet<'a> {
             gram.add(&all.columns(0, p).into_owned(), &all.columns(p, k).into_owned(), &y);
             waiting.clear();
         };
-        for readings in self.readings(rows) {
-            let (block, repeats) = self.block(&readings);
+        for readings in poses {
+            let (block, repeats) = self.block(readings);
             gram.add_repeats(repeats.0, repeats.1);
             equations += block.nrows();
             waiting.push(block);

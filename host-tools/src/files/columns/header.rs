@@ -1,7 +1,9 @@
 use crate::error::{Error, Result};
 use crate::files::source::{Source, resembling};
 use crate::headings::suggestion;
-use crate::model::Robot;
+use truearm::JointKind;
+
+use crate::model::{Joint, Robot};
 use crate::units::joint_column;
 
 /// The names of the columns; those that were asked for are known.
@@ -104,6 +106,24 @@ impl<'a> Header<'a> {
                 Err(self.fail_in(i, format!("column {name}, but {file} has {n} joints"), help))
             }
             None => Ok(q),
+        }
+    }
+
+    /// What the joints hold, a column each or none.
+    pub fn torques(&mut self, robot: &Robot) -> Result<Option<Vec<usize>>> {
+        let name = |(j, joint): (usize, &Joint)| match joint.link.kind {
+            JointKind::Revolute => format!("torque{}_nm", j + 1),
+            JointKind::Prismatic => format!("force{}_n", j + 1),
+        };
+        let names: Vec<String> = robot.joints.iter().enumerate().map(name).collect();
+        let found: Vec<Option<usize>> = names.iter().map(|name| self.take(name)).collect();
+        match found.iter().position(Option::is_none) {
+            None => Ok(found.into_iter().collect()),
+            Some(_) if found.iter().all(Option::is_none) => Ok(None),
+            Some(missing) => Err(self.fail(
+                format!("column {} is missing beside the others of its kind", names[missing]),
+                "add it, or delete the others: a joint's torque is taken from all or from none",
+            )),
         }
     }
 

@@ -29,6 +29,7 @@ pub(super) struct Columns {
     measured: Option<MeasuredColumns>,
     optional: Optional,
     directions: Vec<Option<usize>>,
+    torques: Option<Vec<usize>>,
     orientation: Option<[usize; 4]>,
     /// Columns without a meaning.
     pub extra: Vec<usize>,
@@ -93,6 +94,7 @@ impl Columns {
         let orientation = header.orientation()?;
         let directions =
             (1..=robot.joints.len()).map(|j| header.take(&format!("dir{j}"))).collect();
+        let torques = header.torques(robot)?;
         let optional = Optional {
             time: header.take("time_s"),
             temperature: header.take("temperature_c"),
@@ -103,7 +105,8 @@ impl Columns {
             station: header.take("station"),
             marker: header.take("marker"),
         };
-        Ok(Self { q, measured, optional, directions, orientation, extra: header.unknown() })
+        let extra = header.unknown();
+        Ok(Self { q, measured, optional, directions, torques, orientation, extra })
     }
 
     /// Reads a row; new station and marker labels join the lists.
@@ -128,6 +131,7 @@ impl Columns {
             order: cells.optional(o.order)?,
             orientation: self.orientation(cells)?,
             directions: self.directions(cells)?,
+            torques: sense::torques(cells, self.torques.as_deref())?,
             extra: self.extra.iter().map(|c| cells.text(*c).to_owned()).collect(),
         })
     }

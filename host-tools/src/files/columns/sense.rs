@@ -8,6 +8,22 @@ const TEMPERATURES: std::ops::RangeInclusive<f64> = -60.0..=120.0;
 /// Heavier than what any arm carries, kg.
 const HEAVIEST: f64 = 5_000.0;
 
+/// N m or N that no joint holds.
+const STRONGEST: f64 = 1e6;
+
+/// N m or N of every joint, where there are columns.
+pub(super) fn torques(cells: &Cells, columns: Option<&[usize]>) -> Result<Vec<f64>> {
+    let one = |column: &usize| match cells.number(*column)? {
+        value if value.abs() > STRONGEST => Err(cells.fail(
+            *column,
+            format!("{value} N m"),
+            "give what the joint holds in N m or N",
+        )),
+        value => Ok(value),
+    };
+    columns.unwrap_or_default().iter().map(one).collect()
+}
+
 /// Degrees Celsius.
 pub(super) fn temperature(cells: &Cells, column: Option<usize>) -> Result<Option<f64>> {
     match (cells.optional(column)?, column) {

@@ -165,7 +165,7 @@ impl Part<'_> {
             })?);
         }
         for (i, term) in part.measurement_terms.iter().enumerate() {
-            let read = model_terms::measurement_term(term.get_ref());
+            let read = model_terms::measurement_term(term.get_ref(), &kinds);
             terms.push(read.map_err(|e| {
                 let message = format!("[[measurement_terms]] entry {}: {e}", i + 1);
                 self.source.at(term.span(), message, HELP)
