@@ -9,8 +9,8 @@ const EFFECT: Effect = Effect::ThermalExpansion;
 pub(super) const FAMILY: Family = Family {
     name: EFFECT.name(),
     offers,
-    // Lengths grow with warmth; plastics by 2e-4 a kelvin.
-    plausible: -1e-5..2e-4,
+    // Aluminium grows by 2.4e-5 a kelvin, and joints warm up more than the air does.
+    plausible: -1e-5..6e-5,
     several: false,
 };
 

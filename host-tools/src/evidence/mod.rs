@@ -79,6 +79,22 @@ pub struct Explanation {
     pub posterior: Posterior,
 }
 
+impl Explanation {
+    /// Takes candidates out of the best model that something else speaks against.
+    pub fn leave_out(&mut self, gone: impl Fn(usize) -> bool) {
+        let members = &self.best.members;
+        let kept: Vec<usize> = (0..members.len()).filter(|k| !gone(members[*k])).collect();
+        pick(&mut self.best.members, &kept);
+        pick(&mut self.best.sizes, &kept);
+        pick(&mut self.coefficients, &kept);
+        pick(&mut self.floors, &kept);
+    }
+}
+
+fn pick<T: Clone>(of: &mut Vec<T>, kept: &[usize]) {
+    *of = kept.iter().map(|k| of[*k].clone()).collect();
+}
+
 /// A model to begin with, beside nothing, and the noise scale that it left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Known {

@@ -41,6 +41,9 @@ pub use sheet::Weights;
 /// Rounds of linearising and weighing.
 const ROUNDS: usize = 4;
 
+/// Further rounds where physics refuses what was found.
+const REFUSALS: usize = 4;
+
 /// Weighs everything, from a fit of geometry: first without error curves; where
 /// joints turn out to have some, again from nothing beside them.
 ///
@@ -123,7 +126,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let whole = sheet.gram(&rows);
         let entries: Vec<_> = possible.iter().map(|p| p.entry.clone()).collect();
         let known = (scale > 0.0).then(|| Known { members: members_of(&possible, &node), scale });
-        let found = explain(&whole, &precision, &entries, effort, known.as_ref());
+        let mut found = explain(&whole, &precision, &entries, effort, known.as_ref());
         progress();
         scale = found.scale;
         let members: Vec<&Candidate> = listed(&possible, &found.best.members);
@@ -141,11 +144,14 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
             node = fitted(&bent, added, &state)?;
         }
         let bad = node.implausible();
-        if !bad.is_empty() && round < ROUNDS {
+        let again = !bad.is_empty() && round < ROUNDS + REFUSALS;
+        if !bad.is_empty() {
             let kept = node.added.iter().filter(|c| !bad.contains(c)).cloned().collect();
+            found.leave_out(|m| possible[m].is(&bad));
             refused.extend(bad);
             node = fitted(&bent, kept, &state)?;
-        } else if same || round == ROUNDS {
+        }
+        if !again && (same || round >= ROUNDS) {
             let curves = curves.clone();
             drop(sheet);
             return Ok(Searched {
