@@ -3,7 +3,7 @@
 use crate::image::directory;
 use crate::run::{Result, call, cargo, root, step};
 use crate::study::fuzz;
-use crate::{c, package, proof, test, tools};
+use crate::{c, package, proof, python, test, tools};
 
 pub fn run() -> Result {
     tools::ensure()?;
@@ -20,10 +20,17 @@ pub fn run() -> Result {
             call(&mut cargo(dir, "clippy --workspace --all-targets -- -D warnings"))
         })?;
     }
+    step("format of the Python package", || {
+        call(&mut cargo(&python::directory(), "fmt --all --check"))
+    })?;
     test::run()?;
     proof::others()?;
     c::miri()?;
     package::run()?;
+    match python::found() {
+        true => python::run()?,
+        false => eprintln!("\nno python3 with venv: the wheel is not built"),
+    }
     // Of each target: half a minute for both.
     fuzz::run(&["-max_total_time=15".to_owned()])
 }

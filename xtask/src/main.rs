@@ -14,6 +14,7 @@ mod log;
 mod m7;
 mod package;
 mod proof;
+mod python;
 mod qemu;
 mod refusals;
 mod reidentification_poses;
@@ -64,6 +65,8 @@ enum Verb {
     Store,
     /// Build the crate as it would be published, and run its examples
     Package,
+    /// Build the Python wheel and test it in a bare environment
+    Python,
     /// Rewrite the shipped blobs and vector files
     Vectors {
         /// Parameter blob of a six-joint arm; the shipped one if not given
@@ -92,6 +95,7 @@ fn main() -> ExitCode {
         Verb::Log => tools::ensure().and_then(|()| log::check()),
         Verb::Store => tools::ensure().and_then(|()| store::run()),
         Verb::Package => package::run(),
+        Verb::Python => python::run(),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),
         Verb::Demo(options) => tools::ensure().and_then(|()| demo::run(&options)),

@@ -28,6 +28,7 @@ impl Measurements {
     /// As for [`Measurements::read`].
     pub fn parse(path: &Path, text: &str, robot: &Robot) -> Result<Self> {
         let mut data = Self::table(path, text, robot, (Some("q"), true))?;
+        data.arrive(robot);
         data.remark(robot);
         Ok(data)
     }
@@ -83,7 +84,6 @@ impl Measurements {
         };
         if joints.is_some() {
             data.number(robot);
-            data.arrive(robot);
         }
         Ok(data)
     }

@@ -75,6 +75,30 @@ pub struct Row {
 }
 
 impl Row {
+    /// At joint values of which nothing else is known.
+    #[must_use]
+    pub fn at(q: Vec<f64>) -> Self {
+        Self {
+            line: 0,
+            q,
+            kind: KindId::default(),
+            measured: Values::default(),
+            sigma: 0.0,
+            station: 0,
+            marker: 0,
+            pose: 0,
+            series: None,
+            time: None,
+            temperature: None,
+            payload: None,
+            order: None,
+            orientation: None,
+            directions: Vec::new(),
+            torques: Vec::new(),
+            extra: Vec::new(),
+        }
+    }
+
     /// Whether both say the same, on whatever line of the file.
     fn repeats(&self, other: &Self) -> bool {
         // Most differ in what was measured: no need to look at the rest. Where approach

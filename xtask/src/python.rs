@@ -1,0 +1,48 @@
+//! The Python package: its wheel, and its tests in a bare environment.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::run::{Result, call, root, step, target_dir};
+
+const PYTHON: &str = "python3";
+
+/// The package's folder, a workspace of its own.
+pub fn directory() -> PathBuf {
+    root().join("host-tools/python")
+}
+
+/// Whether there is a Python that makes environments.
+pub fn found() -> bool {
+    let made = Command::new(PYTHON).args(["-m", "venv", "--help"]).output();
+    made.is_ok_and(|output| output.status.success())
+}
+
+pub fn run() -> Result {
+    if !found() {
+        return Err("no python3 with venv: install Debian's python3-venv".into());
+    }
+    let [build, bare] = ["build", "bare"].map(|name| target_dir().join("python").join(name));
+    let wheels = target_dir().join("python/wheels");
+    for place in [&bare, &wheels] {
+        // Of an earlier run.
+        let _ = fs::remove_dir_all(place);
+    }
+    for place in [&build, &bare] {
+        call(Command::new(PYTHON).args(["-m", "venv"]).arg(place))?;
+    }
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    let [builder, tester] = [&build, &bare].map(|place| place.join("bin/python"));
+    step("wheel", || {
+        call(Command::new(&builder).args(pip).arg("maturin>=1.9,<2"))?;
+        let mut wheel = Command::new(build.join("bin/maturin"));
+        wheel.current_dir(directory()).args(["build", "--release", "--locked", "--out"]);
+        call(wheel.arg(&wheels).arg("--target-dir").arg(target_dir()))
+    })?;
+    step("tests of the wheel", || {
+        let wheel = fs::read_dir(&wheels)?.next().ok_or("no wheel was built")??.path();
+        call(Command::new(&tester).args(pip).arg(wheel))?;
+        call(Command::new(&tester).arg(directory().join("tests/test_truearm.py")))
+    })
+}
