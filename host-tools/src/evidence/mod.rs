@@ -46,6 +46,7 @@ mod subset;
 pub mod tails;
 #[cfg(test)]
 mod tests;
+mod told;
 mod triangular;
 
 use nalgebra::DVector;
@@ -55,7 +56,8 @@ pub use gram::{Geometry, Gram, Projected};
 pub use noise::NU;
 pub use posterior::{Claim, Posterior};
 pub use search::{Effort, WINDOW};
-pub use subset::{Coefficient, Subset, Subsets};
+pub use subset::{Subset, Subsets};
+pub use told::Coefficient;
 
 use search::Search;
 

@@ -40,9 +40,9 @@ pub struct Subsets {
     pub(super) b: DVector<f64>,
     pub(super) s: f64,
     /// Caller's columns are divided by this.
-    unit: DVector<f64>,
+    pub(super) unit: DVector<f64>,
     pub(super) noise: Noise,
-    scale: f64,
+    pub(super) scale: f64,
 }
 
 /// A subset and what the data say of it.
@@ -63,15 +63,6 @@ pub struct Subset {
     pub(super) explained: f64,
     /// `log |B|`.
     pub(super) log_det: f64,
-}
-
-/// A coefficient in the caller's unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coefficient {
-    /// Posterior mean.
-    pub value: f64,
-    /// Posterior standard deviation.
-    pub sigma: f64,
 }
 
 impl Subsets {
@@ -249,57 +240,6 @@ impl Subsets {
         let mut pairs: Vec<([usize; 2], f64)> = strongest.into_iter().collect();
         pairs.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         pairs.into_iter().take(most).map(|(pair, _)| pair).collect()
-    }
-
-    /// Coefficients of the columns of a subset, in the caller's units.
-    #[must_use]
-    pub fn coefficients(&self, subset: &Subset) -> Vec<Vec<Coefficient>> {
-        let k = self.scale_of(subset) / self.scale;
-        let mut first = 0;
-        let each = subset.members.iter().map(|g| {
-            let columns = self.columns[*g].clone();
-            let own = columns.enumerate().map(|(i, column)| {
-                let unit = self.unit[column];
-                let per = if unit > 0.0 { unit.recip() } else { 0.0 };
-                let variance = subset.inverse[(first + i, first + i)].max(0.0);
-                let value = subset.mean[first + i] * per;
-                Coefficient { value, sigma: k * variance.sqrt() * per }
-            });
-            let own: Vec<Coefficient> = own.collect();
-            first += own.len();
-            own
-        });
-        each.collect()
-    }
-
-    /// Size of each member's effect, in noise floors over all equations: its
-    /// own columns times their posterior means, geometry projected out.
-    #[must_use]
-    pub fn floors(&self, subset: &Subset) -> Vec<f64> {
-        let mut first = 0;
-        let each = subset.members.iter().map(|g| {
-            let columns = self.columns[*g].clone();
-            let mean = subset.mean.rows(first, columns.len());
-            first += columns.len();
-            let c = self.c.view((columns.start, columns.start), (columns.len(), columns.len()));
-            (mean.dot(&(c * mean)) / self.noise.poses).max(0.0).sqrt()
-        });
-        each.collect()
-    }
-
-    /// Noise scale k that a subset leaves, in stated sigmas.
-    #[must_use]
-    pub fn scale_of(&self, subset: &Subset) -> f64 {
-        let mut first = 0;
-        let mut used = 0.0;
-        for (g, size) in subset.members.iter().zip(&subset.sizes) {
-            for _ in self.columns[*g].clone() {
-                used += 1.0 - subset.inverse[(first, first)] / (SIZES[*size] * SIZES[*size]);
-                first += 1;
-            }
-        }
-        let left = (self.noise.freedom - used).max(1.0);
-        self.scale * (self.noise.own(self.s - subset.explained) / left).sqrt()
     }
 
     /// The candidates.

@@ -1,6 +1,9 @@
 //! Rows linearised once, with the columns of every candidate beside those of
 //! geometry: all that evidence, folds and halves need.
 
+mod left;
+mod scanned;
+
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 use truearm::LinkParameter;
@@ -14,7 +17,6 @@ use crate::identify::accumulate::tree;
 use crate::identify::{Linearised, Problem, State, Unknown};
 use crate::model::arm::Derivatives;
 use crate::model::{ErrorCurve, Values};
-use crate::observations::Residual;
 
 /// Equations given to a Gram matrix at a time.
 const TOGETHER: usize = 240;
@@ -271,81 +273,6 @@ impl<'a> Sheet<'a> {
     fn beside(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
         let of = |possible: &Possible| possible.columns(self.problem, index, d, &self.bases);
         self.possible.iter().flat_map(of).collect()
-    }
-
-    /// Measured minus predicted of rows, SI.
-    #[must_use]
-    pub fn left(&self, rows: &[usize], solution: &Solution) -> Vec<(usize, Residual)> {
-        let left = |index: &usize| {
-            let used = |i: usize, d: &Derivatives| {
-                let sum = self.possible.iter().fold((0, Vector3::zeros()), |(first, sum), p| {
-                    let count = p.count();
-                    let own = first..first + count;
-                    let both =
-                        own.clone().any(|c| solution.columns[c] != 0.0 || self.held[c] != 0.0);
-                    if !both {
-                        return (first + count, sum);
-                    }
-                    let columns = p.columns(self.problem, i, d, &self.bases);
-                    let more = own
-                        .zip(columns)
-                        .map(|(c, column)| column * (self.held[c] - solution.columns[c]));
-                    (first + count, sum + more.sum::<Vector3<f64>>())
-                });
-                let mut all = self.of_joints(d);
-                all.push(sum.1);
-                all
-            };
-            let e = self.at.equations_beside(*index, &used);
-            let p = self.unknowns();
-            let mut imitated = e.block.columns(0, p) * solution.geometry.rows(0, p);
-            imitated -= e.block.column(p + self.curves.len());
-            let mut first = p;
-            for (i, curve) in self.curves.iter().enumerate() {
-                let basis = curve.basis(self.problem.data.rows[*index].q[curve.joint]);
-                let own = solution.geometry.rows(first, basis.len());
-                let value: f64 = basis.iter().zip(own.iter()).map(|(b, c)| b * c).sum();
-                imitated += e.block.column(p + i) * (value - self.bent(*index, curve));
-                first += basis.len();
-            }
-            let values = Values::from_fn(e.rhs.len(), |c| (e.rhs[c] - imitated[c]) * e.scale[c]);
-            (*index, e.residual.with(values))
-        };
-        rows.par_iter().map(left).collect()
-    }
-
-    /// A joint's column at the rows, and the residual along it, for a scan.
-    #[must_use]
-    pub fn joint(
-        &self,
-        rows: &[usize],
-        joint: usize,
-        geometry: &evidence::Geometry,
-        scale: f64,
-    ) -> evidence::lines::JointColumn {
-        let p = self.problem.unknowns.list().len();
-        let kind = self.problem.nominal[joint].kind;
-        let one = |index: &usize| {
-            let beside = |_: usize, d: &Derivatives| vec![*d.links[joint].joint(kind)];
-            let e = self.at.equations_beside(*index, &beside);
-            let weight = self.weights.rows[*index];
-            let column = e.block.column(p) * (weight.sqrt() / scale);
-            let residual = e.scaled_residual();
-            let right: f64 = column.iter().zip(residual.iter()).map(|(c, r)| c * r).sum();
-            let products = e.block.columns(0, p).tr_mul(&column) * (weight.sqrt() * scale);
-            (column.norm_squared(), right * weight.sqrt() / scale, products)
-        };
-        let all: Vec<_> = rows.par_iter().map(one).collect();
-        let mut imitated = DMatrix::zeros(p, rows.len());
-        for (k, (_, _, products)) in all.iter().enumerate() {
-            imitated.set_column(k, products);
-        }
-        evidence::lines::JointColumn {
-            q: rows.iter().map(|r| self.problem.data.rows[*r].q[joint]).collect(),
-            square: all.iter().map(|a| a.0).collect(),
-            right: all.iter().map(|a| a.1).collect(),
-            imitated: geometry.whiten(&imitated),
-        }
     }
 }
 
