@@ -5,6 +5,7 @@ mod check;
 mod coverage;
 mod dirty;
 mod lambda;
+mod lines;
 mod planning;
 mod power;
 mod reproduce;
@@ -35,6 +36,8 @@ pub enum Study {
     Coverage(coverage::Options),
     /// Planned poses against random ones
     Planning(planning::Options),
+    /// Lines of unknown order at any number of rows: are there others than the true ones?
+    Lines(lines::Options),
     /// Rules for lambda: how much worse than the best one?
     Lambda(lambda::Options),
     /// Two effects look alike: is it said, and do the proposed poses tell?
@@ -51,6 +54,7 @@ pub fn run(study: &Study) -> Result {
         Study::Power(options) => power::run(options),
         Study::Coverage(options) => coverage::run(options),
         Study::Planning(options) => planning::run(options),
+        Study::Lines(options) => lines::run(options),
         Study::Lambda(options) => lambda::run(options),
         Study::Ties(options) => ties::run(options),
         Study::Reproduce(options) => reproduce::run(options),
