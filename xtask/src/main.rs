@@ -13,6 +13,7 @@ mod line;
 mod log;
 mod m7;
 mod package;
+mod pages;
 mod proof;
 mod python;
 mod qemu;
@@ -67,6 +68,11 @@ enum Verb {
     Package,
     /// Build the Python wheel and test it in a bare environment
     Python,
+    /// Open report.html of every verb, or these, in Chromium where there is one
+    Pages {
+        /// Pages to open
+        pages: Vec<PathBuf>,
+    },
     /// Rewrite the shipped blobs and vector files
     Vectors {
         /// Parameter blob of a six-joint arm; the shipped one if not given
@@ -96,6 +102,7 @@ fn main() -> ExitCode {
         Verb::Store => tools::ensure().and_then(|()| store::run()),
         Verb::Package => package::run(),
         Verb::Python => python::run(),
+        Verb::Pages { pages } => pages::run(&pages),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),
         Verb::Demo(options) => tools::ensure().and_then(|()| demo::run(&options)),

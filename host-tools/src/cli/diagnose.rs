@@ -2,12 +2,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
-use truearm_host::model::Measurements;
+use truearm_host::model::{Measurements, ModelTerm};
+use truearm_host::page::{Measured, Next, diagnosed};
 use truearm_host::report::DiagnoseReport;
 use truearm_host::{Error, Result};
 
 use super::check::{explained, remark};
 use super::identify::residuals;
+use super::page::next_line;
 use super::progress::Bar;
 use super::{Said, deliver, read_both, warn, words};
 
@@ -22,9 +24,12 @@ pub struct Diagnose {
     /// Poses that are only used to show the gap
     #[arg(long, value_name = "FILE")]
     holdout: Option<PathBuf>,
-    /// Write model.toml, report.json and residuals.csv into this folder
+    /// Write model.toml, report.json, residuals.csv and report.html into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write each figure of report.html as SVG as well
+    #[arg(long, requires = "out")]
+    figures: bool,
     /// Write over files that truearm did not write, or of another robot
     #[arg(long)]
     force: bool,
@@ -62,14 +67,27 @@ impl Diagnose {
         figures.warnings.extend(remark(figures, &robot, &data));
         let report = DiagnoseReport::new(found.outcome);
         warn(&report.outcome.figures.warnings);
-        deliver(
+        let on = Measured { data: &data, rows: &found.rows, model: &found.model };
+        let arm = found.model.terms.iter().filter(|t| matches!(t, ModelTerm::Arm(_)));
+        let next = Next {
+            robot: self.robot.clone(),
+            data: self.data.clone(),
+            out: self.out.clone(),
+            terms: arm.count(),
+        };
+        let mut said = deliver(
             &report,
             || words::diagnosis(&report.outcome),
             self.json,
             (self.out.as_deref(), self.force),
             &found.model,
             || residuals(&data, &found.rows),
-        )
+            (|| diagnosed(&report, &on, &next), self.figures),
+        )?;
+        if !self.json {
+            said.text += &next_line("diagnose", &next, &report.outcome.alternatives);
+        }
+        Ok(said)
     }
 }
 

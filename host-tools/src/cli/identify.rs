@@ -5,6 +5,7 @@ use truearm_host::evaluate::evaluate;
 use truearm_host::files::csv_text;
 use truearm_host::identify::{LambdaRule, Options, RowResult, Scaling, identify};
 use truearm_host::model::{Measurements, Row};
+use truearm_host::page::{Measured, Next, identified};
 use truearm_host::report::IdentifyReport;
 use truearm_host::units::to_mm;
 use truearm_host::{Error, Result};
@@ -27,9 +28,12 @@ pub struct Identify {
     /// Fit these on the validation file itself
     #[arg(long, value_enum, requires = "validate")]
     reregister: Option<Frames>,
-    /// Write model.toml, report.json and residuals.csv into this folder
+    /// Write model.toml, report.json, residuals.csv and report.html into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write each figure of report.html as SVG as well
+    #[arg(long, requires = "out")]
+    figures: bool,
     /// Write over files that truearm did not write, or of another robot
     #[arg(long)]
     force: bool,
@@ -73,6 +77,13 @@ impl Identify {
         }
         let report = IdentifyReport::new(found.figures, validation);
         warn(&report.figures.warnings);
+        let on = Measured { data: &data, rows: &found.rows, model: &found.model };
+        let next = Next {
+            robot: self.robot.clone(),
+            data: self.data.clone(),
+            out: self.out.clone(),
+            terms: 0,
+        };
         deliver(
             &report,
             || words::identification(&report),
@@ -80,6 +91,7 @@ impl Identify {
             (self.out.as_deref(), self.force),
             &found.model,
             || residuals(&data, &found.rows),
+            (|| identified(&report, &on, &next), self.figures),
         )
     }
 

@@ -18,6 +18,7 @@ mod inspect;
 mod man;
 mod own;
 mod pack;
+mod page;
 mod plan;
 mod progress;
 mod robot;
@@ -35,6 +36,7 @@ use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::blob::explain;
 use truearm_host::files::write;
 use truearm_host::model::{Measurements, Model, Robot};
+use truearm_host::page::Page;
 use truearm_host::report::to_json;
 use truearm_host::{Error, Kind, Result};
 
@@ -140,7 +142,7 @@ fn refused(path: &Path, bytes: &[u8], refusal: &AcceptanceError) -> Error {
     Error::data(Kind::Refused, format!("{}: {refusal}", path.display()), explain(bytes, refusal))
 }
 
-/// Writes the files of a folder, and says the report as JSON or in words.
+/// Writes the files of a folder, the page and its figures among them, and says the report as JSON or in words.
 fn deliver(
     report: &impl serde::Serialize,
     words: impl FnOnce() -> String,
@@ -148,6 +150,7 @@ fn deliver(
     (folder, force): (Option<&Path>, bool),
     model: &Model,
     residuals: impl FnOnce() -> String,
+    (pictures, figures): (impl FnOnce() -> Result<Page>, bool),
 ) -> Result<Said> {
     let json = to_json(report);
     let mut wrote = String::new();
@@ -156,7 +159,8 @@ fn deliver(
         write(&folder.join("model.toml"), model.to_toml().as_bytes())?;
         write(&folder.join("report.json"), json.as_bytes())?;
         write(&folder.join("residuals.csv"), residuals().as_bytes())?;
-        let files = folder.join("{model.toml,report.json,residuals.csv}");
+        page::write_page(&folder.join("report.html"), &pictures()?, figures)?;
+        let files = folder.join("{model.toml,report.json,residuals.csv,report.html}");
         wrote = format!("wrote {}\n", files.display());
     }
     Ok(if as_json { json.into() } else { (words() + &wrote).into() })

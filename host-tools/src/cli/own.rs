@@ -5,6 +5,7 @@ use std::path::Path;
 
 use truearm::blob::Blob;
 use truearm_host::model::Model;
+use truearm_host::page::BEGIN;
 use truearm_host::{Error, Result};
 
 /// Robot id of a model, as its blob has it.
@@ -21,9 +22,11 @@ pub fn in_folder(folder: &Path, model: &Model, force: bool) -> Result<()> {
     if force {
         return Ok(());
     }
-    for (name, begin) in
-        [("report.json", "{\n  \"schema\": \"truearm-"), ("residuals.csv", "row,line,")]
-    {
+    for (name, begin) in [
+        ("report.json", "{\n  \"schema\": \"truearm-"),
+        ("residuals.csv", "row,line,"),
+        ("report.html", BEGIN),
+    ] {
         let path = folder.join(name);
         match std::fs::read(&path) {
             Ok(bytes) if !bytes.starts_with(begin.as_bytes()) => return Err(foreign(&path)),

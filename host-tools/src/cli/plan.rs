@@ -4,11 +4,13 @@ use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::files::{poses_csv, write};
 use truearm_host::model::{Measurements, Robot, Workspace};
+use truearm_host::page::{Page, Planned, planned, separated};
 use truearm_host::plan::{Explained, PlanOptions, discriminate, plan};
 use truearm_host::report::{PlanReport, SeparatedAlternative, SeparationReport, to_json};
 use truearm_host::units::MICRO;
 use truearm_host::{Error, Kind, Result};
 
+use super::page::write_page;
 use super::progress::Bar;
 use super::workspace::Where;
 use super::{End, Said, warn, words};
@@ -25,6 +27,12 @@ pub struct Plan {
     /// Write the joint values here, a CSV line a pose
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
+    /// Write a page about the poses into this file
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
+    /// Write each figure of the page as SVG beside it
+    #[arg(long, requires = "html")]
+    figures: bool,
     #[command(flatten)]
     workspace: Where,
     /// Stop at the fewest poses whose predicted worst tool point is this good:
@@ -61,7 +69,7 @@ impl Plan {
         }
         let options = PlanOptions {
             poses: self.poses,
-            workspace,
+            workspace: workspace.clone(),
             candidates: self.candidates,
             target: self.target_um.map(|um| um / MICRO),
             seed: self.seed,
@@ -72,8 +80,10 @@ impl Plan {
         let found = found?;
         write(&self.out, poses_csv(&robot, "q", &found.poses, &[]).as_bytes())?;
         warn(&robot.warnings);
+        let report = PlanReport::new(&robot, &found, self.candidates, self.target_um);
+        self.page(|| planned(&report, &self.of(&robot, &workspace, &found.poses)))?;
         let text = if self.json {
-            to_json(&PlanReport::new(&robot, &found, self.candidates, self.target_um))
+            to_json(&report)
         } else {
             words::planned(&found) + &format!("wrote {}\n", self.out.display())
         };
@@ -91,6 +101,24 @@ impl Plan {
             _ => End::Good,
         };
         Ok(Said { text, end })
+    }
+
+    /// What the page is about.
+    fn of<'p>(
+        &'p self,
+        robot: &'p Robot,
+        workspace: &'p Workspace,
+        poses: &'p [Vec<f64>],
+    ) -> Planned<'p> {
+        let file = self.out.to_str().unwrap_or_default();
+        Planned { robot, limits: &workspace.limits, poses, file }
+    }
+
+    fn page(&self, made: impl FnOnce() -> Page) -> Result<()> {
+        match &self.html {
+            Some(path) => write_page(path, &made(), self.figures),
+            None => Ok(()),
+        }
     }
 
     fn separate(
@@ -129,20 +157,21 @@ impl Plan {
                 worse_by_planned: *added,
             })
             .collect();
+        let report = SeparationReport {
+            schema: SeparationReport::SCHEMA,
+            command: "plan",
+            robot: robot.name.clone(),
+            data: path.display().to_string(),
+            poses: planned.poses.len(),
+            candidates: self.candidates,
+            alternatives,
+            warnings,
+        };
+        self.page(|| separated(&report, &self.of(robot, workspace, &planned.poses)))?;
         if self.json {
-            let report = SeparationReport {
-                schema: SeparationReport::SCHEMA,
-                command: "plan",
-                robot: robot.name.clone(),
-                data: path.display().to_string(),
-                poses: planned.poses.len(),
-                candidates: self.candidates,
-                alternatives,
-                warnings,
-            };
             return Ok(to_json(&report).into());
         }
-        let mut text = words::separated(&alternatives, planned.poses.len());
+        let mut text = words::separated(&report.alternatives, planned.poses.len());
         text += &format!("wrote {}\n", self.out.display());
         Ok(text.into())
     }

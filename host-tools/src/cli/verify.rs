@@ -4,12 +4,14 @@ use clap::Args;
 use nalgebra::Vector3;
 use truearm_host::files::{csv_text, poses_csv, write};
 use truearm_host::model::{Commanded, Measurements, Model, Row};
+use truearm_host::page::verified;
 use truearm_host::report::{VerifyReport, to_json};
 use truearm_host::units::to_mm;
 use truearm_host::verify::{Conformity, STANDARD_REPEATS};
 use truearm_host::verify::{Verification, test_poses, verify};
 use truearm_host::{Error, Result};
 
+use super::page::write_page;
 use super::workspace::Where;
 use super::{End, Said, warn, words};
 
@@ -47,9 +49,12 @@ pub struct Verify {
     /// Other random test poses
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write report.json and errors.csv into this folder
+    /// Write report.json, errors.csv and report.html into this folder
     #[arg(long, value_name = "DIR", requires = "data")]
     out: Option<PathBuf>,
+    /// Write each figure of report.html as SVG as well
+    #[arg(long, requires = "out")]
+    figures: bool,
     /// Print JSON instead of the table
     #[arg(long)]
     json: bool,
@@ -90,14 +95,16 @@ impl Verify {
                 after.file, after.repeats[0], after.repeats[1]
             ));
         }
-        let model = self.model.display().to_string();
-        let report = VerifyReport::new(model, before, after, self.tolerance_mm, warnings);
+        let name = self.model.display().to_string();
+        let report = VerifyReport::new(name, before, after, self.tolerance_mm, warnings);
         warn(&report.warnings);
         let json = to_json(&report);
         text += &if self.json { json.clone() } else { words::verification(&report) };
         if let Some(folder) = &self.out {
             write(&folder.join("report.json"), json.as_bytes())?;
             write(&folder.join("errors.csv"), errors(&data.data, &report.after).as_bytes())?;
+            let page = verified(&report, &model, &data);
+            write_page(&folder.join("report.html"), &page, self.figures)?;
         }
         let end = match report.conformity {
             None | Some(Conformity::Pass) => End::Good,

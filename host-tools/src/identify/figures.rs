@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::LambdaChoice;
 use super::error_bars::Uncertainty;
+use super::{LCurvePoint, LambdaChoice};
 use crate::statistics::Stats;
 
 /// A flagged row of the measurements.
@@ -77,6 +77,9 @@ pub struct Figures {
     pub lambda_scaling: &'static str,
     /// What the rules say at the solution.
     pub lambda_choice: Option<LambdaChoice>,
+    /// What every lambda leaves and asks for, least lambda first; the last point is
+    /// the chosen one.
+    pub l_curve: Vec<LCurvePoint>,
     /// Norm of the corrections, in tolerances.
     pub correction_norm: f64,
     /// Residual scale over the stated sigma; well above 1 means structure that

@@ -11,6 +11,7 @@ pub mod estimate;
 mod figures;
 pub mod fit;
 pub mod folds;
+mod l_curve;
 mod lambda;
 mod linearised;
 mod predictor;
@@ -25,6 +26,7 @@ mod unknowns;
 
 pub use conditions::{Conditions, Surroundings};
 pub use figures::{AllRows, Condition, Figures, FlaggedRow};
+pub use l_curve::{LCurvePoint, l_curve};
 pub use lambda::{LambdaChoice, LambdaRule, choose, lambda_by};
 pub use linearised::{Beside, Equations, Linearised};
 pub use predictor::{Model as Predictor, View, measurement_column};

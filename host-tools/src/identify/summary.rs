@@ -6,6 +6,7 @@ use truearm::{MdhParameters, Pose};
 use super::error_bars::{Covariances, uncertainty};
 use super::estimate::Estimate;
 use super::figures::{AllRows, Figures, FlaggedRow};
+use super::l_curve::l_curve;
 use super::problem::link_corrections;
 use super::uncertainty::{factor, of_arm};
 use super::{Identification, Problem, RowResult, Scaling, State, redundancy, registration, robust};
@@ -74,6 +75,7 @@ impl Findings<'_> {
                 Scaling::Printed => "printed",
             },
             lambda_choice: found.choice.clone(),
+            l_curve: l_curve(problem, &found.fit.state, &found.robust.kept, found.lambda),
             correction_norm: prior.corrections(&found.fit.state).norm(),
             residual_over_sigma: found.robust.scale,
             nominal: stats(results, false, |r| r.nominal),

@@ -206,3 +206,9 @@ pub fn all() -> Vec<Box<dyn Method>> {
         Box::new(Rpim),
     ]
 }
+
+/// The ink of a method in every figure: its place in the table.
+#[must_use]
+pub fn ink(name: &str) -> crate::plot::Ink {
+    crate::plot::Ink(all().iter().position(|method| method.name() == name).unwrap_or(0))
+}

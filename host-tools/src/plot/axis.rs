@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
-
 /// An axis.
 #[derive(Debug, Clone, Default)]
 pub struct Axis {
@@ -39,68 +37,101 @@ impl Axis {
     }
 
     pub(super) fn place(&self, value: f64) -> f64 {
-        if self.log { value.log10() } else { value }
+        match self.log {
+            true if value > 0.0 => value.log10(),
+            true => f64::NAN,
+            false => value,
+        }
     }
 
-    /// Where ticks stand.
-    pub(super) fn ticks(&self, range: &Range<f64>) -> Vec<f64> {
+    /// Where ticks stand, about as many as there is room for, and what they say.
+    pub(super) fn ticks(&self, range: &Range<f64>, room: usize) -> Vec<(f64, String)> {
         let within = |v: &f64| (range.start..=range.end).contains(v);
         if !self.names.is_empty() {
-            return (1..=self.names.len()).map(|k| k as f64).filter(within).collect();
+            let named = self.names.iter().enumerate().map(|(k, n)| (k as f64 + 1.0, n.clone()));
+            return named.filter(|(at, _)| within(at)).collect();
+        }
+        if !self.log {
+            return steps(range, room).into_iter().map(|v| (v.0, decimals(v.0, v.1))).collect();
         }
         let width = range.end - range.start;
-        if self.log {
-            // Every decade, or every few; between them 2 and 5 where there is room.
-            let step = (width / 10.0).ceil().max(1.0);
-            let first = (range.start / step).floor() as i64;
-            let last = (range.end / step).ceil() as i64;
-            let parts: &[f64] = if width < 3.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
-            let decade = |k: i64| parts.iter().map(move |p| k as f64 * step + p.log10());
-            return (first..=last).flat_map(decade).filter(within).collect();
+        // Every decade, or every few; between them 2 and 5 where there is room.
+        let step = (width / room.max(1) as f64).ceil().max(1.0);
+        let parts: &[f64] = if 3.0 * width < room as f64 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let first = (range.start / step).floor() as i64;
+        let last = (range.end / step).ceil() as i64;
+        let decade = |k: i64| parts.iter().map(move |p| k as f64 * step + p.log10());
+        let ticks: Vec<f64> = (first..=last).flat_map(decade).filter(within).collect();
+        if ticks.len() > 1 {
+            return ticks.into_iter().map(|v| (v, short(10_f64.powf(v)))).collect();
         }
-        let rough = width / 8.0;
-        let size = 10_f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * size).into_iter().find(|s| *s >= rough);
-        let step = step.unwrap_or(rough);
-        let (first, last) = ((range.start / step).ceil() as i64, (range.end / step).floor() as i64);
-        (first..=last).map(|k| k as f64 * step).collect()
-    }
-
-    pub(super) fn tick(&self, value: f64) -> String {
-        if !self.names.is_empty() {
-            let name = self.names.get((value.round() as usize).saturating_sub(1));
-            return name.cloned().unwrap_or_default();
-        }
-        let shown = if self.log { 10_f64.powf(value) } else { value };
-        match shown.abs() {
-            x if x < 1e-12 && !self.log => "0".to_owned(),
-            x if !(0.999e-3..1e5).contains(&x) => format!("{shown:.0e}"),
-            // No trailing zeros of rounding.
-            _ => format!("{}", (shown * 1e4).round() / 1e4),
-        }
+        // Less than a step of 1, 2, 5: round numbers as on a linear axis.
+        let values = 10_f64.powf(range.start)..10_f64.powf(range.end);
+        steps(&values, room).into_iter().map(|v| (v.0.log10(), decimals(v.0, v.1))).collect()
     }
 }
 
-/// A range with its own ticks.
-pub(super) struct Ticked {
-    pub range: Range<f64>,
-    pub ticks: Vec<f64>,
+/// Round numbers of a range, with the step between them.
+fn steps(range: &Range<f64>, room: usize) -> Vec<(f64, f64)> {
+    let rough = (range.end - range.start) / room.max(2) as f64;
+    if !(rough > 0.0 && rough.is_finite()) {
+        return Vec::new();
+    }
+    let size = 10_f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * size).into_iter().find(|s| *s >= rough);
+    let step = step.unwrap_or(rough);
+    let (first, last) = ((range.start / step).ceil() as i64, (range.end / step).floor() as i64);
+    (first..=last).map(|k| (k as f64 * step, step)).collect()
 }
 
-impl Ranged for Ticked {
-    type FormatOption = DefaultFormatting;
-    type ValueType = f64;
+/// With as many decimals as the step between ticks has.
+fn decimals(value: f64, step: f64) -> String {
+    if value.abs() >= 1e6 || (value != 0.0 && step < 1e-6) {
+        return format!("{value:.1e}");
+    }
+    let places = (-step.log10() + 1e-9).floor().max(-1.0) as i32 + 1;
+    let text = format!("{value:.*}", places.max(0) as usize);
+    // No trailing zeros, and no zero below zero.
+    let text =
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
 
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let share = (value - self.range.start) / (self.range.end - self.range.start);
-        limit.0 + (share * f64::from(limit.1 - limit.0)).round() as i32
+/// A number in few characters.
+fn short(value: f64) -> String {
+    match value.abs() {
+        x if !(0.999e-3..1e5).contains(&x) => format!("{value:.0e}"),
+        // No trailing zeros of rounding.
+        _ => format!("{}", (value * 1e4).round() / 1e4),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_narrow_log_axis_has_ticks() {
+        let axis = Axis::log("mm");
+        for (low, high) in [(0.21_f64, 0.23_f64), (0.51, 0.99), (1.01, 1.9), (0.0301, 0.0302)] {
+            let range = low.log10()..high.log10();
+            let ticks = axis.ticks(&range, 6);
+            assert!(ticks.len() > 1, "{low} to {high}: {ticks:?}");
+            assert!(ticks.iter().all(|t| range.contains(&t.0)), "{ticks:?}");
+        }
+        let texts: Vec<String> = axis.ticks(&(-2.1..0.1), 8).into_iter().map(|t| t.1).collect();
+        assert_eq!(texts, ["0.01", "0.02", "0.05", "0.1", "0.2", "0.5", "1"]);
     }
 
-    fn key_points<H: KeyPointHint>(&self, _: H) -> Vec<f64> {
-        self.ticks.clone()
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.range.clone()
+    #[test]
+    fn ticks_are_round() {
+        let texts = |low: f64, high: f64| {
+            let ticks = Axis::signed("").ticks(&(low..high), 6);
+            ticks.into_iter().map(|t| t.1).collect::<Vec<_>>()
+        };
+        assert_eq!(texts(-0.11, 0.12), ["-0.1", "-0.05", "0", "0.05", "0.1"]);
+        assert_eq!(texts(0.0, 12.0), ["0", "2", "4", "6", "8", "10", "12"]);
+        assert_eq!(texts(-900.0, 900.0), ["-500", "0", "500"]);
+        assert!(texts(1.0, 1.0).is_empty());
     }
 }

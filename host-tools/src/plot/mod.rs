@@ -1,59 +1,31 @@
-//! Figures as SVG text: one or more panels of lines, points and bars.
+//! Figures as SVG: one or more panels of lines, points, bars, bands and arrows.
+//!
+//! A panel is an element for a page ([`Panel::drawn`]) or a file that stands by
+//! itself ([`Panel::svg`], [`grid`]); both look alike, in light and in dark. Every
+//! series is a group whose attribute `data-marks` says how many marks it has.
 
 mod axis;
+mod frame;
+mod marks;
+mod series;
+mod style;
 
 pub use axis::Axis;
+pub use series::{Ink, Mark, Series, numbered};
+pub use style::STYLE;
 
 use std::ops::Range;
 
-use plotters::coord::Shift;
-use plotters::prelude::*;
+use crate::markup::{Element, Node, element};
+use frame::Layout;
 
-use axis::Ticked;
-
-/// How a series is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
-    /// Joined points.
-    Line,
-    /// Points.
-    Points,
-    /// Bars side by side with those of the other series.
-    Bars,
-}
-
-/// Values with one name.
+/// A line of reference across a panel.
 #[derive(Debug, Clone)]
-pub struct Series {
-    /// In the legend; none if empty.
+pub struct Rule {
+    /// Its y.
+    pub at: f64,
+    /// What it is.
     pub name: String,
-    /// x and y.
-    pub points: Vec<(f64, f64)>,
-    /// Look.
-    pub mark: Mark,
-}
-
-impl Series {
-    /// Joined points.
-    pub fn line(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.into(), points, mark: Mark::Line }
-    }
-
-    /// Points.
-    pub fn points(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.into(), points, mark: Mark::Points }
-    }
-
-    /// Bars at 1, 2, 3...
-    pub fn bars(name: impl Into<String>, values: &[f64]) -> Self {
-        Self { name: name.into(), points: numbered(values), mark: Mark::Bars }
-    }
-}
-
-/// Values against 1, 2, 3...
-#[must_use]
-pub fn numbered(values: &[f64]) -> Vec<(f64, f64)> {
-    values.iter().enumerate().map(|(i, v)| (i as f64 + 1.0, *v)).collect()
 }
 
 /// A panel.
@@ -65,38 +37,87 @@ pub struct Panel {
     pub x: Axis,
     /// Up.
     pub y: Axis,
-    /// What is drawn.
+    /// What is drawn, the later over the earlier.
     pub series: Vec<Series>,
+    /// Lines of reference.
+    pub rules: Vec<Rule>,
+    /// A unit is as long across as up.
+    pub equal: bool,
+    /// Width and height.
+    pub size: (f64, f64),
 }
 
-/// Okabe and Ito's colours, which the colour-blind tell apart.
-const COLOURS: [RGBColor; 9] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-    RGBColor(80, 80, 80),
-    RGBColor(160, 60, 60),
-    RGBColor(0, 0, 0),
-];
 /// Width and height of a panel.
-const SIZE: (u32, u32) = (760, 440);
-/// Width of the names of the series at its right.
-const KEY: u32 = 130;
+const SIZE: (f64, f64) = (560.0, 360.0);
+
+impl Default for Panel {
+    fn default() -> Self {
+        Self {
+            title: String::new(),
+            x: Axis::default(),
+            y: Axis::default(),
+            series: Vec::new(),
+            rules: Vec::new(),
+            equal: false,
+            size: SIZE,
+        }
+    }
+}
 
 impl Panel {
-    /// The panel alone, as SVG.
+    /// Of these axes and series.
+    #[must_use]
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Self {
+        Self { title: title.into(), x, y, series, ..Self::default() }
+    }
+
+    /// The panel alone, as a file.
     #[must_use]
     pub fn svg(&self) -> String {
         grid(std::slice::from_ref(self), 1)
     }
 
+    /// The panel without its title, for a page that has the style.
+    #[must_use]
+    pub fn drawn(&self) -> Element {
+        let untitled = Self { title: String::new(), ..self.clone() };
+        let (width, height) = self.size;
+        let root = element("svg")
+            .with("class", "plot")
+            .with("viewBox", format!("0 0 {width} {height}"))
+            .with("role", "img")
+            .child(element("title").text(&self.title));
+        root.children(untitled.parts())
+    }
+
+    /// What stands in a panel.
+    fn parts(&self) -> Vec<Node> {
+        let layout = Layout::of(self);
+        let mut out = layout.frame(self);
+        let inks = self.inks();
+        let groups = self.series.iter().filter(|s| s.mark.is_beside()).count();
+        let lines = self.series.iter().filter(|s| s.mark == Mark::Line).count();
+        let (mut group, mut line) = (0, 0);
+        for (series, ink) in self.series.iter().zip(inks) {
+            let at = marks::Place { layout: &layout, panel: self, ink, group, groups, line, lines };
+            out.push(at.group(series).into());
+            group += usize::from(series.mark.is_beside());
+            line += usize::from(series.mark == Mark::Line);
+        }
+        out
+    }
+
+    /// The ink of every series: its own, or its place.
+    fn inks(&self) -> Vec<Ink> {
+        let place = |(k, s): (usize, &Series)| s.ink.unwrap_or(Ink(k));
+        self.series.iter().enumerate().map(place).collect()
+    }
+
+    /// Everything that must be seen, as it is placed.
     fn values(&self) -> impl Iterator<Item = (f64, f64)> {
-        let placed = |p: &(f64, f64)| (self.x.place(p.0), self.y.place(p.1));
-        let all = self.series.iter().flat_map(move |s| s.points.iter().map(placed));
-        all.filter(|p| p.0.is_finite() && p.1.is_finite())
+        let placed = |p: (f64, f64)| (self.x.place(p.0), self.y.place(p.1));
+        let ends = self.series.iter().flat_map(Series::corners).map(placed);
+        ends.filter(|p| p.0.is_finite() && p.1.is_finite())
     }
 
     fn ranges(&self) -> (Range<f64>, Range<f64>) {
@@ -106,104 +127,50 @@ impl Panel {
             if low > high { (0.0, 1.0) } else { (low, high) }
         };
         let wide = |(low, high): (f64, f64), margin: f64| {
-            let room = margin * if high > low { high - low } else { low.abs().max(1.0) };
+            let room = if high > low { margin * (high - low) } else { 0.05 * low.abs().max(1.0) };
             low - room..high + room
         };
-        let (x, y) = (span(&mut self.values().map(|p| p.0)), span(&mut self.values().map(|p| p.1)));
-        let bars = self.series.iter().any(|s| s.mark == Mark::Bars);
-        let across = if bars { x.0 - 0.6..x.1 + 0.6 } else { wide(x, 0.03) };
+        let rules = self.rules.iter().map(|r| self.y.place(r.at)).filter(|v| v.is_finite());
+        let x = span(&mut self.values().map(|p| p.0));
+        let y = span(&mut self.values().map(|p| p.1).chain(rules));
+        let beside = self.series.iter().any(|s| s.mark.is_beside());
+        let across = if beside { x.0 - 0.6..x.1 + 0.6 } else { wide(x, 0.03) };
+        let across = match self.x.names.len() {
+            0 => across,
+            names => 0.4..names as f64 + 0.6,
+        };
         // Errors are seen from zero.
         if !self.y.log && !self.y.signed && y.0 >= 0.0 {
-            return (across, 0.0..(y.1 * 1.08).max(f64::MIN_POSITIVE));
+            return (across, 0.0..(y.1 * 1.1).max(f64::MIN_POSITIVE));
         }
+        let bars = self.series.iter().any(|s| s.mark == Mark::Bars);
         if bars && !self.y.log {
-            return (across, wide((y.0, y.1.max(0.0)), 0.06));
+            return (across, wide((y.0.min(0.0), y.1.max(0.0)), 0.06));
         }
         (across, wide(y, 0.06))
     }
-
-    fn draw<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-        let named = self.series.iter().any(|s| !s.name.is_empty());
-        let (area, key) = match named {
-            true => area.split_horizontally(SIZE.0 - KEY),
-            false => (area.clone(), area.clone()),
-        };
-        let (across, up) = self.ranges();
-        let (x_ticks, y_ticks) = (self.x.ticks(&across), self.y.ticks(&up));
-        let bottom = up.start;
-        let mut chart = ChartBuilder::on(&area)
-            .caption(&self.title, ("sans-serif", 17))
-            .margin(12)
-            .x_label_area_size(44)
-            .y_label_area_size(66)
-            .build_cartesian_2d(
-                Ticked { range: across, ticks: x_ticks.clone() },
-                Ticked { range: up, ticks: y_ticks.clone() },
-            )?;
-        chart
-            .configure_mesh()
-            .light_line_style(WHITE)
-            .bold_line_style(RGBColor(225, 225, 225))
-            .x_labels(x_ticks.len())
-            .y_labels(y_ticks.len())
-            .x_label_formatter(&|v| self.x.tick(*v))
-            .y_label_formatter(&|v| self.y.tick(*v))
-            .x_desc(&self.x.label)
-            .y_desc(&self.y.label)
-            .label_style(("sans-serif", 13))
-            .draw()?;
-        let groups = self.series.iter().filter(|s| s.mark == Mark::Bars).count();
-        let width = 0.8 / groups.max(1) as f64;
-        let mut group = 0;
-        for (series, colour) in self.series.iter().zip(COLOURS.iter().cycle()) {
-            let placed = series.points.iter().map(|p| (self.x.place(p.0), self.y.place(p.1)));
-            let placed: Vec<_> = placed.filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
-            match series.mark {
-                Mark::Line => chart.draw_series(LineSeries::new(placed, colour.stroke_width(2)))?,
-                Mark::Points => {
-                    chart.draw_series(placed.iter().map(|p| Circle::new(*p, 3, colour.filled())))?
-                }
-                Mark::Bars => {
-                    let left = -0.4 + width * f64::from(group);
-                    group += 1;
-                    let foot = if self.y.log { bottom } else { 0.0 };
-                    chart.draw_series(placed.iter().map(|(x, y)| {
-                        let corners = [(x + left, foot), (x + left + width * 0.92, *y)];
-                        Rectangle::new(corners, colour.filled())
-                    }))?
-                }
-            };
-        }
-        let names = self.series.iter().zip(COLOURS.iter().cycle());
-        for (k, (series, colour)) in names.filter(|(s, _)| !s.name.is_empty()).enumerate() {
-            let y = 44 + 20 * k as i32;
-            key.draw(&Rectangle::new([(0, y), (14, y + 10)], colour.filled()))?;
-            let text = Text::new(series.name.as_str(), (20, y - 1), ("sans-serif", 13));
-            key.draw(&text)?;
-        }
-        Ok(())
-    }
 }
 
-/// Panels side by side, `columns` in a row, as SVG.
+/// Panels side by side, `columns` in a row, as a file.
 #[must_use]
 pub fn grid(panels: &[Panel], columns: usize) -> String {
     let columns = columns.clamp(1, panels.len().max(1));
+    let size =
+        panels.iter().fold((0.0_f64, 0.0_f64), |m, p| (m.0.max(p.size.0), m.1.max(p.size.1)));
     let rows = panels.len().div_ceil(columns).max(1);
-    let mut out = String::new();
-    {
-        let size = (SIZE.0 * columns as u32, SIZE.1 * rows as u32);
-        let area = SVGBackend::with_string(&mut out, size).into_drawing_area();
-        let drawn = area.fill(&WHITE).and_then(|()| {
-            let parts = area.split_evenly((rows, columns));
-            panels.iter().zip(&parts).try_for_each(|(panel, part)| panel.draw(part))?;
-            area.present()
-        });
-        // Text in memory takes whatever is drawn.
-        drawn.unwrap_or_else(|e| unreachable!("drawing into a string: {e}"));
+    let (width, height) = (size.0 * columns as f64, size.1 * rows as f64);
+    let mut root = element("svg")
+        .with("xmlns", "http://www.w3.org/2000/svg")
+        .with("class", "plot")
+        .with("width", width)
+        .with("height", height)
+        .with("viewBox", format!("0 0 {width} {height}"))
+        .child(element("style").child(Node::Code(STYLE)))
+        .child(element("rect").with("class", "ground").with("width", width).with("height", height));
+    for (k, panel) in panels.iter().enumerate() {
+        let at = (size.0 * (k % columns) as f64, size.1 * (k / columns) as f64);
+        let group = element("g").with("transform", format!("translate({} {})", at.0, at.1));
+        root = root.child(group.children(panel.parts()));
     }
-    out
+    format!("{root}\n")
 }

@@ -58,11 +58,13 @@ pub fn reproduce(seeds: u64, progress: Progress) -> Result<Reproduction> {
     };
     let example = example::Example::new(SHOWN)?;
     let nine = section_v::nine_poses(SHOWN)?;
-    let mut files = vec![("report.md".to_owned(), report::report(&study, &example, &nine))];
+    let figures = figures::all(&study, &example, &nine);
+    let text = report::report(&study, &example, &nine, &figures);
+    let mut files = vec![("report.md".to_owned(), text)];
     let json = serde_json::to_string_pretty(&study);
     let json = json.unwrap_or_else(|e| unreachable!("a plain struct: {e}"));
     files.push(("report.json".to_owned(), json + "\n"));
-    files.extend(figures::all(&study, &example, &nine));
+    files.extend(figures);
     let cell = example.cell.files.iter();
     files.extend(cell.map(|(name, text)| (format!("cell/{name}"), text.clone())));
     Ok(Reproduction { study, files })

@@ -5,8 +5,13 @@ use super::section_v::NinePoses;
 use super::study::{CAUTION, SHOWN, Study, contests};
 use super::{discussion, points, tables};
 
-/// The whole text.
-pub fn report(study: &Study, example: &Example, nine: &NinePoses) -> String {
+/// The whole text, with the figures of these files.
+pub fn report(
+    study: &Study,
+    example: &Example,
+    nine: &NinePoses,
+    files: &[(String, String)],
+) -> String {
     let mut out = format!(
         "{CAUTION}\n\n# The paper's experiment on simulated cells\n\n\
          X. Li et al., IEEE Access 10 (2022), doi 10.1109/ACCESS.2022.3201818, on {} simulated cells (seeds 1 to {}): a 6R arm \
@@ -38,17 +43,22 @@ pub fn report(study: &Study, example: &Example, nine: &NinePoses) -> String {
     out += &points::section_v(nine);
     out += &points::parameters(example);
     out += &points::validation(example);
-    out += &figures();
+    out += &figures(files);
     out
 }
 
-fn figures() -> String {
-    format!(
+fn figures(files: &[(String, String)]) -> String {
+    let mut out = format!(
         "## Figures and files\n\n`figure-04` to `figure-14` are the counterparts of the paper's \
          figures of these numbers, of cell (b), seed {SHOWN}, base and tool held; `table-5.svg` is of section \
          V; `figure-15` shows every seed, `figure-16` the number of poses, `figure-17` the Cramer-Rao \
          ratios. `cell/` holds the robot and the measurements (Table 6 is `cell/identification.csv`): \
          `truearm compare cell/robot.toml cell/identification.csv --validate cell/validation.csv --hold-frames` \
          computes the comparison of that seed again. `report.json` has every seed.\n"
-    )
+    );
+    for (file, _) in files {
+        let name = file.trim_end_matches(".svg").replace('-', " ");
+        out += &format!("\n![{name}]({file})\n");
+    }
+    out
 }

@@ -3,7 +3,7 @@ use truearm_host::identify::error_bars::Uncertainty;
 use truearm_host::report::IdentifyReport;
 use truearm_host::table::Table;
 
-use super::{Errors, condition, count, validation};
+use super::{Errors, condition, count, folded, validation};
 
 /// A report of `identify`.
 pub fn identification(report: &IdentifyReport) -> String {
@@ -123,11 +123,11 @@ fn undetermined(r: &Figures) -> String {
     if !r.unidentifiable.is_empty() {
         let combinations = count(r.unidentifiable.len(), "combination");
         out += &format!("{combinations} that the data cannot determine:\n");
-        r.unidentifiable.iter().for_each(|line| out += &format!("  {line}\n"));
+        out += &folded(&r.unidentifiable);
     }
     if !r.weakly_determined.is_empty() {
         out += "known worse than their tolerance, so left near nominal:\n";
-        r.weakly_determined.iter().for_each(|line| out += &format!("  {line}\n"));
+        out += &folded(&r.weakly_determined);
     }
     out
 }

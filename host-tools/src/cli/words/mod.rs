@@ -63,6 +63,18 @@ fn list<T: ToString>(numbers: &[T]) -> String {
     numbers.iter().map(T::to_string).collect::<Vec<_>>().join(", ")
 }
 
+/// Lines of a list, a few of a long one: the rest is in the report.
+fn folded(lines: &[String]) -> String {
+    const FEW: usize = 5;
+    // One line more is no longer than the remark that it is missing.
+    let shown = if lines.len() <= FEW + 1 { lines.len() } else { FEW };
+    let mut out: String = lines[..shown].iter().map(|line| format!("  {line}\n")).collect();
+    if shown < lines.len() {
+        out += &format!("  and {} more, all of them in report.json\n", lines.len() - shown);
+    }
+    out
+}
+
 /// A remark about extrapolation, if there is any.
 pub fn not_covered(joints: &[usize]) -> Option<String> {
     (!joints.is_empty()).then(|| {

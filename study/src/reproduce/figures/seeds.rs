@@ -2,6 +2,7 @@
 
 use super::super::study::{Study, spread};
 use super::super::trial::{SWEEP, Sweep};
+use truearm_host::methods::ink;
 use truearm_host::plot::{Axis, Panel, Series, grid};
 
 pub fn seeds(study: &Study) -> String {
@@ -36,6 +37,7 @@ pub fn seeds(study: &Study) -> String {
                 x: Axis::names(names.iter().map(|n| (*n).to_owned()).collect()),
                 y: Axis::log("MAE of 250 noise-free points, mm"),
                 series: vec![Series::points("", points)],
+                ..Panel::default()
             }
         })
         .collect();
@@ -50,13 +52,14 @@ pub fn sweep(study: &Study) -> String {
                 spread(&all.collect::<Vec<_>>())[which]
             };
             let points = SWEEP.iter().enumerate().map(|(c, n)| (*n as f64, at(c)));
-            Series::line(first.method, points.collect())
+            Series::line(first.method, points.collect()).ink(ink(first.method))
         });
         Panel {
             title: format!("(a) {title}"),
             x: Axis::linear("poses fitted"),
             y: Axis::log("RMS of 250 noise-free points, mm"),
             series: series.collect(),
+            ..Panel::default()
         }
     };
     let panels = [
@@ -77,6 +80,7 @@ pub fn efficiency(study: &Study) -> String {
         x: Axis::linear("seed"),
         y: Axis::linear("ratio"),
         series: vec![Series::points("", ratios.collect())],
+        ..Panel::default()
     }
     .svg()
 }

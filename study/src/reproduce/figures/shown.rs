@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::super::example::Example;
 use super::super::section_v::NinePoses;
-use truearm_host::methods::{Comparison, Outcome};
+use truearm_host::methods::{Comparison, Outcome, ink};
 use truearm_host::observations::Miss;
 use truearm_host::plot::{Axis, Panel, Series, grid, numbered};
 
@@ -23,6 +23,8 @@ fn projections(title: &str, sets: &[(&str, Vec<Vector3<f64>>)]) -> String {
             x: Axis::linear("x, mm"),
             y: Axis::signed(format!("{axis}, mm")),
             series: sets.iter().map(series).collect(),
+            equal: true,
+            ..Panel::default()
         }
     };
     grid(&[panel("from above", 1), panel("from the side", 2)], 2)
@@ -69,6 +71,7 @@ pub fn before(e: &Example) -> String {
         x: Axis::linear("pose"),
         y: Axis::linear("position error, mm"),
         series: vec![Series::bars("", &errors)],
+        ..Panel::default()
     }
     .svg()
 }
@@ -90,6 +93,7 @@ pub fn l_curve(e: &Example) -> String {
                 vec![place(&e.curve.chosen)],
             ),
         ],
+        ..Panel::default()
     }
     .svg()
 }
@@ -115,12 +119,14 @@ pub fn simulated(e: &Example) -> String {
         x: Axis::linear("x, mm"),
         y: Axis::signed("z, mm"),
         series,
+        ..Panel::default()
     };
     let moved = Panel {
         title: "The same: how far the points of a case are from case 6".to_owned(),
         x: Axis::linear("case"),
         y: Axis::linear("largest distance, um"),
         series: vec![Series::bars("", &moved)],
+        ..Panel::default()
     };
     grid(&[points, moved], 2)
 }
@@ -137,6 +143,7 @@ pub fn against_lambda(e: &Example) -> String {
             Series::points("first step", e.curve.decades.clone()),
             Series::points("second step", e.curve.tenths.clone()),
         ],
+        ..Panel::default()
     };
     let least = e.curve.tenths.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
     let tenths = e.curve.tenths.iter().map(|t| (t.0, (t.1 - least) * 1e6)).collect();
@@ -145,6 +152,7 @@ pub fn against_lambda(e: &Example) -> String {
         x: Axis::linear("lambda, m^2"),
         y: Axis::linear("nm"),
         series: vec![Series::points("", tenths)],
+        ..Panel::default()
     };
     grid(&[over, second], 2)
 }
@@ -154,27 +162,29 @@ pub fn per_point(e: &Example) -> String {
         .curve
         .by_point
         .iter()
-        .map(|(lambda, errors)| Series::line(format!("{lambda:.1e}"), numbered(errors)));
+        .map(|(lambda, errors)| Series::points(format!("{lambda:.1e}"), numbered(errors)));
     Panel {
         title: "Error of each of the 52 points for five lambdas".to_owned(),
         x: Axis::linear("pose"),
         y: Axis::linear("position error, mm"),
         series: series.collect(),
+        ..Panel::default()
     }
     .svg()
 }
 
 pub fn methods(found: &Comparison, validation: bool) -> String {
-    let line = |o: &Outcome| {
+    let dots = |o: &Outcome| {
         let rows = if validation { &o.validation_residuals } else { &o.residuals };
-        Series::line(o.name, numbered(&distances(rows)))
+        Series::points(o.name, numbered(&distances(rows))).ink(ink(o.name))
     };
     let rows = if validation { "18 validation" } else { "52 fitted" };
     Panel {
         title: format!("Error of the {rows} points, base and tool held"),
         x: Axis::linear("pose"),
         y: Axis::log("position error, mm"),
-        series: DRAWN.iter().filter_map(|name| method(found, name)).map(line).collect(),
+        series: DRAWN.iter().filter_map(|name| method(found, name)).map(dots).collect(),
+        ..Panel::default()
     }
     .svg()
 }
@@ -204,17 +214,20 @@ pub fn axes(e: &Example) -> String {
         x: Axis::linear("pose"),
         y: Axis::signed("measured minus simulated, mm"),
         series: (0..3).map(bars).collect(),
+        ..Panel::default()
     }
     .svg()
 }
 
 pub fn nine_poses(nine: &NinePoses) -> String {
-    let series = nine.methods.iter().map(|(name, _, errors, _)| Series::bars(*name, errors));
+    let series =
+        nine.methods.iter().map(|(name, _, errors, _)| Series::bars(*name, errors).ink(ink(name)));
     Panel {
         title: "Section V: error of the nine poses".to_owned(),
         x: Axis::linear("pose"),
         y: Axis::log("position error, mm"),
         series: series.collect(),
+        ..Panel::default()
     }
     .svg()
 }

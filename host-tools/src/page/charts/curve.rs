@@ -1,0 +1,33 @@
+use super::super::picture::{Left, Part};
+use crate::plot::{Axis, Ink, Mark, Panel, Series};
+
+/// An effect against what it goes with: rows, fitted curve and its band.
+#[must_use]
+pub fn part(part: &Part) -> Panel {
+    let x = match part.names.is_empty() {
+        true => Axis::linear(part.x_label.clone()),
+        false => Axis::names(part.names.clone()),
+    };
+    let band = Series::new("its 95 % band", part.curve.clone(), Mark::Band);
+    let fitted = match part.names.is_empty() {
+        true => Mark::Line,
+        false => Mark::Intervals,
+    };
+    let series = vec![
+        Series::points("rows", part.points.clone()).ink(Ink::DATA),
+        band.ends(part.band.clone()).ink(Ink::MODEL),
+        Series::new("model", part.curve.clone(), fitted).ends(part.band.clone()).ink(Ink::MODEL),
+    ];
+    let kept = |s: &Series| part.names.is_empty() || s.mark != Mark::Band;
+    let series = series.into_iter().filter(kept).collect();
+    Panel::new(part.title.clone(), x, Axis::signed(part.y_label.clone()), series)
+}
+
+/// What is left against something recorded: means of bins with their intervals.
+#[must_use]
+pub fn free_curve(left: &Left) -> Panel {
+    let means = Series::new("mean of a bin, 95 %", left.means.clone(), Mark::Intervals);
+    let series = vec![means.ends(left.intervals.clone()).ink(Ink::MODEL)];
+    let (x, y) = (Axis::linear(left.x_label.clone()), Axis::signed(left.y_label.clone()));
+    Panel::new(left.title.clone(), x, y, series)
+}

@@ -1,0 +1,136 @@
+//! What an effect goes with: a joint's angle, its load, the time.
+
+use truearm::JointKind;
+use truearm::effects::{ActsOn, Order, Term};
+
+use super::Seen;
+use crate::model::ModelTerm;
+use crate::model::arm::RowInputs;
+use crate::units::{joint_from_file, joint_to_file, joint_unit};
+
+/// Cycles a turn above which one cycle is shown in place of a turn.
+const FOLDED: f64 = 4.0;
+
+/// Something recorded or computed of a row.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Covariate {
+    /// A joint's value.
+    Angle(usize),
+    /// Where in its cycle a joint is, of so many a turn.
+    Cycle(usize, f64),
+    /// A joint's gravity torque.
+    Torque(usize),
+    /// Overturning moment about the base's x or y.
+    Moment(usize),
+    /// Temperature above reference.
+    Warmth,
+    /// Side of its gap on which a joint rests, by this term.
+    Side(Term<f64>),
+    /// Time of the session.
+    Hours,
+    /// Series of measurements.
+    Series,
+}
+
+impl Covariate {
+    /// Of a term.
+    pub fn of(term: &ModelTerm) -> Self {
+        let term = match term {
+            ModelTerm::Arm(term) => term,
+            ModelTerm::Drift { .. } => return Self::Hours,
+            ModelTerm::Remount { .. } => return Self::Series,
+        };
+        let (joint, source) = (usize::from(term.joint), usize::from(term.source));
+        match (term.effect.acts_on(), term.effect.order()) {
+            (ActsOn::Base, _) => Self::Moment(usize::from(term.component)),
+            (ActsOn::Lengths, _) => Self::Warmth,
+            (_, Order::Cycles) if term.order > FOLDED => Self::Cycle(joint, term.order),
+            (_, Order::Friction) => Self::Side(*term),
+            (_, Order::Harmonic | Order::Cycles) => Self::Angle(joint),
+            _ if term.effect.is_coupled() => Self::Angle(source),
+            _ if term.needs_load() => Self::Torque(joint),
+            _ => Self::Angle(joint),
+        }
+    }
+
+    /// What the axis says.
+    pub fn label(&self, kinds: &[JointKind]) -> String {
+        let unit = |j: &usize| kinds.get(*j).map_or("degrees", |kind| joint_unit(*kind));
+        let slides = |j: &usize| matches!(kinds.get(*j), Some(JointKind::Prismatic));
+        match self {
+            Self::Angle(j) => format!("reading of joint {}, {}", j + 1, unit(j)),
+            Self::Cycle(j, n) => format!(
+                "reading of joint {} within one cycle of {:.4} degrees, degrees",
+                j + 1,
+                360.0 / n
+            ),
+            Self::Torque(j) if slides(j) => {
+                format!("gravity force on joint {}, N", j + 1)
+            }
+            Self::Torque(j) => format!("gravity torque on joint {}, N m", j + 1),
+            Self::Moment(k) => {
+                format!("overturning moment about the base's {}, N m", ["x", "y"][*k % 2])
+            }
+            Self::Warmth => "temperature above reference, K".to_owned(),
+            Self::Side(t) => format!("side of its gap on which joint {} rests", t.joint + 1),
+            Self::Hours => "time, hours".to_owned(),
+            Self::Series => String::new(),
+        }
+    }
+
+    /// Of a kept row, in the unit of the label.
+    pub fn value(&self, seen: &Seen, k: usize) -> f64 {
+        let row = seen.kept[k];
+        let (of, inputs) = (&seen.on.data.rows[row], &seen.conditions.rows[row]);
+        match self {
+            Self::Angle(j) => joint_to_file(seen.state.links[*j].kind, of.q[*j]),
+            Self::Cycle(j, n) => of.q[*j].to_degrees().rem_euclid(360.0 / n),
+            Self::Torque(j) => inputs.torque.get(*j).copied().unwrap_or(f64::NAN),
+            Self::Moment(k) => inputs.moment[*k % 2],
+            Self::Warmth => inputs.warmth,
+            Self::Side(term) => inputs.basis(&of.q, term),
+            Self::Hours => of.time.unwrap_or(0.0) / 3600.0,
+            Self::Series => {
+                let place =
+                    seen.conditions.series.iter().position(|s| Some(s) == of.series.as_ref());
+                place.map_or(f64::NAN, |place| place as f64 + 1.0)
+            }
+        }
+    }
+
+    /// Basis of a term where this is `x` and everything else nothing.
+    pub fn basis(&self, term: &ModelTerm, x: f64, seen: &Seen) -> f64 {
+        match term {
+            ModelTerm::Arm(term) => self.basis_of_arm(term, x, seen),
+            ModelTerm::Drift { .. } => x,
+            ModelTerm::Remount { series, .. } => {
+                let place = seen.conditions.series.iter().position(|s| s == series);
+                f64::from(u8::from(place.map(|p| p as f64 + 1.0) == Some(x.round())))
+            }
+        }
+    }
+
+    fn basis_of_arm(&self, term: &Term<f64>, x: f64, seen: &Seen) -> f64 {
+        let joints = seen.state.links.len();
+        let mut q = vec![0.0; joints];
+        let mut inputs = RowInputs { torque: vec![0.0; joints], ..RowInputs::default() };
+        match self {
+            Self::Angle(j) => q[*j] = joint_from_file(seen.state.links[*j].kind, x),
+            Self::Cycle(j, _) => q[*j] = x.to_radians(),
+            Self::Torque(j) => inputs.torque[*j] = x,
+            Self::Moment(k) => inputs.moment[*k % 2] = x,
+            Self::Warmth => inputs.warmth = x,
+            Self::Side(_) => return x,
+            Self::Hours | Self::Series => {}
+        }
+        inputs.basis(&q, term)
+    }
+
+    /// Names of its values, if it has some instead of numbers.
+    pub fn names(&self, seen: &Seen) -> Vec<String> {
+        match self {
+            Self::Series => seen.conditions.series.clone(),
+            _ => Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What is left that goes with something recorded: free curves, means of bins,
+//! of every joint against everything recorded. No effect need have a name for it.
+
+use nalgebra::Vector3;
+
+use super::Seen;
+use super::covariate::Covariate;
+use crate::statistics::median;
+use crate::units::MILLI;
+
+/// Bins of a curve.
+const BINS: usize = 24;
+/// Rows a bin, at least.
+const LEAST: usize = 5;
+/// Standard deviations of a chi-square above its mean from which on a curve is
+/// told from chance, though so many are looked at.
+const TOLD: f64 = 8.0;
+/// Curves that are shown.
+const MOST: usize = 6;
+
+/// What is left of one action against one covariate.
+#[derive(Debug, Clone)]
+pub struct Left {
+    /// In words.
+    pub title: String,
+    /// With its unit.
+    pub x_label: String,
+    /// With its unit.
+    pub y_label: String,
+    /// Mean of each bin.
+    pub means: Vec<(f64, f64)>,
+    /// Their 95 % intervals.
+    pub intervals: Vec<(f64, f64)>,
+    /// Rows that were averaged.
+    pub rows: usize,
+    /// Standard deviations above what chance leaves.
+    pub deviations: f64,
+}
+
+/// The curves that are told from chance, strongest first, one an action.
+#[must_use]
+pub fn left(seen: &Seen) -> Vec<Left> {
+    let kinds: Vec<_> = seen.state.links.iter().map(|link| link.kind).collect();
+    let mut covariates: Vec<Covariate> = (0..kinds.len()).map(Covariate::Angle).collect();
+    if seen.conditions.masses {
+        covariates.extend((0..kinds.len()).map(Covariate::Torque));
+    }
+    if seen.conditions.time {
+        covariates.push(Covariate::Hours);
+    }
+    if seen.conditions.temperature {
+        covariates.push(Covariate::Warmth);
+    }
+    let mut out: Vec<Left> = Vec::new();
+    for (joint, kind) in kinds.iter().enumerate() {
+        let action: Vec<_> = seen.moves.iter().map(|d| *d.links[joint].joint(*kind)).collect();
+        let of = |covariate: &Covariate| binned(seen, joint, &action, covariate, &kinds);
+        let curves = covariates.iter().filter_map(of).filter(|left| left.deviations > TOLD);
+        out.extend(curves.max_by(|a, b| a.deviations.total_cmp(&b.deviations)));
+    }
+    out.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
+    out.truncate(MOST);
+    out
+}
+
+fn binned(
+    seen: &Seen,
+    joint: usize,
+    action: &[Vector3<f64>],
+    covariate: &Covariate,
+    kinds: &[truearm::JointKind],
+) -> Option<Left> {
+    let mut rows: Vec<(f64, usize)> =
+        seen.telling(action).into_iter().map(|k| (covariate.value(seen, k), k)).collect();
+    rows.retain(|r| r.0.is_finite());
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let bins = BINS.min(rows.len() / LEAST);
+    // Values of which there are few are no curve.
+    let spread =
+        rows.first()?.0 < rows[rows.len() / 4].0 && rows[rows.len() / 4].0 < rows.last()?.0;
+    if bins < 4 || !spread {
+        return None;
+    }
+    // Along the action, m: of one size whatever the lever.
+    let along = |k: usize| seen.left(k).dot(&action[k]) / action[k].norm();
+    let sizes: Vec<f64> = rows.iter().map(|r| along(r.1).abs()).collect();
+    let scale = 1.4826 * median(&sizes);
+    let (mut means, mut intervals, mut square) = (Vec::new(), Vec::new(), 0.0);
+    for bin in rows.chunks(rows.len().div_ceil(bins)) {
+        let sum = |of: &dyn Fn(usize) -> f64| bin.iter().map(|r| of(r.1)).sum::<f64>();
+        let weight = sum(&|k| action[k].norm_squared());
+        let mean = sum(&|k| seen.left(k).dot(&action[k])) / weight;
+        let wide = scale / weight.sqrt();
+        square += (mean / wide).powi(2);
+        let x = bin.iter().map(|r| r.0).sum::<f64>() / bin.len() as f64;
+        means.push((x, mean * MILLI));
+        intervals.push(((mean - 1.96 * wide) * MILLI, (mean + 1.96 * wide) * MILLI));
+    }
+    let count = means.len() as f64;
+    let unit = if kinds[joint] == truearm::JointKind::Revolute { "mrad" } else { "mm" };
+    let x_label = covariate.label(kinds);
+    let with = x_label.split(',').next().unwrap_or_default().to_owned();
+    Some(Left {
+        title: format!("Joint {}, left over, against the {with}", joint + 1),
+        x_label,
+        y_label: format!("left of joint {}, {unit}", joint + 1),
+        means,
+        intervals,
+        rows: rows.len(),
+        deviations: (square - count) / (2.0 * count).sqrt(),
+    })
+}

@@ -1,0 +1,163 @@
+//! What was found beyond geometry: in words, in numbers, and against what gave it
+//! away.
+
+use super::super::charts::part;
+use super::super::document::{Figure, Section};
+use super::super::picture::Part;
+use super::{list, runs, table};
+use crate::diagnose::{Coefficient, Effect};
+use crate::effects::OUTLIERS;
+use crate::model::CURVE;
+use crate::units::{MICRO, MILLI};
+
+/// Pictures of one page, at most.
+const MOST: usize = 24;
+
+/// An effect in a few words.
+pub fn short(e: &Effect) -> String {
+    let name = e.name.replace('-', " ");
+    let joints = match e.joints.len() {
+        0 => String::new(),
+        1 => format!(" of joint {}", e.joints[0]),
+        _ if coupled(e) => format!(" from joint {} to {}", e.joints[0], e.joints[1]),
+        _ => format!(" of joints {}", runs(&e.joints)),
+    };
+    match e.order {
+        Some(n) => format!("{name}{joints}, {n} cycles a turn (every {:.3} degrees)", 360.0 / n),
+        None => format!("{name}{joints}"),
+    }
+}
+
+fn coupled(e: &Effect) -> bool {
+    truearm::effects::Effect::from_name(e.name).is_some_and(truearm::effects::Effect::is_coupled)
+}
+
+/// A sentence about an effect: what it is, at which joints, how large.
+fn sentence(e: &Effect) -> String {
+    let size = |c: &Coefficient| amount(c.value, c.unit);
+    let joints = if e.joints.len() == 1 { "Joint" } else { "Joints" };
+    let who = format!("{joints} {}", runs(&e.joints));
+    if e.name == CURVE {
+        let sizes: Vec<String> = e.coefficients.iter().map(size).collect();
+        return format!(
+            "{who}: the angle errs by a smooth curve over the turn, {} RMS.",
+            sizes.join(", ")
+        );
+    }
+    if e.name == OUTLIERS {
+        return "Some rows are gross errors of the measurement; they were left out.".to_owned();
+    }
+    if let Some(order) = e.order {
+        let mut waves: Vec<String> = Vec::new();
+        for joint in &e.joints {
+            let own = e.coefficients.iter().filter(|c| c.joint == Some(*joint));
+            let square: f64 = own.map(|c| c.value * c.value).sum();
+            waves.push(amount(square.sqrt(), "rad"));
+        }
+        return format!(
+            "{who}: {} in waves of {order} cycles a turn, a period of {:.3} degrees, amplitude {}.",
+            e.name.replace('-', " "),
+            360.0 / order,
+            waves.join(", ")
+        );
+    }
+    let sizes: Vec<String> = e
+        .coefficients
+        .iter()
+        .map(|c| format!("{} {}", c.part, size(c)).trim().to_owned())
+        .collect();
+    let mut name = short(e);
+    name[..1].make_ascii_uppercase();
+    format!("{name}: {}.", sizes.join(", "))
+}
+
+/// A coefficient in a unit that leaves one to three digits before the point.
+fn amount(value: f64, unit: &str) -> String {
+    let small = value.abs() < 1e-4;
+    match unit.strip_prefix("rad") {
+        Some(rest) if small => format!("{:.3} urad{rest}", value * MICRO),
+        Some(rest) if value.abs() < 0.1 => format!("{:.4} mrad{rest}", value * MILLI),
+        _ => match unit.strip_prefix('m').filter(|rest| rest.is_empty() || rest.starts_with('/')) {
+            Some(rest) if small => format!("{:.3} um{rest}", value * MICRO),
+            Some(rest) => format!("{:.4} mm{rest}", value * MILLI),
+            None => format!("{value:.3e} {unit}"),
+        },
+    }
+}
+
+/// Effects of a model and the rows that show them.
+pub fn effects(named: &[Effect], suspected: &[Effect], parts: &[Part]) -> Section {
+    let mut section = Section::new("effects", "What the geometry lacks");
+    if named.is_empty() && suspected.is_empty() {
+        return section.say("Nothing: no effect of the repertoire is needed beside the geometry.");
+    }
+    section = section.node(list(named.iter().map(sentence)));
+    if !suspected.is_empty() {
+        section = section
+            .say(
+                "Suspected: in the model because the error of poses held out falls, but less sure, \
+                 or only one half of the poses speaks for it.",
+            )
+            .node(list(suspected.iter().map(sentence)));
+    }
+    section = section.node(table(
+        &[
+            "effect",
+            "joint",
+            "part",
+            "value",
+            "+- 1 sigma",
+            "unit",
+            "probability",
+            "held-out error falls",
+        ],
+        named.iter().chain(suspected).flat_map(rows),
+    ));
+    let mut names: Vec<String> = Vec::new();
+    for p in parts.iter().take(MOST) {
+        let joint = p.joint.map_or(String::new(), |joint| format!("-{joint}"));
+        let name = format!("{}{joint}", p.effect);
+        names.push(name.clone());
+        let again = names.iter().filter(|n| **n == name).count();
+        let name = if again > 1 { format!("{name}-{again}") } else { name };
+        section = section.figure(Figure::new(name, caption(p), vec![part(p)]));
+    }
+    if parts.len() > MOST {
+        section = section.say(format!("{} more are in report.json.", parts.len() - MOST));
+    }
+    section
+}
+
+fn caption(p: &Part) -> String {
+    let silent = match p.silent {
+        0 => String::new(),
+        n => format!(" {n} more rows hardly move with it and are not drawn."),
+    };
+    format!(
+        "{} rows: what the residual of each says of this effect alone, everything else of the model \
+         taken off. Line and band: the model with its 95 % interval.{silent}",
+        p.points.len()
+    )
+}
+
+/// Lines of the table.
+fn rows(e: &Effect) -> Vec<Vec<String>> {
+    let p =
+        if e.probability > 0.99 { "> 0.99".to_owned() } else { format!("{:.2}", e.probability) };
+    let gain = format!("{:.0} %", 100.0 * e.holdout_gain);
+    let name = match e.order {
+        Some(n) => format!("{}, {n} cycles a turn", e.name),
+        None => e.name.to_owned(),
+    };
+    let line = |c: &Coefficient| {
+        let joint = c.joint.map_or(String::new(), |joint| joint.to_string());
+        let (value, sigma) = (format!("{:.3e}", c.value), format!("{:.0e}", c.sigma));
+        let first = [name.clone(), joint, c.part.to_owned(), value, sigma, c.unit.to_owned()];
+        first.into_iter().chain([p.clone(), gain.clone()]).collect()
+    };
+    if e.coefficients.is_empty() {
+        let blank = vec![String::new(); 5];
+        return vec![[vec![name], blank, vec![p, gain]].concat()];
+    }
+    e.coefficients.iter().map(line).collect()
+}

@@ -1,0 +1,25 @@
+use super::super::document::Section;
+use super::{folded, table};
+use crate::identify::{Figures, FlaggedRow};
+
+/// Rows that were left out, and why.
+pub fn flagged(f: &Figures) -> Section {
+    let section = Section::new("flagged", "Rows left out");
+    if f.outliers.is_empty() {
+        return section.say("None: no row contradicts the others.");
+    }
+    let row = |o: &FlaggedRow| {
+        let numbers: Vec<String> = o.residual_mm.iter().map(|r| format!("{r:.3}")).collect();
+        vec![o.row.to_string(), o.coordinates.join(", "), numbers.join(", ")]
+    };
+    let head = ["row", "wrong", "measured minus predicted by the other rows, mm"];
+    section
+        .say(format!("{} of {} rows do not fit the others.", f.outliers.len(), f.rows))
+        .node(table(&head, f.outliers.iter().map(row)))
+}
+
+/// Remarks about the files.
+pub fn remarks(warnings: &[String]) -> Option<Section> {
+    (!warnings.is_empty())
+        .then(|| Section::new("remarks", "Remarks").node(folded(warnings, "remarks")))
+}

@@ -1,0 +1,28 @@
+use super::super::charts::free_curve;
+use super::super::document::{Figure, Section};
+use super::super::picture::Left;
+use super::list;
+
+/// What is left that goes with something recorded, and what was said of it.
+pub fn left(curves: &[Left], words: &[String], of: &str) -> Option<Section> {
+    if curves.is_empty() && words.is_empty() {
+        return None;
+    }
+    let section = Section::new("left", "What has no name").say(format!(
+        "What {of} leaves is not the same everywhere: below is what is left of each joint against \
+         what it goes with most, without asking for a name."
+    ));
+    let section =
+        if words.is_empty() { section } else { section.node(list(words.iter().cloned())) };
+    let figure = |(k, left): (usize, &Left)| {
+        let caption = format!(
+            "{} rows in {} bins, mean of each with its 95 % interval; {:.0} standard deviations above \
+             what chance leaves.",
+            left.rows,
+            left.means.len(),
+            left.deviations
+        );
+        Figure::new(format!("left-{}", k + 1), caption, vec![free_curve(left)])
+    };
+    Some(section.figures(curves.iter().enumerate().map(figure)))
+}

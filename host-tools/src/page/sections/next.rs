@@ -1,0 +1,135 @@
+//! What to do next: poses to measure, commands to type.
+
+use std::path::{Path, PathBuf};
+
+use truearm::effects::MAX_TERMS;
+
+use super::super::document::Section;
+use super::{table, typed};
+use crate::diagnose::{Alternative, Outcome};
+use crate::markup::{Node, element};
+
+/// What the next command is about.
+#[derive(Debug, Clone, Default)]
+pub struct Next {
+    /// robot.toml
+    pub robot: PathBuf,
+    /// measurements.csv
+    pub data: PathBuf,
+    /// Folder of model.toml, if it was written.
+    pub out: Option<PathBuf>,
+    /// Terms of the arm that the model has.
+    pub terms: usize,
+}
+
+/// A path as a shell takes it for one word and no option.
+fn word(path: &Path) -> String {
+    let text = path.display().to_string();
+    let text = if text.starts_with('-') { format!("./{text}") } else { text };
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_./-+=:@%,~".contains(c) || !c.is_ascii();
+    match !text.is_empty() && text.chars().all(plain) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', "'\\''")),
+    }
+}
+
+/// The commands that follow, the next first, each with what it is for.
+#[must_use]
+pub fn commands(verb: &str, alternatives: &[Alternative], next: &Next) -> Vec<(String, String)> {
+    let (robot, data) = (word(&next.robot), word(&next.data));
+    let mut out = Vec::new();
+    if !alternatives.is_empty() {
+        out.push((
+            "poses that tell the alternatives apart".to_owned(),
+            format!("truearm plan {robot} --poses 6 --discriminate {data} --out poses.csv"),
+        ));
+    }
+    if next.terms > MAX_TERMS {
+        out.push((
+            format!("a model that a controller has room for, {MAX_TERMS} terms"),
+            format!("truearm {verb} {robot} {data} --most-terms {MAX_TERMS} --out out"),
+        ));
+        return out;
+    }
+    let Some(folder) = &next.out else {
+        out.push((
+            "the model and this report as files".to_owned(),
+            format!("truearm {verb} {robot} {data} --out out"),
+        ));
+        return out;
+    };
+    let model = word(&folder.join("model.toml"));
+    out.push((
+        "the blob that is flashed".to_owned(),
+        format!("truearm pack {model} --out params.bin"),
+    ));
+    out.push((
+        "poses to verify the flashed arm at".to_owned(),
+        format!("truearm verify {model} --test-poses check.csv --apart-from {data}"),
+    ));
+    out
+}
+
+/// Poses to measure next, if explanations are to be told apart.
+pub fn poses(outcome: &Outcome) -> Option<Section> {
+    if outcome.alternatives.is_empty() {
+        return None;
+    }
+    let mut section = Section::new("poses", "Poses to measure next").say(
+        "The data leave more than one explanation. The poses below are those at which their \
+         predictions are furthest apart.",
+    );
+    for a in &outcome.alternatives {
+        let effects: Vec<String> = a
+            .effects
+            .iter()
+            .map(|(name, joints)| match joints.len() {
+                0 => name.replace('-', " "),
+                _ => format!("{} of joint {}", name.replace('-', " "), super::runs(joints)),
+            })
+            .collect();
+        let joints = a.separating_poses.first().map_or(0, |p| p.joints.len());
+        let names: Vec<String> = (1..=joints).map(|j| format!("q{j}")).collect();
+        let mut head: Vec<&str> = names.iter().map(String::as_str).collect();
+        head.push("apart, mm");
+        let rows = a.separating_poses.iter().map(|p| {
+            let mut cells: Vec<String> = p.joints.iter().map(|q| format!("{q:.2}")).collect();
+            cells.push(format!("{:.3}", p.difference_mm));
+            cells
+        });
+        section = section
+            .say(format!(
+                "Instead, worse by {:.1} in chi-square: {}. Joint values in degrees (mm where a \
+                 joint slides):",
+                a.worse_by,
+                effects.join(" and ")
+            ))
+            .node(table(&head, rows));
+    }
+    Some(section)
+}
+
+/// The commands as a section.
+pub fn steps(commands: &[(String, String)]) -> Section {
+    let line = |(what, line): &(String, String)| -> [Node; 2] {
+        let mut what = what.clone();
+        what[..1].make_ascii_uppercase();
+        [element("p").text(format!("{what}:")).into(), typed(std::slice::from_ref(line)).into()]
+    };
+    let section = Section::new("next", "What to do next");
+    commands.iter().flat_map(line).fold(section, Section::node)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_single_words() {
+        assert_eq!(word(Path::new("out/model.toml")), "out/model.toml");
+        assert_eq!(word(Path::new("my arm.toml")), "'my arm.toml'");
+        assert_eq!(word(Path::new("it's")), "'it'\\''s'");
+        assert_eq!(word(Path::new("-x.csv")), "./-x.csv");
+        assert_eq!(word(Path::new("$(rm).csv")), "'$(rm).csv'");
+    }
+}

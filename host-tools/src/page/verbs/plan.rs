@@ -1,0 +1,141 @@
+use super::super::charts::covered;
+use super::super::document::{Figure, Page, Section};
+use super::super::picture::Arrow;
+use super::super::sections::{self, mm, table, typed};
+use crate::model::Robot;
+use crate::report::{PlanReport, SeparatedAlternative, SeparationReport};
+use crate::units::{joint_column, joint_to_file};
+
+/// Poses that were planned.
+#[derive(Clone, Copy)]
+pub struct Planned<'a> {
+    /// The nominal arm.
+    pub robot: &'a Robot,
+    /// Where each joint may go, rad or m.
+    pub limits: &'a [[f64; 2]],
+    /// Joint values, rad or m.
+    pub poses: &'a [Vec<f64>],
+    /// The file they were written to.
+    pub file: &'a str,
+}
+
+/// The page of `plan`.
+#[must_use]
+pub fn planned(report: &PlanReport, of: &Planned) -> Page {
+    let um = |x: f64| format!("{x:.1} um");
+    let target = match (report.target_um, report.target_reached) {
+        (Some(target), Some(false)) => format!("; the target of {target} um is not reached"),
+        (Some(target), _) => format!("; the target of {target} um is reached"),
+        _ => String::new(),
+    };
+    let rows = [
+        ("worst", report.worst_um),
+        ("root mean square", report.rms_um),
+        ("no set has a smaller worst than", report.bound_um),
+        ("worst of as many random poses", report.random_worst_um),
+    ];
+    let rows = rows.map(|(name, x)| vec![name.to_owned(), format!("{x:.1}")]);
+    let told = Section::new("told", "What they will tell")
+        .node(table(&["predicted 3-D standard deviation of the tool point, 1 sigma", "um"], rows))
+        .say(format!(
+            "{} parameters that points can determine; poses chosen out of {} candidates. \
+             Observability: O1 {:.4}, O2 {:.2e}, O3 {:.4}, O4 {:.2e}, O5 {:.4}.",
+            report.parameters,
+            report.candidates,
+            report.observability.o1,
+            report.observability.o2,
+            report.observability.o3,
+            report.observability.o4,
+            report.observability.o5
+        ));
+    Page {
+        title: format!("{}: {} poses to measure", report.robot, report.poses),
+        verdict: format!(
+            "Measured at these {} poses, the arm will be known to {} anywhere in the region (3-D, 1 \
+             sigma), where as many random poses give {}{target}.",
+            report.poses,
+            um(report.worst_um),
+            um(report.random_worst_um)
+        ),
+        mood: if report.target_reached == Some(false) { "doubt" } else { "good" },
+        numbers: vec![
+            ("poses".to_owned(), report.poses.to_string()),
+            ("worst, 1 sigma".to_owned(), um(report.worst_um)),
+            ("no set is better than".to_owned(), um(report.bound_um)),
+        ],
+        sections: together(told, of, &report.warnings, "identify"),
+    }
+}
+
+/// The page of `plan --discriminate`.
+#[must_use]
+pub fn separated(report: &SeparationReport, of: &Planned) -> Page {
+    let row = |a: &SeparatedAlternative| {
+        let name = |(name, joints): &(&str, Vec<usize>)| match joints.len() {
+            0 => name.replace('-', " "),
+            _ => format!("{} of joint {}", name.replace('-', " "), sections::runs(joints)),
+        };
+        let names: Vec<String> = a.effects.iter().map(name).collect();
+        let worse = [a.worse_by_now, a.worse_by_planned].map(|x| format!("{x:.1}"));
+        [vec![names.join(" and ")], worse.to_vec()].concat()
+    };
+    let head = ["alternative", "worse now, chi-square", "worse by these poses, expected"];
+    let told = Section::new("told", "What they will tell")
+        .node(table(&head, report.alternatives.iter().map(row)));
+    let least =
+        report.alternatives.iter().map(|a| a.worse_by_planned).fold(f64::INFINITY, f64::min);
+    Page {
+        title: format!("{}: {} poses to tell explanations apart", report.robot, report.poses),
+        verdict: match report.alternatives.len() {
+            0 => "There is nothing to tell apart.".to_owned(),
+            n => format!(
+                "Measured at these {} poses, {n} other explanation{} will be worse by {least:.0} in \
+                 chi-square or more, if what was named is true.",
+                report.poses,
+                if n == 1 { "" } else { "s" }
+            ),
+        },
+        mood: "plain",
+        numbers: vec![("poses".to_owned(), report.poses.to_string())],
+        sections: together(told, of, &report.warnings, "diagnose"),
+    }
+}
+
+/// What every plan shows: where the poses are and their joint values.
+fn together(told: Section, of: &Planned, warnings: &[String], verb: &str) -> Vec<Section> {
+    let kinds: Vec<_> = of.robot.joints.iter().map(|j| j.link.kind).collect();
+    let target = of.robot.nominal_target();
+    let arrow = |(k, q): (usize, &Vec<f64>)| {
+        let point = target(q).translation;
+        Arrow { row: k + 1, point, before: None, after: None }
+    };
+    let arrows: Vec<Arrow> = of.poses.iter().enumerate().map(arrow).collect();
+    let caption = "Every planned pose as a dot, joint by joint, within the limits.";
+    let joints = Section::new("joints", "What they cover").figure(Figure::new(
+        "joints",
+        caption,
+        vec![covered(&kinds, of.limits, of.poses)],
+    ));
+    let names = kinds.iter().enumerate().map(|(j, kind)| joint_column("q", j, *kind));
+    let names: Vec<String> = std::iter::once("pose".to_owned()).chain(names).collect();
+    let head: Vec<&str> = names.iter().map(String::as_str).collect();
+    let far = arrows.iter().map(|a| a.point.norm() * 1e3).fold(0.0, f64::max);
+    let row = |(k, q): (usize, &Vec<f64>)| {
+        let values =
+            q.iter().zip(&kinds).map(|(v, kind)| format!("{:.3}", joint_to_file(*kind, *v)));
+        std::iter::once((k + 1).to_string()).chain(values).collect()
+    };
+    let poses = Section::new("poses", "Poses to measure")
+        .node(table(&head, of.poses.iter().enumerate().map(row)))
+        .say(format!("The farthest target is {} from the base.", mm(far)));
+    let line = format!("truearm {verb} robot.toml measurements.csv --out out");
+    let next = Section::new("next", "What to do next")
+        .say(format!(
+            "Measure them and add x_mm, y_mm, z_mm to the rows of {}; then:",
+            super::file_name(of.file)
+        ))
+        .node(typed(&[line]));
+    let mut out = vec![told, sections::workspace(&arrows, ["", ""], "pose"), joints, poses, next];
+    out.extend(sections::remarks(warnings));
+    out
+}
