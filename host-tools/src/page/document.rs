@@ -4,6 +4,8 @@ use super::BEGIN;
 use crate::markup::{Element, Node, element};
 use crate::plot::{Panel, STYLE, grid};
 
+/// Panels that are wider stand alone.
+const WIDE: f64 = 600.0;
 /// Colours and columns of the page.
 const PAGE_STYLE: &str = include_str!("page.css");
 /// The view that can be turned.
@@ -55,6 +57,16 @@ pub enum Part {
     Figure(Figure),
 }
 
+impl Part {
+    /// A figure of one panel of the usual size.
+    fn is_small(&self) -> bool {
+        match self {
+            Self::Figure(figure) => figure.panels.len() == 1 && figure.panels[0].size.0 < WIDE,
+            Self::Text(_) => false,
+        }
+    }
+}
+
 /// A section of a page.
 #[derive(Debug, Clone)]
 pub struct Section {
@@ -100,8 +112,19 @@ impl Section {
             Part::Text(node) => node.clone(),
             Part::Figure(figure) => figure.drawn().into(),
         };
-        let section = element("section").with("id", self.id);
-        section.child(element("h2").text(&self.heading)).children(self.parts.iter().map(part))
+        let mut section = element("section").with("id", self.id);
+        section = section.child(element("h2").text(&self.heading));
+        for run in self.parts.chunk_by(|a, b| a.is_small() && b.is_small()) {
+            section = match run {
+                // Figures side by side, as many as there is room for.
+                [first, ..] if first.is_small() => {
+                    let gallery = element("div").with("class", "gallery");
+                    section.child(gallery.children(run.iter().map(part)))
+                }
+                _ => section.children(run.iter().map(part)),
+            };
+        }
+        section
     }
 }
 

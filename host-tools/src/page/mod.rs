@@ -8,6 +8,7 @@
 
 pub mod charts;
 mod document;
+mod numbers;
 pub mod picture;
 mod sections;
 mod verbs;

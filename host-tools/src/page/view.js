@@ -34,7 +34,7 @@ document.querySelectorAll(".view").forEach((view) => {
   const box = make("path", "edge");
   const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [0, 1, 2].map((k) => ((i >> k) % 2 ? high : low)[k]));
   const edges = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
-  const extents = ["x", "y", "z"].map(() => make("text", "small"));
+  const extents = ["x", "y", "z"].map(() => make("text", ""));
   const ends = [1, 2, 4];
   const base = ["i1", "i2", "i0"].map((ink) => make("path", "line " + ink));
   base.forEach((axis) => axis.setAttribute("stroke-width", "3"));

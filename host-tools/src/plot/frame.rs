@@ -83,7 +83,8 @@ impl Layout {
             out.push(text(14.0, 22.0, &panel.title).with("class", "heading").into());
         }
         for (series, x, y) in &self.legend {
-            out.extend(key(&panel.series[*series], panel.inks()[*series].place(), *x, *y));
+            let ink = panel.inks()[*series].place();
+            out.extend(key(&panel.series[*series], ink, *x, *y, panel.lines() > 1));
         }
         out.extend(self.mesh(panel));
         out.extend(self.labels(panel));
@@ -145,7 +146,7 @@ impl Layout {
         let d = format!("M{} {}H{}", number(left), number(y), number(right));
         let line = element("path").with("class", "rule").with("d", d);
         let above = if y - 16.0 < top { y + 15.0 } else { y - 5.0 };
-        let name = text(right - 4.0, above, &rule.name).with("text-anchor", "end");
+        let name = text(left + 6.0, above, &rule.name);
         vec![line.into(), name.with("class", "halo small").into()]
     }
 }
@@ -156,15 +157,16 @@ pub(super) fn text(x: f64, y: f64, text: &str) -> Element {
 }
 
 /// A name in the legend with what its marks look like.
-fn key(series: &Series, ink: usize, x: f64, y: f64) -> Vec<Node> {
+fn key(series: &Series, ink: usize, x: f64, y: f64, dashed: bool) -> Vec<Node> {
     let group = element("g").with("class", format!("key i{ink}"));
     let bar = |h: f64| format!("M{} {}h16v{h}h-16z", number(x), number(y - 4.5 - h / 2.0));
     let mark = |class: &str, d: String| element("path").with("class", class).with("d", d);
     let flat = format!("M{} {}h16", number(x), number(y - 4.5));
     let drawn = match series.mark {
-        Mark::Line => {
+        Mark::Line if dashed => {
             mark("line", flat).with("stroke-width", 2.5).with("stroke-dasharray", dashes(ink))
         }
+        Mark::Line => mark("line", flat).with("stroke-width", 2.5),
         Mark::Arrows => mark("thin", flat),
         Mark::Steps => mark("tread", flat),
         Mark::Band => mark("band", bar(12.0)),

@@ -6,6 +6,8 @@ use crate::markup::{Element, Node, element};
 
 /// Points from which on they are dots of one path, without shapes and notes.
 const MANY: usize = 300;
+/// Share of its slot that a group of marks takes.
+const WIDTH: f64 = 0.84;
 /// Colours for the shapes of which there are fewer.
 const SHAPES: usize = 5;
 
@@ -54,9 +56,9 @@ impl Place<'_> {
 
     /// Marks where they are drawn; values that no axis has are left out.
     fn seen<'s>(&self, series: &'s Series) -> Vec<Seen<'s>> {
-        let width = 0.8 / self.groups.max(1) as f64;
+        let width = WIDTH / self.groups.max(1) as f64;
         let aside = match series.mark.is_beside() {
-            true => -0.4 + width * (self.group as f64 + 0.5),
+            true => width * (self.group as f64 + 0.5) - WIDTH / 2.0,
             false => 0.0,
         };
         let (x, y) = (&self.panel.x, &self.panel.y);
@@ -76,15 +78,20 @@ impl Place<'_> {
     /// Lines that lie on each other are of different widths, the later thinner.
     fn line(&self, seen: &[Seen]) -> Element {
         let below = self.lines.saturating_sub(self.line + 1) as f64;
-        let width = if self.lines > 3 { 1.6 + 0.7 * below.min(8.0) } else { 2.2 };
+        let many = self.lines > 3;
+        let width = if many { 1.6 + 0.7 * below.min(8.0) } else { 2.2 };
         let mut d = String::new();
         for (k, s) in seen.iter().enumerate() {
             let pen = if k == 0 { 'M' } else { 'L' };
             d += &format!("{pen}{} {}", number(s.at.0), number(s.at.1));
         }
         let path = element("path").with("class", "line").with("d", d);
-        let dashes = dashes(self.ink.place());
-        path.with("stroke-width", number(width)).with("stroke-dasharray", dashes)
+        let path = path.with("stroke-width", number(width));
+        // A line alone need not be told from others.
+        match self.lines {
+            0 | 1 => path,
+            _ => path.with("stroke-dasharray", dashes(self.ink.place())),
+        }
     }
 
     fn shape(&self, s: &Seen) -> Node {
@@ -94,7 +101,7 @@ impl Place<'_> {
 
     fn bar(&self, s: &Seen) -> Node {
         let slot = self.layout.x(1.0) - self.layout.x(0.0);
-        let width = (0.74 * slot / self.groups.max(1) as f64).max(0.5);
+        let width = (0.78 * slot / self.groups.max(1) as f64).max(0.5);
         let foot = self.layout.y(0.0);
         let bar = element("rect")
             .with("class", "bar")
@@ -117,21 +124,21 @@ impl Place<'_> {
 
     /// Treads with their values, and the risers between them.
     fn steps(&self, seen: &[Seen]) -> Vec<Node> {
-        let half = 0.5 * (self.layout.x(1.0) - self.layout.x(0.0)) - 3.0;
+        let slot = self.layout.x(1.0) - self.layout.x(0.0);
+        let half = 0.5 * WIDTH * slot / self.groups.max(1) as f64 - 3.0;
         let [_, top, ..] = self.layout.edges;
         let mut out: Vec<Node> = Vec::new();
         for pair in seen.windows(2) {
-            let x = number((pair[0].at.0 + pair[1].at.0) / 2.0);
-            let d = format!("M{x} {}V{}", number(pair[0].at.1), number(pair[1].at.1));
+            let (from, to) = (pair[0].at, pair[1].at);
+            let (start, end) = (number(from.0 + half), number(to.0 - half));
+            let d = format!("M{start} {}H{end}V{}", number(from.1), number(to.1));
             out.push(element("path").with("class", "riser").with("d", d).into());
         }
         for s in seen {
             let (x, y) = s.at;
             let d = format!("M{} {}h{}", number(x - half), number(y), number(2.0 * half));
             out.push(noted(element("path").with("class", "tread").with("d", d), s));
-            // The first series above its treads, the next below: both can be read.
-            let above = self.ink == Ink::FITTED || y < top + 18.0;
-            let at = if above { y + 17.0 } else { y - 7.0 };
+            let at = if y < top + 18.0 { y + 17.0 } else { y - 7.0 };
             let value = text(x, at, &significant(s.value)).with("text-anchor", "middle");
             out.push(value.with("class", "halo small").into());
         }

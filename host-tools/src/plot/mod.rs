@@ -96,7 +96,7 @@ impl Panel {
         let mut out = layout.frame(self);
         let inks = self.inks();
         let groups = self.series.iter().filter(|s| s.mark.is_beside()).count();
-        let lines = self.series.iter().filter(|s| s.mark == Mark::Line).count();
+        let lines = self.lines();
         let (mut group, mut line) = (0, 0);
         for (series, ink) in self.series.iter().zip(inks) {
             let at = marks::Place { layout: &layout, panel: self, ink, group, groups, line, lines };
@@ -105,6 +105,11 @@ impl Panel {
             line += usize::from(series.mark == Mark::Line);
         }
         out
+    }
+
+    /// How many series are lines.
+    fn lines(&self) -> usize {
+        self.series.iter().filter(|s| s.mark == Mark::Line).count()
     }
 
     /// The ink of every series: its own, or its place.
@@ -133,7 +138,7 @@ impl Panel {
         let rules = self.rules.iter().map(|r| self.y.place(r.at)).filter(|v| v.is_finite());
         let x = span(&mut self.values().map(|p| p.0));
         let y = span(&mut self.values().map(|p| p.1).chain(rules));
-        let beside = self.series.iter().any(|s| s.mark.is_beside());
+        let beside = self.series.iter().any(|s| matches!(s.mark, Mark::Bars | Mark::Steps));
         let across = if beside { x.0 - 0.6..x.1 + 0.6 } else { wide(x, 0.03) };
         let across = match self.x.names.len() {
             0 => across,

@@ -23,7 +23,7 @@ pub enum Mark {
 impl Mark {
     /// Whether several series stand beside each other.
     pub(super) fn is_beside(self) -> bool {
-        matches!(self, Self::Bars | Self::Intervals)
+        matches!(self, Self::Bars | Self::Intervals | Self::Steps)
     }
 }
 

@@ -18,8 +18,13 @@ pub fn part(part: &Part) -> Panel {
         band.ends(part.band.clone()).ink(Ink::MODEL),
         Series::new("model", part.curve.clone(), fitted).ends(part.band.clone()).ink(Ink::MODEL),
     ];
+    let means = Series::new("mean of a bin, 95 %", part.means.clone(), Mark::Intervals);
+    let means = means.ends(part.intervals.clone()).ink(Ink(8));
     let kept = |s: &Series| part.names.is_empty() || s.mark != Mark::Band;
-    let series = series.into_iter().filter(kept).collect();
+    let mut series: Vec<Series> = series.into_iter().filter(kept).collect();
+    if !part.means.is_empty() {
+        series.insert(1, means);
+    }
     Panel::new(part.title.clone(), x, Axis::signed(part.y_label.clone()), series)
 }
 

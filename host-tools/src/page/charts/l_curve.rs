@@ -1,3 +1,4 @@
+use super::super::numbers::digits;
 use crate::identify::LCurvePoint;
 use crate::plot::{Axis, Ink, Panel, Series};
 
@@ -11,11 +12,11 @@ pub fn l_curve(
 ) -> Option<Panel> {
     let (chosen, curve) = points.split_last()?;
     let place = |p: &LCurvePoint| (p.residual, p.corrections);
-    let at = |p: &LCurvePoint| format!("lambda {:.2e}", p.lambda);
+    let at = |p: &LCurvePoint| format!("lambda {}", digits(p.lambda));
     let line = curve.iter().map(place).collect();
     let mut series = vec![
         Series::line("every lambda", line).ink(Ink::DATA),
-        Series::points(format!("chosen by {rule}: {:.2e}", chosen.lambda), vec![place(chosen)])
+        Series::points(format!("chosen by {rule}: {}", digits(chosen.lambda)), vec![place(chosen)])
             .notes(vec![at(chosen)])
             .ink(Ink::BEFORE),
     ];
@@ -24,7 +25,7 @@ pub fn l_curve(
         curve.iter().min_by(|a, b| far(a).total_cmp(&far(b)))
     };
     if let Some(corner) = corner.and_then(near) {
-        let name = format!("corner: {:.2e}", corner.lambda);
+        let name = format!("corner: {}", digits(corner.lambda));
         series.push(Series::points(name, vec![place(corner)]).notes(vec![at(corner)]).ink(Ink(3)));
     }
     let (x, y) = match scaling {

@@ -6,13 +6,13 @@ use crate::statistics::median;
 use crate::units::{point_to_mm, to_mm};
 
 /// How many times errors are drawn larger than they are: a round number that makes
-/// the median one a twentieth of the workspace.
+/// the median one a twelfth of the workspace.
 #[must_use]
 pub fn magnified(arrows: &[Arrow]) -> f64 {
     let (low, high) = corners(arrows);
     let sizes = arrows.iter().filter_map(|a| a.before.or(a.after)).map(|e| e.norm());
     let typical = median(&sizes.collect::<Vec<_>>());
-    let wanted = 0.05 * (high - low).amax() / typical;
+    let wanted = 0.08 * (high - low).amax() / typical;
     if !(wanted.is_finite() && wanted > 1.0) {
         return 1.0;
     }

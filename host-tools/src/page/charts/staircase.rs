@@ -14,7 +14,9 @@ pub struct Step {
 }
 
 /// Room for one tread with its value.
-const TREAD: f64 = 110.0;
+const TREAD: f64 = 48.0;
+/// A fall by more than this factor is drawn on an axis of decades.
+const FAR: f64 = 5.0;
 
 /// The gap from the first model to the last, with the floor that noise leaves.
 #[must_use]
@@ -36,9 +38,16 @@ pub fn staircase(steps: &[Step], floor_mm: Option<f64>) -> Panel {
         },
     );
     let title = "RMS position error from the drawing to the final model";
-    let y = Axis::linear("RMS position error, mm");
+    // Steps that end far below where they began are told apart on decades.
+    let all = steps.iter().flat_map(|s| [s.fitted, s.held_out, s.other]).flatten();
+    let (low, high) = all.fold((f64::INFINITY, 0.0_f64), |m, v| (m.0.min(v), m.1.max(v)));
+    let y = match high > FAR * low && low > 0.0 {
+        true => Axis::log("RMS position error, mm"),
+        false => Axis::linear("RMS position error, mm"),
+    };
     let mut panel = Panel::new(title, Axis::names(names), y, drawn.collect());
-    let wide = (TREAD * steps.len() as f64 + 90.0).clamp(420.0, 920.0);
+    let treads = steps.len() * panel.series.len().max(2);
+    let wide = (TREAD * treads as f64 / 0.84 + 80.0).clamp(560.0, 1100.0);
     panel.size = (wide, 380.0);
     panel.rules = floor_mm
         .map(|at| Rule { at, name: format!("noise alone: {at:.3} mm") })

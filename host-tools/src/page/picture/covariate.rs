@@ -3,6 +3,7 @@
 use truearm::JointKind;
 use truearm::effects::{ActsOn, Order, Term};
 
+use super::super::numbers::period;
 use super::Seen;
 use crate::model::ModelTerm;
 use crate::model::arm::RowInputs;
@@ -59,11 +60,9 @@ impl Covariate {
         let slides = |j: &usize| matches!(kinds.get(*j), Some(JointKind::Prismatic));
         match self {
             Self::Angle(j) => format!("reading of joint {}, {}", j + 1, unit(j)),
-            Self::Cycle(j, n) => format!(
-                "reading of joint {} within one cycle of {:.4} degrees, degrees",
-                j + 1,
-                360.0 / n
-            ),
+            Self::Cycle(j, n) => {
+                format!("reading of joint {} within one cycle of {}, degrees", j + 1, period(*n))
+            }
             Self::Torque(j) if slides(j) => {
                 format!("gravity force on joint {}, N", j + 1)
             }

@@ -5,17 +5,23 @@ use nalgebra::Vector3;
 use truearm::JointKind;
 use truearm::effects::ActsOn;
 
+use super::super::numbers::{cycles, period};
 use super::Seen;
 use super::covariate::Covariate;
 use crate::diagnose::Effect;
 use crate::identify::measurement_column;
 use crate::model::{CURVE, JointTables, ModelTerm};
+use crate::statistics::median;
 use crate::units::{MICRO, MILLI};
 
 /// Places along a curve.
 const PLACES: usize = 721;
 /// Half width of a 95 % interval in standard deviations.
 const WIDE: f64 = 1.96;
+/// Bins of rows, at most.
+const BINS: usize = 20;
+/// Rows of a bin, at least.
+const FULL: usize = 25;
 
 /// An effect at a place, against what it goes with.
 #[derive(Debug, Clone)]
@@ -36,6 +42,10 @@ pub struct Part {
     pub points: Vec<(f64, f64)>,
     /// Rows that tell next to nothing of it and are not shown.
     pub silent: usize,
+    /// Means of bins of them, where there are enough, with their 95 % intervals.
+    pub means: Vec<(f64, f64)>,
+    /// See [`Part::means`].
+    pub intervals: Vec<(f64, f64)>,
     /// What the model says.
     pub curve: Vec<(f64, f64)>,
     /// Its 95 % band.
@@ -125,18 +135,50 @@ fn action(seen: &Seen, term: &ModelTerm) -> Vec<Vector3<f64>> {
     seen.moves.iter().enumerate().map(of).collect()
 }
 
+/// What a row shows of an action, SI.
+struct Row {
+    x: f64,
+    y: f64,
+    /// What is left of it: `y` less what the model says.
+    left: f64,
+    /// How far the target moves.
+    lever: f64,
+}
+
 /// What rows show of an action that the model takes for `modelled`, in SI.
 fn shown(
     seen: &Seen,
     action: &[Vector3<f64>],
     covariate: &Covariate,
     modelled: impl Fn(usize) -> f64,
-) -> Vec<(f64, f64)> {
+) -> Vec<Row> {
     let of = |k: usize| {
-        let more = seen.left(k).dot(&action[k]) / action[k].norm_squared();
-        (covariate.value(seen, k), modelled(k) + more)
+        let left = seen.left(k).dot(&action[k]) / action[k].norm_squared();
+        let lever = action[k].norm();
+        Row { x: covariate.value(seen, k), y: modelled(k) + left, left, lever }
     };
-    seen.telling(action).into_iter().map(of).filter(|p| p.0.is_finite()).collect()
+    seen.telling(action).into_iter().map(of).filter(|p| p.x.is_finite()).collect()
+}
+
+/// Means of bins of as many rows, each with half the width of its 95 % interval;
+/// none where a bin would have few, or x few values.
+fn means(rows: &[Row]) -> Vec<(f64, f64, f64)> {
+    let bins = (rows.len() / FULL).min(BINS);
+    let mut sorted: Vec<&Row> = rows.iter().collect();
+    sorted.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let of_few = sorted.windows(2).filter(|w| w[0].x < w[1].x).count() < 2 * BINS;
+    if bins < 6 || of_few {
+        return Vec::new();
+    }
+    let sizes: Vec<f64> = rows.iter().map(|r| (r.left * r.lever).abs()).collect();
+    let scale = 1.4826 * median(&sizes);
+    let mean = |bin: &[&Row]| {
+        let weight: f64 = bin.iter().map(|r| r.lever.powi(2)).sum();
+        let y = bin.iter().map(|r| r.y * r.lever.powi(2)).sum::<f64>() / weight;
+        let x = bin.iter().map(|r| r.x).sum::<f64>() / bin.len() as f64;
+        (x, y, WIDE * scale / weight.sqrt())
+    };
+    sorted.chunks(rows.len().div_ceil(bins)).map(mean).collect()
 }
 
 fn curve(seen: &Seen, which: usize) -> Part {
@@ -163,7 +205,10 @@ fn curve(seen: &Seen, which: usize) -> Part {
         names: Vec::new(),
         y_label,
         silent: seen.kept.len() - points.len(),
-        points: points.iter().map(|p| (p.0, p.1 * unit)).collect(),
+        points: points.iter().map(|r| (r.x, r.y * unit)).collect(),
+        // A bin would be wider than what the curve turns in.
+        means: Vec::new(),
+        intervals: Vec::new(),
         curve: looks.iter().map(|p| (p.0, p.1 * unit)).collect(),
         band: looks.iter().map(|p| ((p.1 - wide) * unit, (p.1 + wide) * unit)).collect(),
     }
@@ -176,6 +221,7 @@ fn of_terms(seen: &Seen, key: &Key, terms: &[&ModelTerm], effects: &[Effect]) ->
     let at = |x: f64| sum(&|t| t.coefficient() * covariate.basis(t, x, seen));
     let points = shown(seen, &action, covariate, |k| at(covariate.value(seen, k)));
     let (y_label, unit) = amount(terms[0], seen);
+    let means = means(&points);
     let sigma = |t: &ModelTerm| sigma(t, effects);
     let looks: Vec<(f64, f64, f64)> = places(covariate, &points)
         .into_iter()
@@ -192,7 +238,9 @@ fn of_terms(seen: &Seen, key: &Key, terms: &[&ModelTerm], effects: &[Effect]) ->
         names: covariate.names(seen),
         y_label,
         silent: seen.kept.len() - points.len(),
-        points: points.iter().map(|p| (p.0, p.1 * unit)).collect(),
+        points: points.iter().map(|r| (r.x, r.y * unit)).collect(),
+        means: means.iter().map(|m| (m.0, m.1 * unit)).collect(),
+        intervals: means.iter().map(|m| ((m.1 - m.2) * unit, (m.1 + m.2) * unit)).collect(),
         curve: looks.iter().map(|p| (p.0, p.1 * unit)).collect(),
         band: looks.iter().map(|p| ((p.1 - p.2) * unit, (p.1 + p.2) * unit)).collect(),
     }
@@ -208,13 +256,13 @@ fn title(key: &Key, term: &ModelTerm) -> String {
     let joint = key.place.0.map(|joint| usize::from(joint) + 1);
     match (joint, &key.covariate) {
         (Some(j), Covariate::Cycle(_, n)) => {
-            format!("Joint {j}: {name}, {n} cycles a turn, a period of {:.3} degrees", 360.0 / n)
+            format!("Joint {j}: {name}, {}, a period of {}", cycles(*n), period(*n))
         }
         (Some(j), Covariate::Angle(source)) if source + 1 != j => {
             format!("Joint {j}: {name} with joint {}", source + 1)
         }
         (Some(j), _) => match term.order() {
-            Some(n) => format!("Joint {j}: {name}, {n} cycles a turn"),
+            Some(n) => format!("Joint {j}: {name}, {}", cycles(n)),
             None => format!("Joint {j}: {name}"),
         },
         (None, _) => format!("{}{}", name[..1].to_uppercase(), &name[1..]),
@@ -235,9 +283,9 @@ fn sigma(term: &ModelTerm, effects: &[Effect]) -> f64 {
 }
 
 /// Where a curve is looked at: as far as the rows go.
-fn places(covariate: &Covariate, points: &[(f64, f64)]) -> Vec<f64> {
-    let low = points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
-    let high = points.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max);
+fn places(covariate: &Covariate, rows: &[Row]) -> Vec<f64> {
+    let low = rows.iter().map(|r| r.x).fold(f64::INFINITY, f64::min);
+    let high = rows.iter().map(|r| r.x).fold(f64::NEG_INFINITY, f64::max);
     if low > high {
         return Vec::new();
     }

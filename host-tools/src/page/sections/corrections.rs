@@ -1,9 +1,8 @@
 use super::super::charts;
 use super::super::document::{Figure, Section};
-use super::{list, table};
+use super::{details, list, table};
 use crate::identify::Figures;
 use crate::identify::error_bars::ParameterBar;
-use crate::markup::element;
 
 /// What was corrected, with error bars.
 pub fn corrections(f: &Figures) -> Section {
@@ -27,7 +26,7 @@ pub fn corrections(f: &Figures) -> Section {
     };
     let head = ["parameter", "correction", "+- 95 %", "from noise alone", "unit"];
     let all = table(&head, u.parameters.iter().map(row));
-    let summary = element("summary").text(format!("all {} corrections", u.parameters.len()));
-    section = section.node(element("details").child(summary).child(all));
+    let summary = format!("all {} corrections", u.parameters.len());
+    section = section.node(details(&summary, all));
     if u.correlations.is_empty() { section } else { section.node(list(u.correlations.clone())) }
 }

@@ -3,8 +3,10 @@
 
 use super::super::charts::part;
 use super::super::document::{Figure, Section};
+use super::super::numbers::runs;
+use super::super::numbers::{cycles, period};
 use super::super::picture::Part;
-use super::{list, runs, table};
+use super::{details, list, table};
 use crate::diagnose::{Coefficient, Effect};
 use crate::effects::OUTLIERS;
 use crate::model::CURVE;
@@ -23,7 +25,8 @@ pub fn short(e: &Effect) -> String {
         _ => format!(" of joints {}", runs(&e.joints)),
     };
     match e.order {
-        Some(n) => format!("{name}{joints}, {n} cycles a turn (every {:.3} degrees)", 360.0 / n),
+        Some(n) if n > 1.0 => format!("{name}{joints}, {} (every {})", cycles(n), period(n)),
+        Some(n) => format!("{name}{joints}, {}", cycles(n)),
         None => format!("{name}{joints}"),
     }
 }
@@ -55,9 +58,10 @@ fn sentence(e: &Effect) -> String {
             waves.push(amount(square.sqrt(), "rad"));
         }
         return format!(
-            "{who}: {} in waves of {order} cycles a turn, a period of {:.3} degrees, amplitude {}.",
+            "{who}: {} that comes back {}, a period of {}, amplitude {}.",
             e.name.replace('-', " "),
-            360.0 / order,
+            cycles(order),
+            period(order),
             waves.join(", ")
         );
     }
@@ -100,7 +104,7 @@ pub fn effects(named: &[Effect], suspected: &[Effect], parts: &[Part]) -> Sectio
             )
             .node(list(suspected.iter().map(sentence)));
     }
-    section = section.node(table(
+    let all = table(
         &[
             "effect",
             "joint",
@@ -112,7 +116,8 @@ pub fn effects(named: &[Effect], suspected: &[Effect], parts: &[Part]) -> Sectio
             "held-out error falls",
         ],
         named.iter().chain(suspected).flat_map(rows),
-    ));
+    );
+    section = section.node(details("the numbers: coefficients, probabilities, gains", all));
     let mut names: Vec<String> = Vec::new();
     for p in parts.iter().take(MOST) {
         let joint = p.joint.map_or(String::new(), |joint| format!("-{joint}"));
@@ -131,6 +136,7 @@ pub fn effects(named: &[Effect], suspected: &[Effect], parts: &[Part]) -> Sectio
 fn caption(p: &Part) -> String {
     let silent = match p.silent {
         0 => String::new(),
+        1 => " One more row hardly moves with it and is not drawn.".to_owned(),
         n => format!(" {n} more rows hardly move with it and are not drawn."),
     };
     format!(
@@ -146,7 +152,7 @@ fn rows(e: &Effect) -> Vec<Vec<String>> {
         if e.probability > 0.99 { "> 0.99".to_owned() } else { format!("{:.2}", e.probability) };
     let gain = format!("{:.0} %", 100.0 * e.holdout_gain);
     let name = match e.order {
-        Some(n) => format!("{}, {n} cycles a turn", e.name),
+        Some(n) => format!("{}, {}", e.name, cycles(n)),
         None => e.name.to_owned(),
     };
     let line = |c: &Coefficient| {

@@ -1,5 +1,6 @@
 use super::super::charts::l_curve;
 use super::super::document::{Figure, Section};
+use super::super::numbers::digits;
 use super::table;
 use crate::identify::Figures;
 
@@ -7,9 +8,11 @@ use crate::identify::Figures;
 pub fn lambda(f: &Figures) -> Section {
     let corner = f.lambda_choice.as_ref().and_then(|c| c.l_curve);
     let mut section = Section::new("lambda", "How far the data are believed").say(format!(
-        "Corrections are held near the drawing by lambda = {:.3e}, chosen by {} ({} scaling). A \
+        "Corrections are held near the drawing by lambda = {}, chosen by {} ({} scaling). A \
          smaller lambda fits the rows more closely and asks for larger corrections.",
-        f.lambda, f.lambda_rule, f.lambda_scaling
+        digits(f.lambda),
+        f.lambda_rule,
+        f.lambda_scaling
     ));
     if let Some(panel) = l_curve(&f.l_curve, f.lambda_scaling, f.lambda_rule, corner) {
         let caption = "Residual against corrections for every lambda; from lower right (large \
@@ -19,7 +22,7 @@ pub fn lambda(f: &Figures) -> Section {
     }
     let Some(c) = &f.lambda_choice else { return section };
     let row = |name: &str, lambda: Option<f64>| {
-        vec![name.to_owned(), lambda.map_or("none".to_owned(), |l| format!("{l:.3e}"))]
+        vec![name.to_owned(), lambda.map_or("none".to_owned(), digits)]
     };
     let rows = [
         row("corner of the L-curve", c.l_curve),

@@ -36,6 +36,11 @@ pub fn list(lines: impl IntoIterator<Item = String>) -> Element {
     element("ul").children(lines.into_iter().map(|line| element("li").text(line)))
 }
 
+/// Something that is folded away until it is asked for.
+pub fn details(summary: &str, what: Element) -> Element {
+    element("details").child(element("summary").text(summary)).child(what)
+}
+
 /// Lines that are folded away where there are more than a few.
 pub fn folded(lines: &[String], what: &str) -> Node {
     const FEW: usize = 6;
@@ -43,49 +48,10 @@ pub fn folded(lines: &[String], what: &str) -> Node {
     if lines.len() <= FEW {
         return all.into();
     }
-    let summary = element("summary").text(format!("{} {what}", lines.len()));
-    element("details").child(summary).child(all).into()
+    details(&format!("{} {what}", lines.len()), all).into()
 }
 
 /// Something to type.
 pub fn typed(lines: &[String]) -> Element {
     element("pre").child(element("code").text(lines.join("\n")))
-}
-
-/// Numbers with runs drawn together: 1 to 3, 5.
-pub fn runs(numbers: &[usize]) -> String {
-    let mut runs: Vec<(usize, usize)> = Vec::new();
-    for n in numbers {
-        match runs.last_mut() {
-            Some((_, last)) if *n == *last + 1 => *last = *n,
-            _ => runs.push((*n, *n)),
-        }
-    }
-    let one = |(first, last): &(usize, usize)| match last - first {
-        0 => format!("{first}"),
-        1 => format!("{first}, {last}"),
-        _ => format!("{first} to {last}"),
-    };
-    runs.iter().map(one).collect::<Vec<_>>().join(", ")
-}
-
-/// Millimetres as the page says them.
-pub fn mm(value: f64) -> String {
-    match value {
-        v if v >= 100.0 => format!("{v:.0} mm"),
-        v if v >= 1.0 => format!("{v:.2} mm"),
-        v => format!("{v:.3} mm"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_in_a_row_are_drawn_together() {
-        assert_eq!(runs(&[1, 2, 3, 4, 6]), "1 to 4, 6");
-        assert_eq!(runs(&[2, 3]), "2, 3");
-        assert_eq!(runs(&[]), "");
-    }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use truearm::effects::MAX_TERMS;
 
 use super::super::document::Section;
+use super::super::numbers::runs;
 use super::{table, typed};
 use crate::diagnose::{Alternative, Outcome};
 use crate::markup::{Node, element};
@@ -85,7 +86,7 @@ pub fn poses(outcome: &Outcome) -> Option<Section> {
             .iter()
             .map(|(name, joints)| match joints.len() {
                 0 => name.replace('-', " "),
-                _ => format!("{} of joint {}", name.replace('-', " "), super::runs(joints)),
+                _ => format!("{} of joint {}", name.replace('-', " "), runs(joints)),
             })
             .collect();
         let joints = a.separating_poses.first().map_or(0, |p| p.joints.len());

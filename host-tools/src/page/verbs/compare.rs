@@ -1,6 +1,7 @@
 use super::super::charts::{method_errors, method_sizes};
 use super::super::document::{Figure, Page, Section};
-use super::super::sections::{self, mm, table};
+use super::super::numbers::mm;
+use super::super::sections::{self, table};
 use super::file_name;
 use crate::methods::{Comparison, Outcome};
 use crate::statistics::Stats;

@@ -1,7 +1,8 @@
 use super::super::charts::Step;
 use super::super::document::{Page, Section};
+use super::super::numbers::mm;
 use super::super::picture::{Measured, Seen, left, parts};
-use super::super::sections::{self, folded, mm, next};
+use super::super::sections::{self, folded, next};
 use super::{file_name, of_figures, rows_of};
 use crate::diagnose::{Effect, GapRow, Outcome, Verdict};
 use crate::effects::OUTLIERS;

@@ -1,7 +1,8 @@
 use super::super::charts::Step;
 use super::super::document::Page;
+use super::super::numbers::mm;
 use super::super::picture::{Measured, Seen, left};
-use super::super::sections::{self, mm, next};
+use super::super::sections::{self, next};
 use super::{file_name, noise_floor_mm, of_figures, rows_of};
 use crate::error::Result;
 use crate::report::IdentifyReport;

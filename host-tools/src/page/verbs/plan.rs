@@ -1,7 +1,8 @@
 use super::super::charts::covered;
 use super::super::document::{Figure, Page, Section};
+use super::super::numbers::{mm, runs};
 use super::super::picture::Arrow;
-use super::super::sections::{self, mm, table, typed};
+use super::super::sections::{self, table, typed};
 use crate::model::Robot;
 use crate::report::{PlanReport, SeparatedAlternative, SeparationReport};
 use crate::units::{joint_column, joint_to_file};
@@ -73,7 +74,7 @@ pub fn separated(report: &SeparationReport, of: &Planned) -> Page {
     let row = |a: &SeparatedAlternative| {
         let name = |(name, joints): &(&str, Vec<usize>)| match joints.len() {
             0 => name.replace('-', " "),
-            _ => format!("{} of joint {}", name.replace('-', " "), sections::runs(joints)),
+            _ => format!("{} of joint {}", name.replace('-', " "), runs(joints)),
         };
         let names: Vec<String> = a.effects.iter().map(name).collect();
         let worse = [a.worse_by_now, a.worse_by_planned].map(|x| format!("{x:.1}"));

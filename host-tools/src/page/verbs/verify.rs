@@ -2,8 +2,9 @@ use nalgebra::Vector3;
 
 use super::super::charts::{before_and_after, shares};
 use super::super::document::{Figure, Page, Section};
+use super::super::numbers::{mm, runs};
 use super::super::picture::Arrow;
-use super::super::sections::{self, mm, runs, table};
+use super::super::sections::{self, table};
 use super::file_name;
 use crate::model::{Commanded, Model};
 use crate::plot::Ink;
