@@ -74,40 +74,14 @@ pub fn plan(
     options: &PlanOptions,
     progress: &dyn Fn(usize, usize),
 ) -> Result<PosePlan> {
-    if options.candidates < 2 * options.poses || options.poses == 0 {
-        return Err(Error::data(
-            Kind::NoPoses,
-            format!("{} poses out of {} candidates", options.poses, options.candidates),
-            "ask for at least one pose, and for some thousand candidates",
-        ));
-    }
+    enough_candidates(options)?;
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let candidates = options.workspace.sample(robot, options.candidates, &mut rng)?;
     let judged = options.workspace.sample(robot, JUDGED, &mut rng)?;
     let design = Design::new(robot, &candidates);
     let judged = design.blocks(robot, &judged);
-    let least = design.parameters().div_ceil(3);
-    if options.poses < least {
-        return Err(Error::data(
-            Kind::TooFewPoses,
-            format!(
-                "{} poses give {} equations for {} parameters that points can determine",
-                options.poses,
-                3 * options.poses,
-                design.parameters()
-            ),
-            format!("plan at least {least} poses, better {}", 2 * least),
-        ));
-    }
+    let mut count = first_count(&design, options, robot.sigma)?;
     let bound = |n: usize| robot.sigma * (design.parameters() as f64 / n as f64).sqrt();
-    let mut count = match options.target {
-        // The prior may beat the bound by a little.
-        Some(target) => {
-            let fewest = 0.9 * design.parameters() as f64 * (robot.sigma / target).powi(2);
-            (fewest as usize).clamp(least, options.poses)
-        }
-        None => options.poses,
-    };
     loop {
         progress(count, options.poses);
         let chosen = best_of_starts(&design, count, options.seed);
@@ -133,6 +107,43 @@ pub fn plan(
             reached,
         });
     }
+}
+
+/// Candidates to choose from?
+fn enough_candidates(options: &PlanOptions) -> Result<()> {
+    if options.candidates >= 2 * options.poses && options.poses > 0 {
+        return Ok(());
+    }
+    Err(Error::data(
+        Kind::NoPoses,
+        format!("{} poses out of {} candidates", options.poses, options.candidates),
+        "ask for at least one pose, and for some thousand candidates",
+    ))
+}
+
+/// How many poses are tried first: all, or the fewest that may reach the target.
+fn first_count(design: &Design, options: &PlanOptions, sigma: f64) -> Result<usize> {
+    let least = design.parameters().div_ceil(3);
+    if options.poses < least {
+        return Err(Error::data(
+            Kind::TooFewPoses,
+            format!(
+                "{} poses give {} equations for {} parameters that points can determine",
+                options.poses,
+                3 * options.poses,
+                design.parameters()
+            ),
+            format!("plan at least {least} poses, better {}", 2 * least),
+        ));
+    }
+    Ok(match options.target {
+        // The prior may beat the bound by a little.
+        Some(target) => {
+            let fewest = 0.9 * design.parameters() as f64 * (sigma / target).powi(2);
+            (fewest as usize).clamp(least, options.poses)
+        }
+        None => options.poses,
+    })
 }
 
 fn best_of_starts(design: &Design, count: usize, seed: u64) -> Vec<usize> {
