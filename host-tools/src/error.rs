@@ -18,6 +18,8 @@ pub enum Kind {
     NoRows,
     /// Fewer equations than unknowns, or a single pose.
     TooFewPoses,
+    /// A number that became infinite, or none: nothing is written.
+    NotFinite,
     /// Points too few, or on a line, so that a frame is undetermined.
     FrameUndetermined,
     /// A tracker station that the model does not know.
@@ -193,8 +195,8 @@ impl Error {
         Self::File {
             path: path.to_owned(),
             place: Box::new(place),
-            message: message.into(),
-            help: help.into(),
+            message: shortened(message.into()),
+            help: shortened(help.into()),
             excerpt: None,
         }
     }
@@ -212,12 +214,12 @@ impl Error {
 
     /// Of the data as a whole.
     pub fn data(kind: Kind, message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self::Data { kind, message: message.into(), help: help.into() }
+        Self::Data { kind, message: shortened(message.into()), help: shortened(help.into()) }
     }
 
     /// Of the command line.
     pub fn usage(message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self::Usage { message: message.into(), help: help.into() }
+        Self::Usage { message: shortened(message.into()), help: shortened(help.into()) }
     }
 
     /// Of the system.
@@ -234,6 +236,17 @@ impl Error {
             format!("{rows} of {of} rows contradict the rest"),
             "so many are no outliers: check joint senses, units and the nominal geometry; \
              `truearm diagnose` shows which rows they are",
+        )
+    }
+
+    /// A result that is no number, by its name: nothing of it is written.
+    #[must_use]
+    pub fn not_finite(what: &str, value: f64) -> Self {
+        Self::data(
+            Kind::NotFinite,
+            format!("{what} is {value}: nothing is written"),
+            "a value of the robot, the model or the rows is too large to compute with, or too few \
+             directions are known: `truearm check` looks for such",
         )
     }
 
@@ -258,5 +271,73 @@ impl Error {
     }
 }
 
+/// More digits no number of a message needs.
+const MOST_DIGITS: usize = 24;
+/// Longer words, such as a whole line without a blank, are not read by anybody.
+const LONGEST_WORD: usize = 400;
+
+/// A message whose numbers and words are short enough to be read: of longer ones
+/// the beginning, and how long they are.
+fn shortened(text: String) -> String {
+    let long = |word: &str| word.len() > MOST_DIGITS;
+    if !text.split(char::is_whitespace).any(long) {
+        return text;
+    }
+    let mut out = String::with_capacity(text.len().min(1 << 12));
+    for part in text.split_inclusive(char::is_whitespace) {
+        let word = part.trim_end_matches(char::is_whitespace);
+        let blank = &part[word.len()..];
+        out += &match word.chars().count() {
+            count if count > LONGEST_WORD => {
+                let head: String = word.chars().take(60).collect();
+                format!("{head}... ({count} characters)")
+            }
+            _ => few_digits(word),
+        };
+        out += blank;
+    }
+    out
+}
+
+/// A word without numbers of hundreds of digits.
+fn few_digits(word: &str) -> String {
+    let mut out = String::with_capacity(word.len());
+    let mut rest = word;
+    while let Some(begin) = rest.find(|c: char| c.is_ascii_digit()) {
+        let digits = &rest[begin..];
+        let end = digits.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(digits.len());
+        out += &rest[..begin];
+        if end > MOST_DIGITS {
+            out += &format!("{}... ({end} digits)", &digits[..12]);
+        } else {
+            out += &digits[..end];
+        }
+        rest = &digits[end..];
+    }
+    out + rest
+}
+
 /// Results of the library.
 pub type Result<T> = std::result::Result<T, Error>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_are_short() {
+        let digits = format!("\"1{}\" is not a number", "0".repeat(299));
+        assert_eq!(shortened(digits), "\"100000000000... (300 digits)\" is not a number");
+        let word = format!("{} is\nno number", "x".repeat(1000));
+        let said = shortened(word);
+        assert!(said.ends_with("... (1000 characters) is\nno number"), "{said}");
+        for plain in [
+            "",
+            "a\tb  c\n",
+            "found 1.25, -3.1415926535897931 and 1e-300",
+            "m.csv:2, column q1_deg",
+        ] {
+            assert_eq!(shortened(plain.to_owned()), plain);
+        }
+    }
+}

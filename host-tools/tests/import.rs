@@ -580,7 +580,7 @@ fn the_program() {
     assert_eq!(read("again.csv"), plain());
     fs::write(folder.path().join("out/import.toml"), read("out/import.toml") + "# mine\n").unwrap();
     let done = run("import a.csv --out out/m.csv");
-    assert_eq!(done.status.code(), Some(2));
+    assert_eq!(done.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&done.stderr).contains("--config out/import.toml"));
     assert!(run("import a.csv --out out/m.csv --force").status.success());
     assert!(!read("out/import.toml").contains("# mine"));

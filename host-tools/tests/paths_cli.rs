@@ -194,7 +194,7 @@ fn documented_templates() {
     assert_eq!(blocks.len(), 2, "KRL and RAPID");
     for block in blocks {
         fs::write(folder.path().join("t.toml"), block).unwrap();
-        run(&folder, &format!("{line} told.txt --template t.toml"));
+        run(&folder, &format!("{line} told.txt --template t.toml --force"));
         let program = read(&folder, "told.txt");
         for row in table(&folder, "told.csv") {
             for q in numbers(&row, JOINTS) {

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use truearm::blob::{self, Blob};
 use truearm::effects::{Curve, Term};
-use truearm::{ArmParameters, Curves, JointKind};
+use truearm::{ArmParameters, Curves, JointKind, MdhParameters};
 
 use crate::model::arm::with_joints;
 use crate::model::{ErrorCurve, friction, friction_unit, part};
@@ -33,6 +33,23 @@ pub fn describe(blob: &Blob, given: usize) -> String {
 }
 
 fn fields<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
+    let kinds = p.nominal.map(|link| link.kind);
+    let mut text = head(p);
+    text += "joint     alpha deg       a mm  theta deg       d mm   beta deg   limits          covered\n";
+    (0..N).for_each(|i| text += &joint(p, i));
+    text +=
+        "\nRows marked + are the identified corrections, added to the nominal values above them.\n";
+    text + &links(p) + &terms(&p.terms, &kinds) + &curves(p.curves) + &uncertainty(blob, p)
+}
+
+/// A point or a rotation vector in the unit of a factor.
+fn vector(v: &Vector3<f64>, factor: f64) -> String {
+    let [x, y, z] = [v.x, v.y, v.z].map(|x| shown(x * factor));
+    format!("{x:.4} {y:.4} {z:.4}")
+}
+
+/// What is said of the arm as a whole.
+fn head<const N: usize>(p: &ArmParameters<f64, N>) -> String {
     let created = match p.created {
         0 => "unknown".to_owned(),
         seconds => {
@@ -41,13 +58,9 @@ fn fields<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
             format!("{when} ({seconds} Unix s)")
         }
     };
-    let vector = |v: &Vector3<f64>, factor: f64| {
-        let [x, y, z] = [v.x, v.y, v.z].map(|x| shown(x * factor));
-        format!("{x:.4} {y:.4} {z:.4}")
-    };
     let orientation =
         if p.orientation_identified { "identified" } else { "not identified (nominal)" };
-    let mut text = format!(
+    format!(
         "robot id              {:#018x}\n\
          sequence              {}\n\
          created               {created}\n\
@@ -57,8 +70,7 @@ fn fields<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
          flange orientation    {orientation}\n\
          RMS error mm          {} before, {} after (cross-validated)\n\
          reference temp. C     {:.2}\n\
-         {}\n\
-         joint     alpha deg       a mm  theta deg       d mm   beta deg   limits          covered\n",
+         {}\n",
         p.robot_id,
         p.sequence,
         vector(&p.base_translation, 1e3),
@@ -75,46 +87,44 @@ fn fields<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
                 vector(&m.payload_com, 1e3)
             ),
         }
-    );
-    for i in 0..N {
-        let revolute = p.nominal[i].kind == JointKind::Revolute;
-        let factor = if revolute { 1_f64.to_degrees() } else { 1e3 };
-        let range = |r: &Option<[f64; 2]>| match r {
-            Some([low, high]) => format!("{:.1}..{:.1}", low * factor, high * factor),
-            None => "-".to_owned(),
-        };
-        for (what, q) in [("", p.nominal[i].parameters), ("+", p.corrections[i])] {
-            let name = if what.is_empty() {
-                format!("{} {}", i + 1, if revolute { "rot" } else { "lin" })
-            } else {
-                "      +".to_owned()
-            };
-            text += &format!(
-                "{name:7} {:>10.4} {:>10.4} {:>10.4} {:>10.4} {:>10.4}",
-                shown(q.alpha.to_degrees()),
-                shown(q.a * 1e3),
-                shown(q.theta.to_degrees()),
-                shown(q.d * 1e3),
-                shown(q.beta.to_degrees()),
-            );
-            if what.is_empty() {
-                text += &format!("   {:15} {}", range(&p.limits[i]), range(&p.covered[i]));
-            }
-            text.push('\n');
-        }
+    )
+}
+
+/// The nominal parameters of a joint and, below them, the corrections.
+fn joint<const N: usize>(p: &ArmParameters<f64, N>, i: usize) -> String {
+    let revolute = p.nominal[i].kind == JointKind::Revolute;
+    let factor = if revolute { 1_f64.to_degrees() } else { 1e3 };
+    let range = |r: &Option<[f64; 2]>| match r {
+        Some([low, high]) => format!("{:.1}..{:.1}", low * factor, high * factor),
+        None => "-".to_owned(),
+    };
+    let row = |name: &str, q: &MdhParameters<f64>| {
+        format!(
+            "{name:7} {:>10.4} {:>10.4} {:>10.4} {:>10.4} {:>10.4}",
+            shown(q.alpha.to_degrees()),
+            shown(q.a * 1e3),
+            shown(q.theta.to_degrees()),
+            shown(q.d * 1e3),
+            shown(q.beta.to_degrees()),
+        )
+    };
+    let name = format!("{} {}", i + 1, if revolute { "rot" } else { "lin" });
+    format!(
+        "{}   {:15} {}\n{}\n",
+        row(&name, &p.nominal[i].parameters),
+        range(&p.limits[i]),
+        range(&p.covered[i]),
+        row("      +", &p.corrections[i])
+    )
+}
+
+/// Masses of the links, where there are any.
+fn links<const N: usize>(p: &ArmParameters<f64, N>) -> String {
+    let Some(m) = &p.masses else { return String::new() };
+    let mut text = "\nlink     mass kg   centre of mass mm\n".to_owned();
+    for (i, (mass, com)) in m.mass.iter().zip(&m.com).enumerate() {
+        text += &format!("{:<4} {:>11.4}   {}\n", i + 1, shown(*mass), vector(com, 1e3));
     }
-    text +=
-        "\nRows marked + are the identified corrections, added to the nominal values above them.\n";
-    if let Some(m) = &p.masses {
-        text += "\nlink     mass kg   centre of mass mm\n";
-        for (i, (mass, com)) in m.mass.iter().zip(&m.com).enumerate() {
-            text += &format!("{:<4} {:>11.4}   {}\n", i + 1, shown(*mass), vector(com, 1e3));
-        }
-    }
-    let kinds = p.nominal.map(|link| link.kind);
-    text += &terms(&p.terms, &kinds);
-    text += &curves(p.curves);
-    text += &uncertainty(blob, p);
     text
 }
 

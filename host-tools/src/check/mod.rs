@@ -44,6 +44,10 @@ const EXPLAINED: f64 = 0.05;
 /// Corrections beyond are no arm's own, tolerances.
 const UNBELIEVABLE: f64 = 100.0;
 
+/// Poses of fewer different joint values agree with nearly any arm, however often
+/// each is measured: base and tool alone are nine unknowns.
+pub const LEAST_POSES: usize = 6;
+
 /// What there is to say about a robot file and its measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -52,7 +56,8 @@ pub enum Verdict {
     Sound,
     /// Mistakes were found, and what undoes them.
     Mendable,
-    /// They do not agree, and no one or two mistakes say why.
+    /// They do not agree, and no one or two mistakes say why; or there are too few
+    /// poses to tell.
     NotUnderstood,
 }
 
@@ -81,9 +86,18 @@ pub struct Finding {
     pub correction_before: f64,
     /// Where the first marker is seen in the last frame, m.
     pub tool: Vector3<f64>,
+    /// Poses of different joint values that the measurements have; nothing can be
+    /// decided of fewer than [`LEAST_POSES`].
+    pub poses: usize,
 }
 
 impl Finding {
+    /// Whether there are too few poses to decide anything.
+    #[must_use]
+    pub fn too_few(&self) -> bool {
+        self.poses < LEAST_POSES
+    }
+
     /// Whether the frames of the links are no longer those that the robot file
     /// had, so that centres of mass may be elsewhere.
     #[must_use]
@@ -102,6 +116,9 @@ pub fn check(robot: &Robot, data: &Measurements) -> Result<Finding> {
     let sample = Sample::of(data, links.iter().map(|link| link.kind).collect())?;
     let search = Search { links: &links, tool: robot.tool, sample: &sample };
     let nothing = search.nothing();
+    if data.poses < LEAST_POSES {
+        return Ok(undecided(robot, data, &nothing));
+    }
     let ones = search.one();
     let mut best = better(nothing.clone(), ones.first());
     let mut ranked = ones.clone();
@@ -133,7 +150,26 @@ pub fn check(robot: &Robot, data: &Measurements) -> Result<Finding> {
         rms_after: best.fitted.rms,
         correction_before: nothing.fitted.correction,
         tool: best.fitted.state.markers.first().copied().unwrap_or(robot.tool),
+        poses: data.poses,
     })
+}
+
+/// Of too few poses nothing can be said but how well they agree.
+fn undecided(robot: &Robot, data: &Measurements, nothing: &Found) -> Finding {
+    let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
+    Finding {
+        verdict: Verdict::NotUnderstood,
+        said: Vec::new(),
+        changes: Vec::new(),
+        equivalent: Vec::new(),
+        margin: None,
+        absorbed: Vec::new(),
+        rms_before: finite(nothing.fitted.rms),
+        rms_after: finite(nothing.fitted.rms),
+        correction_before: finite(nothing.fitted.correction),
+        tool: robot.tool,
+        poses: data.poses,
+    }
 }
 
 /// Explanations beside the best one.

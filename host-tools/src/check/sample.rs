@@ -58,10 +58,18 @@ impl Sample {
         let usable: Vec<usize> =
             usable.into_iter().filter(|i| counts[all[*i].station] >= LEAST_OF_STATION).collect();
         if usable.len() < LEAST_ROWS {
+            let is_point = |row: &&crate::model::Row| kind(row).point(row).is_some();
+            let points = all.iter().filter(is_point).count();
+            let least = LEAST_ROWS + 2;
+            let why = if points >= least {
+                format!(", as {LEAST_OF_STATION} of a station are the least that count")
+            } else {
+                String::new()
+            };
             return Err(Error::data(
                 Kind::TooFewPoses,
-                format!("{}: {} points are too few to check", data.path.display(), usable.len()),
-                "measure at least eight poses, better 50",
+                format!("{}: {points} points are too few to check{why}", data.path.display()),
+                format!("measure at least {least} poses, better 50"),
             ));
         }
         let count = usable.len().min(MOST_ROWS);

@@ -1,10 +1,22 @@
-use truearm_host::model::{Model, Robot};
+use truearm_host::model::{Model, Path, Robot};
 use truearm_host::units::joint_from_file;
 use truearm_host::{Error, Result};
 
 /// What is said where the configuration was chosen for the user.
 pub const CHOSEN: &str = "the configuration of the first row was chosen, the nearest found to \
                           mid-range: give the joints to begin at with --start";
+
+/// What is said of rows that a robot does not come to without changing its
+/// configuration; nothing where there are none.
+pub fn jumps(path: &Path, rows: &[usize]) -> Option<String> {
+    let first = path.data.rows.get(*rows.first()?)?.line;
+    Some(format!(
+        "{}: {} in another configuration than the row before, first in line {first}: give --start, \
+         or mend the path",
+        path.data.path.display(),
+        super::words::count(rows.len(), "row"),
+    ))
+}
 
 /// Joint values of an option, degrees or mm, within the limits: rad or m.
 pub fn start(text: &str, model: &Model) -> Result<Vec<f64>> {

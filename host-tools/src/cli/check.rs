@@ -66,6 +66,9 @@ impl Check {
         texts: &[String; 2],
         finding: &Finding,
     ) -> Result<String> {
+        if finding.too_few() {
+            return Ok("wrote nothing: there are too few poses\n".to_owned());
+        }
         if finding.verdict == Verdict::NotUnderstood {
             return Ok("wrote nothing: what is wrong is not understood\n".to_owned());
         }
@@ -133,7 +136,7 @@ pub fn remark(figures: &Figures, robot: &Robot, data: &Measurements) -> Option<S
 
 /// What `check` finds, in a sentence; `None` where it finds nothing.
 fn found(robot: &Robot, data: &Measurements) -> Option<String> {
-    let finding = check(robot, data).ok()?;
+    let finding = check(robot, data).ok().filter(|finding| !finding.too_few())?;
     let words = match finding.verdict {
         Verdict::Sound => return None,
         Verdict::Mendable => format!(

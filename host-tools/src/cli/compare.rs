@@ -11,7 +11,7 @@ use truearm_host::report::{CompareReport, to_json};
 use super::check::explained;
 use super::evaluate::Frames as Anew;
 use super::page::write_page;
-use super::{Said, read_both, warn, words};
+use super::{Said, own, read_both, warn, words};
 
 /// The paper's methods side by side: errors, reduction, time, size of the corrections.
 #[derive(Args)]
@@ -32,13 +32,21 @@ pub struct Compare {
     /// Write compare.json, report.html and its figures, errors.svg and methods.svg, into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write over files that truearm did not write
+    #[arg(long)]
+    force: bool,
     /// Print JSON instead of the table
     #[arg(long)]
     json: bool,
 }
 
+/// What is written into a folder.
+const FILES: [&str; 3] = ["compare.json", "errors.svg", "methods.svg"];
+
 impl Compare {
     pub fn run(self) -> Result<Said> {
+        let inputs = [&self.robot, &self.data].into_iter().chain(&self.validate);
+        own::folder_apart(self.out.as_deref(), &FILES, inputs)?;
         let (robot, data) = read_both(&self.robot, &self.data)?;
         let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         let anew = self.reregister.map(Into::into).unwrap_or_default();
@@ -50,7 +58,11 @@ impl Compare {
         let json = to_json(&CompareReport::new(&found));
         let mut wrote = String::new();
         if let Some(folder) = &self.out {
-            write(&folder.join("compare.json"), json.as_bytes())?;
+            let [report, rows, methods] = FILES.map(|name| folder.join(name));
+            own::pictures(&report, &[rows.clone(), methods.clone()], self.force)?;
+            write(&report, json.as_bytes())?;
+            write(&rows, errors(&found).as_bytes())?;
+            write(&methods, bars(&found).as_bytes())?;
             write_page(&folder.join("report.html"), &compared(&found), true)?;
             let files = folder.join("{compare.json,errors.svg,methods.svg,report.html}");
             wrote = format!("wrote {}\n", files.display());

@@ -3,14 +3,14 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use truearm::Task;
 use truearm_host::blob::notes;
-use truearm_host::files::{Wanted, write};
+use truearm_host::files::Wanted;
 use truearm_host::model::{Model, Path};
 use truearm_host::paths::write::{Move, Template, Timing, ros2, urscript};
 use truearm_host::paths::{CompensateOptions, Compensated, compensate, compensated_csv, unknown};
 use truearm_host::report::{CompensateReport, to_json};
 use truearm_host::{Error, Result};
 
-use super::{End, Said, arm_file, warn, words};
+use super::{End, Said, arm_file, own, warn, words};
 
 /// Correct a path for a robot whose controller cannot be changed: joints at which
 /// the real tool is where the path wants it. Exit status 3: rows that the model
@@ -66,6 +66,9 @@ pub struct Compensate {
     /// Names of the joints in a ROS 2 trajectory; joint_1 and so on if not given
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     joint_names: Vec<String>,
+    /// Write over a file that truearm did not write
+    #[arg(long)]
+    force: bool,
     /// Print JSON instead of the table
     #[arg(long)]
     json: bool,
@@ -122,11 +125,14 @@ impl Compensate {
             (Some(template), _) => template.fill(&model, &path, &found)?,
             (None, format) => self.written(format, (&model, &path, &found))?,
         };
-        write(&self.out, text.as_bytes())?;
+        let inputs: Vec<&std::path::Path> =
+            [&self.model, &self.path].into_iter().chain(&self.template).map(|p| &**p).collect();
+        own::write_like(&self.out, &text, &inputs, self.force)?;
         let mut warnings = [path.data.warnings.clone(), unknown(&model, &path)].concat();
         if found.chosen {
             warnings.push(arm_file::CHOSEN.to_owned());
         }
+        warnings.extend(arm_file::jumps(&path, &found.jumps));
         if self.f32 {
             let rounded = notes(&model).into_iter();
             warnings.extend(rounded.filter_map(|n| n.strip_prefix("warning: ").map(str::to_owned)));

@@ -11,7 +11,7 @@ use super::check::{explained, remark};
 use super::identify::residuals;
 use super::page::next_line;
 use super::progress::Bar;
-use super::{Said, deliver, read_both, warn, words};
+use super::{Said, deliver, own, read_both, warn, words};
 
 /// Find where model and measurement disagree, name the missing effect, add it,
 /// and show the gap shrink on poses that were not fitted.
@@ -49,10 +49,12 @@ pub struct Diagnose {
 
 impl Diagnose {
     pub fn run(self) -> Result<Said> {
+        let inputs = [&self.robot, &self.data].into_iter().chain(&self.holdout);
+        own::folder_apart(self.out.as_deref(), &own::MODEL_FOLDER, inputs)?;
         let (robot, data) = read_both(&self.robot, &self.data)?;
         let holdout = self.holdout.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         if let Some(holdout) = &holdout {
-            apart(&data, holdout)?;
+            apart("--holdout", &data, holdout)?;
         }
         let options = DiagnoseOptions {
             highest_order: self.highest_order.clamp(3.0, 2000.0),
@@ -91,18 +93,15 @@ impl Diagnose {
     }
 }
 
-/// Poses that were fitted are no hold-out.
-fn apart(data: &Measurements, holdout: &Measurements) -> Result<()> {
+/// Poses that were fitted are no hold-out, whichever flag gives them.
+pub fn apart(flag: &str, data: &Measurements, holdout: &Measurements) -> Result<()> {
     let shared = data.shared(holdout);
     if shared == 0 {
         return Ok(());
     }
     let (file, training) = (holdout.path.display(), data.path.display());
     Err(Error::usage(
-        format!(
-            "--holdout {file}: {shared} of {} rows are fitted in {training}",
-            holdout.rows.len()
-        ),
-        "give poses that were not fitted; without --holdout the gap is shown by cross-validation",
+        format!("{flag} {file}: {shared} of {} rows are fitted in {training}", holdout.rows.len()),
+        format!("give poses that were not fitted; without {flag} cross-validation judges"),
     ))
 }

@@ -3,7 +3,8 @@ use std::path::PathBuf;
 use clap::Args;
 use truearm::blob::Blob;
 use truearm_host::Result;
-use truearm_host::blob::diff;
+use truearm_host::blob::difference;
+use truearm_host::report::{DiffReport, to_json};
 
 use super::{Said, read_blob, refused};
 
@@ -20,6 +21,9 @@ pub struct Diff {
     /// Seed of the draw
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Print JSON instead of words
+    #[arg(long)]
+    json: bool,
 }
 
 impl Diff {
@@ -31,6 +35,11 @@ impl Diff {
         };
         check(&a)?;
         check(&b)?;
-        Ok(diff(&a.1, &b.1, self.poses, self.seed)?.into())
+        let found = difference(&a.1, &b.1, self.poses, self.seed)?;
+        if !self.json {
+            return Ok(found.words.into());
+        }
+        let files = [&self.before, &self.after].map(|path| path.display().to_string());
+        Ok(to_json(&DiffReport::new(files, self.seed, found)).into())
     }
 }

@@ -10,7 +10,7 @@ use truearm_host::report::{ExportReport, to_json};
 use truearm_host::units::to_mm;
 use truearm_host::{Error, Result};
 
-use super::{Said, warn};
+use super::{Said, own, warn};
 
 /// Write the identified geometry as URDF, calibration file, table or JSON.
 #[derive(Args)]
@@ -71,6 +71,8 @@ impl Export {
         if let Some(path) = self.json.as_ref().filter(|_| !printed) {
             files.push((path, report()));
         }
+        let inputs = std::iter::once(&self.model).chain(&self.like).map(PathBuf::as_path);
+        own::apart(files.iter().map(|(path, _)| path.as_path()), inputs)?;
         // None is written where one may not be.
         for (path, _) in &files {
             overwritable(path, self.force)?;

@@ -3,12 +3,12 @@ use std::path::PathBuf;
 use clap::Args;
 use truearm_host::Result;
 use truearm_host::evaluate::not_covered;
-use truearm_host::files::{Wanted, write};
+use truearm_host::files::Wanted;
 use truearm_host::model::{Model, Path};
 use truearm_host::paths::{Forward, View, forward_csv, unknown};
 use truearm_host::report::{FkReport, to_json};
 
-use super::{Said, warn, words};
+use super::{Said, own, warn, words};
 
 /// Where the tool is at given joints: the pose of [tool] in the coordinates of
 /// [base], the real arm's by default.
@@ -33,6 +33,9 @@ pub struct Fk {
     /// station sees the only one of the model if none is named
     #[arg(long, value_name = "LABEL")]
     marker: Option<String>,
+    /// Write over a file that truearm did not write
+    #[arg(long)]
+    force: bool,
     /// Print JSON instead of words
     #[arg(long)]
     json: bool,
@@ -49,7 +52,9 @@ impl Fk {
             Forward::real(&model, &view)?
         };
         let poses = forward.all(&path.data);
-        write(&self.out, forward_csv(&path, &model.robot, &poses)?.as_bytes())?;
+        let inputs = [self.model.as_path(), &self.rows];
+        let table = forward_csv(&path, &model.robot, &poses)?;
+        own::write_like(&self.out, &table, &inputs, self.force)?;
         let mut warnings = [model.robot.warnings.clone(), path.data.warnings.clone()].concat();
         if !self.nominal {
             warnings.extend(unknown(&model, &path));

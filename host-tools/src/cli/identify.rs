@@ -11,9 +11,10 @@ use truearm_host::units::to_mm;
 use truearm_host::{Error, Result};
 
 use super::check::{explained, remark};
+use super::diagnose::apart;
 use super::evaluate::Frames;
 use super::progress::Bar;
-use super::{Said, deliver, read_both, warn, words};
+use super::{Said, deliver, own, read_both, warn, words};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
 #[derive(Args)]
@@ -62,8 +63,13 @@ enum Mode {
 impl Identify {
     pub fn run(self) -> Result<Said> {
         let options = self.options()?;
+        let inputs = [&self.robot, &self.data].into_iter().chain(&self.validate);
+        own::folder_apart(self.out.as_deref(), &own::MODEL_FOLDER, inputs)?;
         let (robot, data) = read_both(&self.robot, &self.data)?;
         let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
+        if let Some(other) = &other {
+            apart("--validate", &data, other)?;
+        }
         let bar = Bar::new("identifying");
         let found = identify(&robot, &data, &options, &|done, total| bar.update(done, total));
         bar.finish();

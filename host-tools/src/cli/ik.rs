@@ -2,15 +2,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 use truearm_host::Result;
-use truearm_host::files::{Wanted, write};
+use truearm_host::files::Wanted;
 use truearm_host::model::{Model, Path};
 use truearm_host::paths::{Forward, Inverse, View, inverse_csv};
 use truearm_host::report::{IkReport, to_json};
 
-use super::{End, Said, arm_file, warn, words};
+use super::{End, Said, arm_file, own, warn, words};
 
-/// The joints for poses of the tool, each row from the row before, within the
-/// joint limits. Exit status 3: some row is not reached.
+/// The joints for poses of the tool, each row from the row before, and where that
+/// leads nowhere from elsewhere, within the joint limits. Exit status 3: some row
+/// is not reached.
 #[derive(Args)]
 pub struct Ik {
     /// model.toml; a robot.toml is the nominal arm
@@ -28,6 +29,9 @@ pub struct Ik {
     /// Of the nominal arm: what the controller would find
     #[arg(long)]
     nominal: bool,
+    /// Write over a file that truearm did not write
+    #[arg(long)]
+    force: bool,
     /// Print JSON instead of words
     #[arg(long)]
     json: bool,
@@ -46,11 +50,14 @@ impl Ik {
         };
         let inverse = Inverse::new(&forward, &model.robot);
         let found = inverse.follow(&path.data, &path.targets, start.as_deref());
-        write(&self.out, inverse_csv(&path, &model.robot, &found.rows)?.as_bytes())?;
+        let inputs = [self.model.as_path(), &self.rows];
+        let table = inverse_csv(&path, &model.robot, &found.rows)?;
+        own::write_like(&self.out, &table, &inputs, self.force)?;
         let mut warnings = [model.robot.warnings.clone(), path.data.warnings.clone()].concat();
         if found.chosen {
             warnings.push(arm_file::CHOSEN.to_owned());
         }
+        warnings.extend(arm_file::jumps(&path, &found.jumps));
         warn(&warnings);
         let [file, out] = [&self.model, &self.out].map(|path| path.display().to_string());
         let report = IkReport::new([file, out], &path, self.nominal, &found, warnings);

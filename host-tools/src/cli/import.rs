@@ -1,14 +1,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use truearm_host::files::{read_text, write};
+use truearm_host::error::Place;
+use truearm_host::files::{foreign, overwritable_like, read_text, write};
 use truearm_host::headings::Unit;
 use truearm_host::import::{FileConfig, ImportOptions, JoinAsked, import};
 use truearm_host::model::Robot;
 use truearm_host::report::{ImportReport, to_json};
 use truearm_host::{Error, Result};
 
-use super::{Said, warn, words};
+use super::{Said, own, warn, words};
 
 /// Turn measurement files as they come (CSV, TSV, columns, .xlsx, .ods; any
 /// encoding, decimal commas) into measurements.csv, and write import.toml beside
@@ -64,7 +65,8 @@ pub struct Import {
     /// Leave rows out that lack a joint or a coordinate
     #[arg(long)]
     skip_incomplete: bool,
-    /// Write over an import.toml that says something else
+    /// Write over files that truearm did not write, and an import.toml that says
+    /// something else
     #[arg(long)]
     force: bool,
     /// Print JSON instead of words
@@ -101,22 +103,40 @@ impl Import {
                 beside
             }
         };
+        self.spared(&wrote, &done.csv)?;
         write(&self.out, done.csv.as_bytes())?;
         if self.config.is_none() {
             write(&wrote, done.config.as_bytes())?;
         }
         let show = |path: &Path| path.display().to_string();
         let report = ImportReport::new(done, show(&self.out), show(&wrote));
-        warn(&report.warnings);
+        warn(&report.made.warnings);
         Ok(if self.json { to_json(&report) } else { words::import(&report) }.into())
+    }
+
+    /// No input is written over, and no measurements.csv but one that an import
+    /// made: it has the same columns, and the import.toml that made it is there.
+    fn spared(&self, config: &Path, csv: &str) -> Result<()> {
+        let outputs = [self.out.as_path()].into_iter();
+        let outputs = outputs.chain((self.config.is_none()).then_some(config));
+        let inputs = self.files.iter().chain(&self.robot).chain(&self.config);
+        own::apart(outputs, inputs.map(PathBuf::as_path))?;
+        overwritable_like(&self.out, csv, self.force)?;
+        let same = std::fs::read(&self.out).is_ok_and(|old| old == csv.as_bytes());
+        if self.force || same || config.is_file() || !self.out.is_file() {
+            return Ok(());
+        }
+        Err(foreign(&self.out))
     }
 
     /// An import.toml that somebody edited is not written over.
     fn keep(&self, path: &Path, text: &str) -> Result<()> {
-        let old = std::fs::read_to_string(path).ok().filter(|old| old != text && !self.force);
+        let old = std::fs::read(path).ok().filter(|old| old != text.as_bytes() && !self.force);
         match old {
-            Some(_) => Err(Error::usage(
-                format!("{} says something else than would be written", path.display()),
+            Some(_) => Err(Error::file(
+                path,
+                Place::default(),
+                "the file says something else than would be written",
                 format!("use it with --config {}, or write over it with --force", path.display()),
             )),
             None => Ok(()),

@@ -3,9 +3,10 @@ use std::path::PathBuf;
 use clap::Args;
 use truearm::blob::{Acceptance, Blob};
 use truearm_host::Result;
-use truearm_host::blob::describe;
+use truearm_host::blob::{contents, describe};
 use truearm_host::files::read_key;
 use truearm_host::model::Robot;
+use truearm_host::report::{InspectReport, to_json};
 
 use super::{End, Said, read_blob, refused, warn};
 
@@ -23,6 +24,9 @@ pub struct Inspect {
     /// Is it at least of this sequence number, that of the blob in force?
     #[arg(long, value_name = "SEQUENCE")]
     not_before: Option<u32>,
+    /// Print JSON instead of words
+    #[arg(long)]
+    json: bool,
 }
 
 impl Inspect {
@@ -51,9 +55,19 @@ impl Inspect {
             acceptance = acceptance.not_before(sequence);
             asked.push(format!("sequence {sequence} in force"));
         }
-        if let Err(refusal) = acceptance.judge(&blob) {
+        let judged = acceptance.judge(&blob);
+        if self.json {
+            let why = judged.as_ref().err().map(ToString::to_string);
+            let file = self.blob.display().to_string();
+            let holds = contents(&blob, bytes.len());
+            text = to_json(&InspectReport::new(file, holds, asked.clone(), why));
+        }
+        if let Err(refusal) = judged {
             // What it is helps to see why it is refused.
             return Ok(Said { text, end: End::Failed(refused(refusal)) });
+        }
+        if self.json {
+            return Ok(text.into());
         }
         if !asked.is_empty() {
             text += &format!("\naccepted by a controller with: {}\n", asked.join(", "));

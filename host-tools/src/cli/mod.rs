@@ -155,8 +155,9 @@ fn deliver(
     let json = to_json(report);
     let mut wrote = String::new();
     if let Some(folder) = folder {
+        let text = model.to_sound_toml()?;
         own::in_folder(folder, model, force)?;
-        write(&folder.join("model.toml"), model.to_toml().as_bytes())?;
+        write(&folder.join("model.toml"), text.as_bytes())?;
         write(&folder.join("report.json"), json.as_bytes())?;
         write(&folder.join("residuals.csv"), residuals().as_bytes())?;
         page::write_page(&folder.join("report.html"), &pictures()?, figures)?;

@@ -1,18 +1,84 @@
 //! What may be written over: files that truearm wrote, of the same robot. The
-//! rest needs --force.
+//! rest needs --force; and nothing lets a verb write over what it reads.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use truearm::blob::Blob;
+use truearm_host::error::Place;
+use truearm_host::files::{foreign, overwritable, overwritable_like, write};
 use truearm_host::model::Model;
 use truearm_host::page::BEGIN;
 use truearm_host::{Error, Result};
+
+/// Whether none of the outputs is a file that is read, by whatever name.
+///
+/// # Errors
+/// The one that is, with or without --force.
+pub fn apart<'o, 'i>(
+    outputs: impl IntoIterator<Item = &'o Path>,
+    inputs: impl IntoIterator<Item = &'i Path>,
+) -> Result<()> {
+    let real = |path: &Path| std::fs::canonicalize(path).ok();
+    let read: Vec<(&Path, PathBuf)> =
+        inputs.into_iter().filter_map(|path| Some((path, real(path)?))).collect();
+    for output in outputs {
+        let Some(place) = real(output).filter(|place| place.is_file()) else { continue };
+        if let Some((input, _)) = read.iter().find(|(_, read)| *read == place) {
+            return Err(Error::usage(
+                format!("{} is read: it would be written over", input.display()),
+                "write elsewhere; --force is for other files",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The same of files in a folder that is to be written; nothing where none is.
+///
+/// # Errors
+/// As for [`apart`].
+pub fn folder_apart<'a>(
+    folder: Option<&Path>,
+    names: &[&str],
+    inputs: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<()> {
+    let Some(folder) = folder else { return Ok(()) };
+    let outputs: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
+    apart(outputs.iter().map(PathBuf::as_path), inputs.into_iter().map(PathBuf::as_path))
+}
+
+/// Whether pictures may be written beside a report: none stands there, or the
+/// report that does is truearm's.
+///
+/// # Errors
+/// The report, or the picture, that others made.
+pub fn pictures(report: &Path, pictures: &[PathBuf], force: bool) -> Result<()> {
+    overwritable(report, force)?;
+    let there = pictures.iter().find(|picture| picture.is_file());
+    match there.filter(|_| !force && !report.is_file()) {
+        Some(picture) => Err(foreign(picture)),
+        None => Ok(()),
+    }
+}
+
+/// Writes a table or a program, if it may stand there.
+///
+/// # Errors
+/// An input, or a file that this verb did not write, and what the system says.
+pub fn write_like(path: &Path, text: &str, inputs: &[&Path], force: bool) -> Result<()> {
+    apart([path], inputs.iter().copied())?;
+    overwritable_like(path, text, force)?;
+    write(path, text.as_bytes())
+}
 
 /// Robot id of a model, as its blob has it.
 fn id(model: &Model) -> u64 {
     let named = || truearm::blob::robot_id(&model.robot.name, &model.robot.serial);
     model.robot_id.unwrap_or_else(named)
 }
+
+/// What `identify` and `diagnose` write into a folder.
+pub const MODEL_FOLDER: [&str; 3] = ["model.toml", "report.json", "residuals.csv"];
 
 /// Whether a file of a model's folder may be written over.
 ///
@@ -69,16 +135,11 @@ pub fn blob_file(path: &Path, model: &Model, force: bool) -> Result<()> {
     }
 }
 
-fn foreign(path: &Path) -> Error {
-    Error::usage(
-        format!("{} is there and not of truearm's making", path.display()),
-        "write elsewhere, or over it with --force",
-    )
-}
-
 fn other(path: &Path, robot: &str) -> Error {
-    Error::usage(
-        format!("{} is of another robot: {}", path.display(), robot.trim()),
+    Error::file(
+        path,
+        Place::default(),
+        format!("the file is of another robot: {}", robot.trim()),
         "write elsewhere, or over it with --force",
     )
 }

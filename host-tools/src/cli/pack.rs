@@ -3,9 +3,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use truearm::blob::Blob;
 use truearm_host::blob::image::{self, MemoryRegion, MemoryRegions};
-use truearm_host::blob::{PackOptions, notes, pack_with};
+use truearm_host::blob::{PackOptions, contents, notes, pack_with};
 use truearm_host::files::{read_key, write};
 use truearm_host::model::Model;
+use truearm_host::report::{PackReport, to_json};
 use truearm_host::{Error, Kind, Result};
 
 use super::{Said, own, refused};
@@ -45,6 +46,9 @@ pub struct Pack {
     /// Write over files that truearm did not write, or of another robot
     #[arg(long)]
     force: bool,
+    /// Print JSON instead of words
+    #[arg(long)]
+    json: bool,
 }
 
 /// File formats.
@@ -93,6 +97,8 @@ fn family(text: &str) -> std::result::Result<u32, String> {
 
 impl Pack {
     pub fn run(self) -> Result<Said> {
+        let inputs = [&self.model, &self.memory].into_iter().chain(&self.key);
+        own::apart([self.out.as_path()], inputs.map(PathBuf::as_path))?;
         let model = Model::read(&self.model)?;
         let key = self.key.as_deref().map(read_key).transpose()?;
         let options = PackOptions { sequence: self.sequence, covariance: self.covariance, key };
@@ -103,12 +109,22 @@ impl Pack {
             own::blob_file(&self.out, &model, self.force)?;
         }
         write(&self.out, &encoded)?;
+        let remarks = remarks(&model);
+        if self.json {
+            let blob = Blob::check(&bytes).map_err(|e| refused(&self.out, &bytes, &e.into()))?;
+            let format = self.format().to_possible_value();
+            let format = format.map_or_else(String::new, |value| value.get_name().to_owned());
+            let [model, out] = [&self.model, &self.out].map(|path| path.display().to_string());
+            let holds = contents(&blob, bytes.len());
+            let report = PackReport::new([model, out, format], slot.as_ref(), holds, remarks);
+            return Ok(to_json(&report).into());
+        }
         let mut text =
             format!("wrote {}: {} bytes of parameters\n", self.out.display(), bytes.len());
         if let Some(MemoryRegion { name, origin, length }) = &slot {
             text += &format!("slot {name} at {origin:#010x}, {length} bytes\n");
         }
-        Ok((text + &report(&model)).into())
+        Ok((text + &remarks.join("\n") + "\n").into())
     }
 
     fn format(&self) -> Format {
@@ -155,7 +171,7 @@ impl Pack {
 }
 
 /// What the blob says and does not say.
-fn report(model: &Model) -> String {
+fn remarks(model: &Model) -> Vec<String> {
     let mut lines = notes(model);
     lines.push(format!(
         "frame: commanded poses refer to the nominal base; residual base {:.3} {:.3} {:.3} mm",
@@ -174,5 +190,5 @@ fn report(model: &Model) -> String {
         lines.push(what.to_owned());
         lines.extend(model.unidentifiable.iter().map(|line| format!("  {line}")));
     }
-    lines.join("\n") + "\n"
+    lines
 }

@@ -1,8 +1,8 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
-use truearm_host::files::{poses_csv, write};
+use truearm_host::files::poses_csv;
 use truearm_host::model::{Measurements, Robot, Workspace};
 use truearm_host::page::{Page, Planned, planned, separated};
 use truearm_host::plan::{Explained, PlanOptions, discriminate, plan};
@@ -13,7 +13,7 @@ use truearm_host::{Error, Kind, Result};
 use super::page::write_page;
 use super::progress::Bar;
 use super::workspace::Where;
-use super::{End, Said, warn, words};
+use super::{End, Said, own, warn, words};
 
 /// Choose the poses to measure before an identification, or to tell two
 /// explanations of `diagnose` apart.
@@ -49,6 +49,9 @@ pub struct Plan {
     /// Other random candidates
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Write over files that truearm did not write
+    #[arg(long)]
+    force: bool,
     /// Print JSON instead of the table
     #[arg(long)]
     json: bool,
@@ -78,7 +81,7 @@ impl Plan {
         let found = plan(&robot, &options, &|done, total| bar.update(done, total));
         bar.finish();
         let found = found?;
-        write(&self.out, poses_csv(&robot, "q", &found.poses, &[]).as_bytes())?;
+        self.write(&poses_csv(&robot, "q", &found.poses, &[]))?;
         warn(&robot.warnings);
         let report = PlanReport::new(&robot, &found, self.candidates, self.target_um);
         self.page(|| planned(&report, &self.of(&robot, &workspace, &found.poses)))?;
@@ -121,12 +124,13 @@ impl Plan {
         }
     }
 
-    fn separate(
-        &self,
-        robot: &Robot,
-        path: &std::path::Path,
-        workspace: &Workspace,
-    ) -> Result<Said> {
+    fn write(&self, poses: &str) -> Result<()> {
+        let inputs = [&self.robot].into_iter().chain(&self.discriminate);
+        let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+        own::write_like(&self.out, poses, &inputs, self.force)
+    }
+
+    fn separate(&self, robot: &Robot, path: &Path, workspace: &Workspace) -> Result<Said> {
         let data = Measurements::read(path, robot)?;
         let bar = Bar::new("diagnosing");
         let found =
@@ -146,7 +150,7 @@ impl Plan {
         let planned = discriminate(&found.model.robot, &data, &explained, workspace, draw)?;
         let told = data.rows[0].directions.iter().any(|d| *d != 0);
         let directions = if told { planned.directions.as_slice() } else { &[] };
-        write(&self.out, poses_csv(robot, "q", &planned.poses, directions).as_bytes())?;
+        self.write(&poses_csv(robot, "q", &planned.poses, directions))?;
         let warnings = found.outcome.figures.warnings.clone();
         warn(&warnings);
         let pairs = found.outcome.alternatives.iter().zip(&planned.separation);

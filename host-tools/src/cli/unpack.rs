@@ -1,11 +1,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use truearm::blob::Blob;
 use truearm_host::Result;
-use truearm_host::blob::{Name, not_carried, unpack};
+use truearm_host::blob::{Name, contents, not_carried, unpack};
 use truearm_host::files::write;
+use truearm_host::report::{UnpackReport, to_json};
 
-use super::{Said, own, read_blob};
+use super::{Said, own, read_blob, refused};
 
 /// Make a model.toml of a parameter blob; packing it gives the same bytes.
 #[derive(Args)]
@@ -24,15 +26,25 @@ pub struct Unpack {
     /// Write over files that truearm did not write, or of another robot
     #[arg(long)]
     force: bool,
+    /// Print JSON instead of words
+    #[arg(long)]
+    json: bool,
 }
 
 impl Unpack {
     pub fn run(self) -> Result<Said> {
+        own::apart([self.out.as_path()], [self.blob.as_path()])?;
         let bytes = read_blob(&self.blob)?;
         let name = self.name.map(|name| Name { name, serial: self.serial });
         let model = unpack(&bytes, &self.blob, name)?;
         own::model_file(&self.out, &model, self.force)?;
-        write(&self.out, model.to_toml().as_bytes())?;
+        write(&self.out, model.to_sound_toml()?.as_bytes())?;
+        if self.json {
+            let blob = Blob::check(&bytes).map_err(|e| refused(&self.blob, &bytes, &e.into()))?;
+            let files = [&self.blob, &self.out].map(|path| path.display().to_string());
+            let (holds, lacks) = (contents(&blob, bytes.len()), not_carried(&model, &bytes));
+            return Ok(to_json(&UnpackReport::new(files, holds, lacks)).into());
+        }
         let mut text = format!("wrote {}\n", self.out.display());
         text += "a blob does not carry, and the file therefore lacks:\n";
         for line in not_carried(&model, &bytes) {

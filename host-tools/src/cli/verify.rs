@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use nalgebra::Vector3;
-use truearm_host::files::{csv_text, poses_csv, write};
+use truearm_host::files::{csv_text, overwritable, overwritable_like, poses_csv, write};
 use truearm_host::model::{Commanded, Measurements, Model, Row};
 use truearm_host::page::verified;
 use truearm_host::report::{VerifyReport, to_json};
@@ -13,7 +13,7 @@ use truearm_host::{Error, Result};
 
 use super::page::write_page;
 use super::workspace::Where;
-use super::{End, Said, warn, words};
+use super::{End, Said, own, warn, words};
 
 /// Verify the compensated arm on measured points: ISO 9283 accuracy and
 /// repeatability, pass or fail. Exit status 3: fail, 4: neither is proven.
@@ -55,6 +55,9 @@ pub struct Verify {
     /// Write each figure of report.html as SVG as well
     #[arg(long, requires = "out")]
     figures: bool,
+    /// Write over files that truearm did not write
+    #[arg(long)]
+    force: bool,
     /// Print JSON instead of the table
     #[arg(long)]
     json: bool,
@@ -74,6 +77,7 @@ impl Verify {
                 "give the largest error allowed in mm, such as 0.3",
             ));
         }
+        own::folder_apart(self.out.as_deref(), &["report.json", "errors.csv"], self.inputs())?;
         let model = Model::read(&self.model)?;
         let mut text = match &self.test_poses {
             Some(path) => self.propose(&model, path)?,
@@ -101,8 +105,12 @@ impl Verify {
         let json = to_json(&report);
         text += &if self.json { json.clone() } else { words::verification(&report) };
         if let Some(folder) = &self.out {
-            write(&folder.join("report.json"), json.as_bytes())?;
-            write(&folder.join("errors.csv"), errors(&data.data, &report.after).as_bytes())?;
+            let [to_report, to_errors] = ["report.json", "errors.csv"].map(|f| folder.join(f));
+            let errors = errors(&data.data, &report.after);
+            overwritable(&to_report, self.force)?;
+            overwritable_like(&to_errors, &errors, self.force)?;
+            write(&to_report, json.as_bytes())?;
+            write(&to_errors, errors.as_bytes())?;
             let page = verified(&report, &model, &data);
             write_page(&folder.join("report.html"), &page, self.figures)?;
         }
@@ -114,6 +122,11 @@ impl Verify {
         Ok(Said { text, end })
     }
 
+    fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+        let others = self.data.iter().chain(&self.before).chain(&self.apart_from);
+        std::iter::once(&self.model).chain(others)
+    }
+
     fn propose(&self, model: &Model, path: &Path) -> Result<String> {
         // Within what was identified, unless the user says otherwise.
         let mut robot = model.robot.clone();
@@ -123,7 +136,8 @@ impl Verify {
         let workspace = self.workspace.of(&robot)?;
         let used = self.apart_from.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         let poses = test_poses(model, &workspace, used.as_ref(), self.poses, self.seed)?;
-        write(path, poses_csv(&robot, "cmd", &poses, &[]).as_bytes())?;
+        let inputs: Vec<&Path> = self.inputs().map(PathBuf::as_path).collect();
+        own::write_like(path, &poses_csv(&robot, "cmd", &poses, &[]), &inputs, self.force)?;
         let said = format!("wrote {} test poses to {}\n", poses.len(), path.display());
         Ok(if self.json { String::new() } else { said })
     }

@@ -25,7 +25,7 @@ impl Identified {
     /// Of a model and one of its markers; the first if none is named.
     ///
     /// # Errors
-    /// A marker that the model does not have.
+    /// A marker that the model does not have; numbers that are none.
     pub fn of(model: &Model, marker: Option<&str>) -> Result<Self> {
         let found = match marker {
             None => model.markers.first(),
@@ -40,12 +40,32 @@ impl Identified {
         };
         let turn = Placement { xyz: Vector3::zeros(), rpy: model.robot.tool_rpy }.pose();
         let frame = Pose::from_rotation_vector(model.frame_translation, model.frame_rotation);
-        Ok(Self {
+        let arm = Self {
             base: model.robot.base.pose().compose(&frame),
             links: model.links(),
             tool: Pose { translation: *point, ..turn },
             marker: label.clone(),
-        })
+        };
+        arm.refuse_nonsense()?;
+        Ok(arm)
+    }
+
+    /// Nothing is written of numbers that are none.
+    fn refuse_nonsense(&self) -> Result<()> {
+        let pose = |pose: &Pose<f64>| {
+            pose.rotation.iter().chain(&pose.translation).copied().collect::<Vec<f64>>()
+        };
+        let named =
+            [("the base".to_owned(), pose(&self.base)), ("the tool".to_owned(), pose(&self.tool))];
+        let links = self.links.iter().enumerate();
+        let links =
+            links.map(|(i, l)| (format!("joint {}", i + 1), l.parameters.to_array().to_vec()));
+        for (name, numbers) in named.into_iter().chain(links) {
+            if let Some(x) = numbers.iter().find(|x| !x.is_finite()) {
+                return Err(Error::not_finite(&name, *x));
+            }
+        }
+        Ok(())
     }
 
     /// The frames of the links at joint values zero, each in the one before and

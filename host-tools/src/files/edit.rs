@@ -42,7 +42,7 @@ impl<'a> CsvEdit<'a> {
             }
             let start = record.position().map_or(0, |p| p.byte() as usize);
             rows.push(EditedRow {
-                spans: (0..record.len()).map(|column| source.cell(start, column)).collect(),
+                spans: source.cells(start, record.len()),
                 cells: record.iter().map(str::to_owned).collect(),
                 dropped: false,
             });

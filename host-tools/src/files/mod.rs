@@ -24,7 +24,7 @@ pub use number::number;
 pub use path::Wanted;
 pub use poses::poses_csv;
 pub use robot::RobotDraft;
-pub use signed::{Comment, overwritable, signed};
+pub use signed::{Comment, foreign, overwritable, overwritable_like, signed};
 
 use std::io::Write;
 use std::path::Path;

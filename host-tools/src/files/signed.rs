@@ -41,13 +41,37 @@ pub fn overwritable(path: &Path, force: bool) -> Result<()> {
     let text = std::fs::read(path).map_err(|e| Error::io(path, e))?;
     match std::str::from_utf8(&text) {
         Ok(text) if is_own(text) => Ok(()),
-        _ => Err(Error::file(
-            path,
-            Place::default(),
-            "the file is there, and it is not as truearm wrote it",
-            "give another name, or --force to overwrite it",
-        )),
+        _ => Err(foreign(path)),
     }
+}
+
+/// The same of a table or a program, which other programs read and which
+/// therefore carries no digest: what stands there begins with the line that the
+/// verb is about to write (of a table: its columns) or is that very text.
+///
+/// # Errors
+/// As for [`overwritable`].
+pub fn overwritable_like(path: &Path, text: &str, force: bool) -> Result<()> {
+    let file = std::fs::metadata(path).is_ok_and(|m| m.is_file());
+    if force || !file {
+        return Ok(());
+    }
+    let stands = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    let first = text.lines().next().unwrap_or("");
+    let alike = !first.trim().is_empty()
+        && std::str::from_utf8(&stands).is_ok_and(|old| old.lines().next() == Some(first));
+    if alike || stands == text.as_bytes() { Ok(()) } else { Err(foreign(path)) }
+}
+
+/// The refusal: what stands there is not of truearm's making.
+#[must_use]
+pub fn foreign(path: &Path) -> Error {
+    Error::file(
+        path,
+        Place::default(),
+        "the file is there, and it is not as truearm wrote it",
+        "give another name, or --force to overwrite it",
+    )
 }
 
 /// Whether the text is as it was written.
@@ -98,5 +122,19 @@ mod tests {
         let error = overwritable(&path, false).unwrap_err();
         assert!(error.help().contains("--force"), "{error}");
         overwritable(&path, true).unwrap();
+    }
+
+    #[test]
+    fn tables_are_known_by_their_columns() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("told.csv");
+        let like = |stands: &str, text: &str| {
+            std::fs::write(&path, stands).unwrap();
+            overwritable_like(&path, text, false).is_ok()
+        };
+        assert!(like("a,b\n1,2\n", "a,b\n3,4\n"));
+        assert!(like("", "") && like("\nx", "\nx"));
+        assert!(!like("a,b,c\n1,2,3\n", "a,b\n3,4\n"));
+        assert!(!like("\nx", "\ny") && !like("notes", "a,b\n3,4\n"));
     }
 }

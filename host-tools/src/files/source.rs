@@ -170,6 +170,36 @@ impl Source<'_> {
         begin..begin + cell.trim().len()
     }
 
+    /// The bytes of all cells of a CSV record of so many, as [`Source::cell`] has
+    /// them, in one pass.
+    pub fn cells(&self, record: usize, count: usize) -> Vec<Range<usize>> {
+        let bytes = self.text.as_bytes();
+        let (_, mut at) = self.begin(0, record);
+        let (mut begin, mut quoted, mut cells) = (at, false, Vec::with_capacity(count));
+        let bare = |begin: usize, end: usize| {
+            let cell = self.text.get(begin..end).unwrap_or("");
+            let begin = begin + cell.len() - cell.trim_start().len();
+            begin..begin + cell.trim().len()
+        };
+        while let Some(byte) = bytes.get(at) {
+            match byte {
+                b'"' => quoted = !quoted,
+                b'\n' if !quoted => break,
+                b',' if !quoted => {
+                    cells.push(bare(begin, at));
+                    begin = at + 1;
+                }
+                _ => {}
+            }
+            at += 1;
+        }
+        cells.push(bare(begin, at));
+        // Of a record with fewer cells the last one stands for the rest.
+        let last = cells.last().cloned().unwrap_or(at..at);
+        cells.resize(count, last);
+        cells
+    }
+
     /// What is wrong in a named cell of a line.
     pub fn in_cell(
         &self,
@@ -207,6 +237,7 @@ mod tests {
         let cells = [(0, 0, "a"), (0, 1, "b"), (0, 2, "\"c,\n\"\"d\"\"\"")];
         for (record, column, cell) in [cells.as_slice(), &[(17, 1, "2"), (17, 7, "3")]].concat() {
             assert_eq!(&text[source.cell(record, column)], cell);
+            assert_eq!(source.cells(record, column + 1)[column], source.cell(record, column));
         }
     }
 }

@@ -60,15 +60,18 @@ fn bracketed(text: &str) -> (String, Option<Unit>) {
 fn words(text: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
+    // Letters of the last word: counted along, as a word may be a whole line.
+    let mut length = 0;
     for c in text.chars() {
-        let length = words.last().map_or(0, |w| w.chars().count());
         let turns = before.is_numeric() != c.is_numeric();
         let camel = length > 1 && before.is_lowercase() && c.is_uppercase();
         if !c.is_alphanumeric() && c != '°' && c != 'µ' || length > 0 && (turns || camel) {
             words.push(String::new());
+            length = 0;
         }
         if let Some(word) = words.last_mut().filter(|_| c.is_alphanumeric() || "°µ".contains(c)) {
             word.extend(c.to_lowercase());
+            length += c.to_lowercase().count();
         }
         before = c;
     }

@@ -1,6 +1,6 @@
 //! From findings to model and figures.
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Vector3;
 use truearm::{MdhParameters, Pose};
 
 use super::error_bars::{Covariances, uncertainty};
@@ -137,7 +137,8 @@ impl Findings<'_> {
             .map(|i| MdhParameters::from_array(core::array::from_fn(|k| sigma[at(i) + k])));
         let frame = robot_frame(problem, found);
         let covariance = of_arm(problem, state, &found.robust.kept, &unknowns, &frame);
-        let turn = Rotation3::from_matrix_unchecked(frame.rotation).scaled_axis();
+        // Not by the arc cosine of a trace, which rounding takes beyond 3.
+        let turn = frame.rotation_vector();
         let stations = data.stations.iter().cloned().zip(state.bases.iter().copied());
         let markers = data.markers.iter().cloned().zip(state.markers.iter().copied());
         Model {

@@ -2,7 +2,8 @@
 //! distances between points and angles between orientations stay the same in
 //! every frame.
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
+use truearm::Pose;
 
 use crate::model::Robot;
 
@@ -22,19 +23,52 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-/// The median of |ln(measured / nominal distance)| of pairs of points; 0 where
-/// all distances agree. `None` of fewer than four pairs that moved. `q` in rad
-/// and m, points in m.
+/// A nominal arm that moves less between two rows stands still, m: repetitions of a
+/// pose say nothing.
+pub(super) const MOVED: f64 = 1e-6;
+
+/// Logarithms of the distances between pairs of rows; `None` of a pair that did
+/// not move.
+#[derive(Debug, Clone)]
+pub(super) struct Distances(Vec<Option<f64>>);
+
+impl Distances {
+    /// Of points, m, that moved by more than this.
+    pub fn of(points: &[Vector3<f64>], moved: f64) -> Self {
+        let log = |(i, j): (usize, usize)| {
+            let distance = (points[i] - points[j]).norm();
+            (distance > moved).then(|| distance.ln())
+        };
+        Self(pairs(points.len()).map(log).collect())
+    }
+
+    /// The median of |ln(these / others)|; 0 where all distances agree. `None` of
+    /// fewer than four pairs that moved, and beyond `most`, which is seen before
+    /// all pairs are.
+    pub fn misfit(&self, others: &Self, most: f64) -> Option<f64> {
+        let (mut all, mut beyond) = (Vec::new(), 0);
+        for (a, b) in self.0.iter().zip(&others.0) {
+            let (Some(a), Some(b)) = (a, b) else { continue };
+            let off = (a - b).abs();
+            beyond += usize::from(off > most);
+            if 2 * beyond > self.0.len() {
+                return None;
+            }
+            all.push(off);
+        }
+        if all.len() < 4 { None } else { median(all).filter(|misfit| *misfit <= most) }
+    }
+}
+
+/// How far measured distances are from the nominal arm's, see
+/// [`Distances::misfit`]. `q` in rad and m, points in m.
 pub(super) fn distances(robot: &Robot, q: &[Vec<f64>], points: &[Vector3<f64>]) -> Option<f64> {
     let target = robot.nominal_target();
-    let nominal: Vec<Vector3<f64>> = q.iter().map(|q| target(q).translation).collect();
-    let log = |(i, j): (usize, usize)| {
-        let (a, b) = ((points[i] - points[j]).norm(), (nominal[i] - nominal[j]).norm());
-        // Repetitions of a pose say nothing.
-        (a > 0.0 && b > 1e-6).then(|| (a / b).ln().abs())
-    };
-    let all: Vec<f64> = pairs(q.len().min(points.len())).filter_map(log).collect();
-    if all.len() < 4 { None } else { median(all) }
+    let count = q.len().min(points.len());
+    let nominal: Vec<Vector3<f64>> = q[..count].iter().map(|q| target(q).translation).collect();
+    let (measured, nominal) =
+        (Distances::of(&points[..count], 0.0), Distances::of(&nominal, MOVED));
+    measured.misfit(&nominal, f64::INFINITY)
 }
 
 /// The median difference, rad, of angles that no frame changes: of the turn from
@@ -44,7 +78,9 @@ pub(super) fn distances(robot: &Robot, q: &[Vec<f64>], points: &[Vector3<f64>]) 
 pub(super) fn turns(robot: &Robot, q: &[Vec<f64>], measured: &[Matrix3<f64>]) -> Option<f64> {
     let target = robot.nominal_target();
     let nominal: Vec<Matrix3<f64>> = q.iter().map(|q| target(q).rotation).collect();
-    let angle = |m: &Matrix3<f64>| Rotation3::from_matrix_unchecked(*m).angle();
+    let angle = |m: &Matrix3<f64>| {
+        Pose { rotation: *m, translation: Vector3::zeros() }.rotation_vector().norm()
+    };
     let count = q.len().min(measured.len());
     let difference = |(i, j): (usize, usize)| {
         let (k, l) = ((i + 2) % count, (j + 3) % count);

@@ -1,6 +1,6 @@
 //! Several files as one table: where their rows belong together.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::config::Join;
 use super::options::JoinAsked;
@@ -126,7 +126,7 @@ fn matches(tables: &[Table], columns: &[usize]) -> bool {
     [false, true].into_iter().any(|numbered| {
         let all: Vec<Vec<String>> =
             tables.iter().zip(columns).map(|(t, c)| labels(t, *c, numbered)).collect();
-        let sets: Vec<std::collections::HashSet<&String>> =
+        let sets: Vec<HashSet<&String>> =
             all.iter().map(|labels| labels.iter().collect()).collect();
         let repeats = all.iter().zip(&sets).filter(|(l, s)| l.len() > s.len()).count();
         let found = |labels: &Vec<String>| {
@@ -190,7 +190,8 @@ fn keyed_rows(
 ) -> Result<Vec<RowRef>> {
     let plain: Vec<_> = tables.iter().zip(columns).map(|(t, c)| labels(t, *c, false)).collect();
     let known = |all: &[Vec<String>]| {
-        all[base].iter().filter(|l| all.iter().all(|o| o.contains(l))).count()
+        let sets: Vec<HashSet<&String>> = all.iter().map(|o| o.iter().collect()).collect();
+        all[base].iter().filter(|l| sets.iter().all(|set| set.contains(l))).count()
     };
     let numbered: Vec<_> = tables.iter().zip(columns).map(|(t, c)| labels(t, *c, true)).collect();
     let all = if known(&plain) >= known(&numbered) { plain } else { numbered };

@@ -6,23 +6,25 @@ use serde::Serialize;
 use super::config::FileConfig;
 
 /// What an import made.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Imported {
     /// Text of measurements.csv.
+    #[serde(skip)]
     pub csv: String,
     /// Text of import.toml.
+    #[serde(skip)]
     pub config: String,
-    /// Data rows written.
+    /// Data rows.
     pub rows: usize,
-    /// Distinct poses among them.
+    /// Distinct poses among them; rows beyond are repetitions.
     pub poses: usize,
     /// How the files were read.
     pub files: Vec<ImportedFile>,
-    /// How they belong together; `None` of a single file.
+    /// How several files were put together, and why.
     pub join: Option<String>,
     /// What every column comes from, and why.
     pub columns: Vec<ImportedColumn>,
-    /// Columns that were not taken.
+    /// Columns of the files that were not taken.
     pub left_out: Vec<String>,
     /// Remarks.
     pub warnings: Vec<String>,

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -15,7 +14,7 @@ use crate::identify::{
     Condition, Conditions, Options, Problem, Scaling, State, enough, link_corrections,
     nominal_state, redundancy,
 };
-use crate::model::{Measurements, Model, Provenance, Robot};
+use crate::model::{Measurements, Model, Robot};
 use crate::observations::Residual;
 use crate::statistics::Stats;
 
@@ -190,21 +189,11 @@ fn reductions(outcomes: &mut [Outcome]) {
 /// As much of a model as scoring needs.
 fn model_of(robot: &Robot, data: &Measurements, state: &State) -> Model {
     Model {
-        robot: robot.clone(),
-        uncertainties: Vec::new(),
         corrections: link_corrections(state, &robot.nominal()),
         covered: data.covered().into_iter().map(Some).collect(),
         terms: state.terms.clone(),
-        curves: Vec::new(),
         stations: data.stations.iter().cloned().zip(state.bases.iter().copied()).collect(),
         markers: data.markers.iter().cloned().zip(state.markers.iter().copied()).collect(),
-        frame_translation: Vector3::zeros(),
-        frame_rotation: Vector3::zeros(),
-        provenance: Provenance::default(),
-        unidentifiable: Vec::new(),
-        orientation_identified: false,
-        robot_id: None,
-        changed: false,
-        covariance: None,
+        ..Model::nominal(robot.clone())
     }
 }

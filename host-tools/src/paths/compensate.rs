@@ -36,6 +36,9 @@ pub struct Compensated {
     pub rows: Vec<Row>,
     /// Whether the configuration of the first row was chosen here.
     pub chosen: bool,
+    /// Rows of a path of poses that change the configuration, see
+    /// [`Followed::jumps`](super::Followed::jumps).
+    pub jumps: Vec<usize>,
 }
 
 /// A row of a path.
@@ -95,14 +98,14 @@ pub fn compensate(model: &Model, path: &Path, options: &CompensateOptions) -> Re
         law::double(model, &tables, &asked)?
     };
     let one = One { law: law.as_ref(), nominal: &nominal, real: &real, path, options };
-    let (rows, chosen) = match path.coordinates {
+    let (rows, chosen, jumps) = match path.coordinates {
         Coordinates::Joints => {
             let rows = (0..path.data.rows.len()).map(|i| one.row(i, &path.data.rows[i].q));
-            (rows.collect::<Result<_>>()?, false)
+            (rows.collect::<Result<_>>()?, false, Vec::new())
         }
         _ => {
             let inverse = Inverse::new(&nominal, &model.robot);
-            let Followed { rows: found, chosen } =
+            let Followed { rows: found, chosen, jumps } =
                 inverse.follow(&path.data, &path.targets, options.start.as_deref());
             let rows = found.iter().enumerate().map(|(i, found)| {
                 if found.is_reached() {
@@ -111,10 +114,10 @@ pub fn compensate(model: &Model, path: &Path, options: &CompensateOptions) -> Re
                     Ok(Row::NotReached([found.position, found.rotation]))
                 }
             });
-            (rows.collect::<Result<_>>()?, chosen)
+            (rows.collect::<Result<_>>()?, chosen, jumps)
         }
     };
-    Ok(Compensated { task: asked.task, rows, chosen })
+    Ok(Compensated { task: asked.task, rows, chosen, jumps })
 }
 
 fn asked(model: &Model, options: &CompensateOptions) -> Result<Asked> {

@@ -4,7 +4,8 @@
 //! left, the turn weighed by a length, J the geometric Jacobian; mu falls where a
 //! step is good and rises where it is not (Levenberg and Marquardt), so that what
 //! is left never grows and singular poses are no obstacle. A joint at a limit that
-//! would go beyond takes no part. Rows follow each other: each starts at the row before.
+//! would go beyond takes no part. Rows follow each other: each starts at the row before,
+//! and only what is not reached from there is looked for from elsewhere.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -27,8 +28,9 @@ const LONGEST_STEP: f64 = 0.3;
 const ROUNDING: f64 = 1e-26;
 /// Beside the row before: starts near it, for rows that begin in a singular pose.
 const NEAR_STARTS: usize = 4;
-/// Starts anywhere within the limits for a first row without a start.
-const ANY_STARTS: usize = 60;
+/// Starts anywhere within the limits, for a first row without a start and for what
+/// the row before does not lead to.
+const ANY_STARTS: usize = 100;
 
 /// Joints that were found for a pose, and what is left.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,6 +62,10 @@ pub struct Followed {
     pub rows: Vec<Found>,
     /// Whether the configuration of the first row was chosen here.
     pub chosen: bool,
+    /// Rows, from 0, that no way leads to from the row before, or from the start,
+    /// but that are reached from elsewhere: the robot has to change its
+    /// configuration.
+    pub jumps: Vec<usize>,
 }
 
 /// Solves for the joints of an arm.
@@ -76,8 +82,9 @@ impl<'a> Inverse<'a> {
         Self { forward, limits: robot.joints.iter().map(|j| j.limits.unwrap_or(none)).collect() }
     }
 
-    /// Joints of all rows, each from the last one that was reached; the first from
-    /// `start` (rad or m), or from wherever it can be reached.
+    /// Joints of all rows, each from the last one that was reached, the first from
+    /// `start` (rad or m); what is not reached so from `start`, and then from
+    /// wherever it can be.
     #[must_use]
     pub fn follow(
         &self,
@@ -86,19 +93,28 @@ impl<'a> Inverse<'a> {
         start: Option<&[f64]>,
     ) -> Followed {
         let mut last: Option<Vec<f64>> = start.map(<[f64]>::to_vec);
-        let rows = data.rows.iter().zip(targets).map(|(row, target)| {
-            let starts = match &last {
-                Some(last) => self.near(last),
-                None => self.anywhere(),
+        let elsewhere: Vec<Vec<f64>> =
+            start.iter().map(|start| start.to_vec()).chain(self.anywhere()).collect();
+        let (mut rows, mut jumps) = (Vec::new(), Vec::new());
+        for (i, (row, target)) in data.rows.iter().zip(targets).enumerate() {
+            let near = last.as_ref().map(|last| self.best(row, target, &self.near(last)));
+            let found = match near {
+                Some(near) if near.is_reached() => near,
+                near => {
+                    let found = self.best(row, target, &elsewhere);
+                    if near.is_some() && found.is_reached() {
+                        jumps.push(i);
+                    }
+                    // What is nearest to a pose that no start leads to.
+                    near.filter(|near| near.left() < found.left()).unwrap_or(found)
+                }
             };
-            let found = self.best(row, target, &starts);
             if found.is_reached() {
                 last = Some(found.joints.clone());
             }
-            found
-        });
-        let rows = rows.collect();
-        Followed { rows, chosen: start.is_none() }
+            rows.push(found);
+        }
+        Followed { rows, chosen: start.is_none(), jumps }
     }
 
     /// The first start from which the pose is reached; else the nearest to it.

@@ -93,17 +93,22 @@ fn lines(
     let carried = carried(path, &written, dropped)?;
     let names: Vec<&str> =
         written.iter().chain(carried.iter().map(|(_, name)| name)).map(String::as_str).collect();
-    let rows = rows.zip(&path.cells).map(|(mut row, cells)| {
+    let rows = rows.zip(&path.cells).zip(&path.data.rows).map(|((mut row, cells), input)| {
+        let unlike = |cell: &String| cell.parse().ok().filter(|x: &f64| !x.is_finite());
+        if let Some((name, x)) = written.iter().zip(&row).find_map(|(n, c)| Some((n, unlike(c)?))) {
+            let line = format!("{}, line {}: {name}", path.data.path.display(), input.line);
+            return Err(Error::not_finite(&line, x));
+        }
         row.extend(carried.iter().map(|(i, _)| cells.get(*i).cloned().unwrap_or_default()));
-        row
+        Ok(row)
     });
-    Ok(csv_text(names, rows))
+    Ok(csv_text(names, rows.collect::<Result<Vec<_>>>()?))
 }
 
 /// The joints of a path as they stood, and the poses of the tool there.
 ///
 /// # Errors
-/// A column `input_..` that would be written twice.
+/// A column `input_..` that would be written twice; a result that is no number.
 pub fn forward_csv(path: &Path, robot: &Robot, poses: &[Pose<f64>]) -> Result<String> {
     let joints = joint_columns(&kinds(robot));
     let at: Vec<usize> =
@@ -120,7 +125,7 @@ pub fn forward_csv(path: &Path, robot: &Robot, poses: &[Pose<f64>]) -> Result<St
 /// The joints of a path of poses; empty where a pose was not reached.
 ///
 /// # Errors
-/// A column `input_..` that would be written twice.
+/// A column `input_..` that would be written twice; a result that is no number.
 pub fn inverse_csv(path: &Path, robot: &Robot, found: &[Found]) -> Result<String> {
     let kinds = kinds(robot);
     let mut names = joint_columns(&kinds);

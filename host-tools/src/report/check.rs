@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::check::{Finding, Said, Verdict};
+use crate::check::{Finding, LEAST_POSES, Said, Verdict};
 use crate::units::to_mm;
 
 /// What `check --json` prints.
@@ -35,6 +35,10 @@ pub struct CheckReport {
     pub rms_before_mm: f64,
     /// The same with the mistakes undone, mm.
     pub rms_after_mm: f64,
+    /// Poses of different joint values that the measurements have.
+    pub poses: usize,
+    /// So many are needed to decide anything.
+    pub poses_needed: usize,
     /// Remarks.
     pub warnings: Vec<String>,
 }
@@ -58,6 +62,8 @@ impl CheckReport {
             absorbed: finding.absorbed.clone(),
             rms_before_mm: to_mm(finding.rms_before),
             rms_after_mm: to_mm(finding.rms_after),
+            poses: finding.poses,
+            poses_needed: LEAST_POSES,
             warnings,
         }
     }

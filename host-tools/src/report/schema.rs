@@ -3,8 +3,9 @@
 use schemars::JsonSchema;
 
 use super::{
-    CheckReport, CompareReport, CompensateReport, DiagnoseReport, EvaluateReport, ExportReport,
-    FkReport, IdentifyReport, IkReport, ImportReport, PlanReport, SeparationReport, VerifyReport,
+    CheckReport, CompareReport, CompensateReport, DiagnoseReport, DiffReport, EvaluateReport,
+    ExportReport, FkReport, IdentifyReport, IkReport, ImportReport, InspectReport, PackReport,
+    PlanReport, SeparationReport, UnpackReport, VerifyReport,
 };
 
 /// Name and text of every schema, as they stand in `docs/schemas`.
@@ -24,6 +25,10 @@ pub fn all() -> Vec<(&'static str, String)> {
         (FkReport::SCHEMA, of::<FkReport>()),
         (IkReport::SCHEMA, of::<IkReport>()),
         (CompensateReport::SCHEMA, of::<CompensateReport>()),
+        (PackReport::SCHEMA, of::<PackReport>()),
+        (InspectReport::SCHEMA, of::<InspectReport>()),
+        (DiffReport::SCHEMA, of::<DiffReport>()),
+        (UnpackReport::SCHEMA, of::<UnpackReport>()),
     ]
 }
 

@@ -18,7 +18,7 @@ pub struct MemoryRegion {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MemoryRegions(Vec<MemoryRegion>);
 
-const HELP: &str = "give the linker script of the firmware with --memory; its MEMORY command must \
+const HELP: &str = "give the linker script of the firmware with --memory FILE; its MEMORY command must \
                     have PARAM_A and PARAM_B, as memory.x of truearm shows";
 
 impl MemoryRegions {
@@ -29,7 +29,11 @@ impl MemoryRegions {
     /// Names file, line and what cannot be read there.
     pub fn read(path: &Path) -> Result<Self> {
         if !path.exists() {
-            let message = format!("{}: there is no such file", path.display());
+            let looked = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+            let message = format!(
+                "the linker script that says where the slots are is not there: looked for {}",
+                looked.display()
+            );
             return Err(Error::data(Kind::NoSlot, message, HELP));
         }
         Self::parse(path, &files::read(path)?)

@@ -52,6 +52,10 @@ pub fn compensation(report: &CompensateReport) -> String {
             lines(&report.not_covered)
         );
     }
+    if report.not_reached.len() == report.rows {
+        out += "no row is reached: are the poses those of [tool] in [base], in mm? --start gives \
+                the configuration\n";
+    }
     out + &not_reached(&report.not_reached)
 }
 

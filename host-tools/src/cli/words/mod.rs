@@ -54,7 +54,7 @@ fn condition(condition: &Condition) -> String {
 }
 
 /// A number of things, `1 row` or `2 rows`.
-fn count(n: usize, what: &str) -> String {
+pub fn count(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 

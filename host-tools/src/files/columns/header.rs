@@ -1,3 +1,5 @@
+use std::collections::HashSet;
+
 use crate::error::{Error, Result};
 use crate::files::source::{Source, resembling};
 use crate::headings::suggestion;
@@ -5,6 +7,9 @@ use truearm::JointKind;
 
 use crate::model::{Joint, Robot};
 use crate::units::joint_column;
+
+/// Names that a message lists.
+const SHOWN: usize = 40;
 
 /// The names of the columns; those that were asked for are known.
 pub(in crate::files) struct Header<'a> {
@@ -31,7 +36,8 @@ impl<'a> Header<'a> {
             );
             return Err(header.fail("no header: the first line is numbers", help));
         }
-        match (0..names.len()).find(|i| names[..*i].contains(&names[*i])) {
+        let mut seen = HashSet::with_capacity(names.len());
+        match (0..names.len()).find(|i| !seen.insert(names[*i].as_str())) {
             Some(i) => {
                 let message = format!("column {} stands there twice", names[i]);
                 Err(header.fail_in(i, message, "rename or delete one"))
@@ -55,7 +61,11 @@ impl<'a> Header<'a> {
         let names = self.names.iter().map(String::as_str);
         let meant = meant.map(String::as_str).or_else(|| resembling(name, names));
         let meant = meant.map_or(String::new(), |found| format!("; {name} may be \"{found}\""));
-        let found: Vec<String> = self.names.iter().map(|n| format!("\"{n}\"")).collect();
+        let shown = self.names.iter().take(SHOWN).map(|n| format!("\"{n}\""));
+        let mut found: Vec<String> = shown.collect();
+        if self.names.len() > SHOWN {
+            found.push(format!("and {} others", self.names.len() - SHOWN));
+        }
         let help = format!(
             "{help}; found {}{meant}; `truearm import {} --out measurements.csv` makes the columns of \
              any table",

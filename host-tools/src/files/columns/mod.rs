@@ -15,8 +15,9 @@ pub(super) use cells::Cells;
 pub(super) use header::Header;
 use measured::MeasuredColumns;
 
-/// More mm no measurement is uncertain by.
-const MOST_SIGMA: f64 = 10.0;
+/// Standard deviations of a coordinate that an instrument may have, mm: none
+/// knows a nanometre, and beyond the largest it says nothing of an arm.
+pub(super) const SIGMAS: std::ops::RangeInclusive<f64> = 1e-6..=10.0;
 /// Farther than any rail goes, mm.
 const MOST_MM: f64 = 1e5;
 /// More degrees no encoder reads.
@@ -125,10 +126,10 @@ impl Columns {
             marker: label(&mut labels.markers, text(o.marker)),
             pose: 0,
             series: Some(text(o.series)).filter(|s| !s.is_empty()).map(str::to_owned),
-            time: cells.optional(o.time)?,
+            time: sense::time(cells, o.time)?,
             temperature: sense::temperature(cells, o.temperature)?,
             payload: sense::payload(cells, o.payload)?,
-            order: cells.optional(o.order)?,
+            order: sense::order(cells, o.order)?,
             orientation: self.orientation(cells)?,
             directions: self.directions(cells)?,
             torques: sense::torques(cells, self.torques.as_deref())?,
@@ -155,9 +156,9 @@ impl Columns {
     fn sigma(&self, cells: &Cells) -> Result<Option<f64>> {
         let Some(column) = self.optional.sigma else { return Ok(None) };
         match cells.optional(Some(column))? {
-            Some(mm) if mm <= 0.0 || mm > MOST_SIGMA => {
-                let help = "give one positive standard deviation in mm, such as 0.03";
-                Err(cells.fail(column, format!("sigma {mm}"), help))
+            Some(mm) if !SIGMAS.contains(&mm) => {
+                let help = "give one standard deviation in mm, 1e-6 to 10, such as 0.03";
+                Err(cells.fail(column, format!("sigma {mm:?}"), help))
             }
             sigma => Ok(sigma.map(from_mm)),
         }

@@ -24,6 +24,34 @@ pub(super) fn torques(cells: &Cells, columns: Option<&[usize]>) -> Result<Vec<f6
     columns.unwrap_or_default().iter().map(one).collect()
 }
 
+/// Seconds either way: past those of every clock, and of every session.
+const MOST_SECONDS: f64 = 1e10;
+/// Rows that no session has.
+const MOST_ORDER: f64 = 1e12;
+
+/// s
+pub(super) fn time(cells: &Cells, column: Option<usize>) -> Result<Option<f64>> {
+    match (cells.optional(column)?, column) {
+        (Some(value), Some(column)) if value.abs() > MOST_SECONDS => {
+            let clock = if value < 1e14 { "; these look like milliseconds" } else { "" };
+            let help = format!("give seconds, of any clock{clock}");
+            Err(cells.fail(column, format!("{value:?} s"), &help))
+        }
+        (value, _) => Ok(value),
+    }
+}
+
+/// The place of a row in the session.
+pub(super) fn order(cells: &Cells, column: Option<usize>) -> Result<Option<f64>> {
+    match (cells.optional(column)?, column) {
+        (Some(value), Some(column)) if value.abs() > MOST_ORDER => {
+            let help = "give the number of the row in the session";
+            Err(cells.fail(column, format!("order {value:?}"), help))
+        }
+        (value, _) => Ok(value),
+    }
+}
+
 /// Degrees Celsius.
 pub(super) fn temperature(cells: &Cells, column: Option<usize>) -> Result<Option<f64>> {
     match (cells.optional(column)?, column) {

@@ -1,3 +1,4 @@
+mod finite;
 mod keys;
 mod read;
 mod write;

@@ -4,6 +4,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use toml::Spanned;
 use truearm::Pose;
 
+use super::finite::unlike_a_number;
 use super::keys::{CorrectionFile, ModelPart, StationFile};
 use super::{SCHEMA, frame_from_file, from_file};
 use crate::error::{Error, Result};
@@ -13,6 +14,8 @@ use crate::files::{model_curves, model_terms};
 use crate::model::{ErrorCurve, Model, ModelTerm, Robot};
 use crate::units::{from_mm, point_from_mm};
 
+/// Degrees or mm that no joint covers.
+const FAR: f64 = 1e6;
 const HELP: &str = "give a model.toml as written by `truearm identify`";
 
 impl Model {
@@ -25,6 +28,9 @@ impl Model {
         let mut robot = Robot::parse(path, &text)?;
         robot.warnings.clear();
         let source = Source { path, text: &text };
+        if let Some((key, value)) = unlike_a_number(&text.parse().unwrap_or_default()) {
+            return Err(source.whole(format!("{key} is {value}"), "give a finite number"));
+        }
         let part: ModelPart = source.toml(HELP, &mut Vec::new())?;
         Part { source, robot: &robot }.check(&part)?;
         let base = robot.base.pose();
@@ -103,8 +109,12 @@ impl Part<'_> {
             return Err(self.fail(message));
         }
         for c in &part.corrections {
-            if c.get_ref().numbers().iter().any(|x| !x.is_finite()) {
-                let message = format!("correction of joint {} is not finite", c.get_ref().joint);
+            let covered = c.get_ref().covered_deg.or(c.get_ref().covered_mm);
+            if let Some([low, high]) =
+                covered.filter(|[low, high]| !(-FAR..=*high).contains(low) || *high > FAR)
+            {
+                let message =
+                    format!("joint {} covered from {low:?} to {high:?}", c.get_ref().joint);
                 return Err(self.source.at(c.span(), message, HELP));
             }
         }

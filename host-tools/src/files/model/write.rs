@@ -1,8 +1,10 @@
 use nalgebra::{Rotation3, UnitQuaternion};
 use truearm::{JointKind, Pose};
 
+use super::finite::unlike_a_number;
 use super::keys::*;
 use super::{SCHEMA, frame_to_file, to_file};
+use crate::error::{Error, Result};
 use crate::files::digest::digest;
 use crate::files::{covariance, model_curves, model_terms};
 use crate::model::{Joint, Model, Placement, Robot};
@@ -25,6 +27,18 @@ impl Model {
         let digest = if self.changed { String::new() } else { digest(&body) };
         let covariance = self.covariance.as_deref().map(covariance::to_toml).unwrap_or_default();
         format!("{HEAD}digest = \"{digest}\"\n{body}{covariance}")
+    }
+
+    /// The same of a model that is to be kept: every number in it is one.
+    ///
+    /// # Errors
+    /// The key of a number that is infinite or none.
+    pub fn to_sound_toml(&self) -> Result<String> {
+        let text = self.to_toml();
+        match unlike_a_number(&text.parse().unwrap_or_default()) {
+            None => Ok(text),
+            Some((key, value)) => Err(Error::not_finite(&format!("{key} of the model"), value)),
+        }
     }
 
     fn to_file(&self) -> ModelFile {

@@ -9,6 +9,7 @@ use std::path::Path;
 use toml::Spanned;
 use truearm::JointKind;
 
+use super::columns::SIGMAS;
 use super::source::Source;
 use crate::error::Result;
 use crate::model::{Joint, LinkMass, Placement, Robot};
@@ -22,6 +23,8 @@ use sense::Sense;
 pub(super) const HELP: &str = "see the README for the keys of this file";
 /// Standard deviation of a measured coordinate where none is given, mm.
 const USUAL_SIGMA: f64 = 0.03;
+/// Degrees or mm beyond which no joint goes.
+const FARTHEST: f64 = 1e5;
 /// Degrees Celsius to which nominal lengths refer where nothing is said.
 const ROOM: f64 = 20.0;
 
@@ -83,11 +86,11 @@ impl Checker<'_> {
             return Ok(from_mm(USUAL_SIGMA));
         };
         let mm = *value.get_ref();
-        if mm > 0.0 && mm <= 10.0 {
+        if SIGMAS.contains(&mm) {
             return Ok(from_mm(mm));
         }
-        let help = "give one standard deviation of a coordinate in mm, such as 0.03";
-        Err(self.source.at(value.span(), format!("measurement_sigma_mm = {mm}"), help))
+        let help = "give one standard deviation of a coordinate in mm, 1e-6 to 10, such as 0.03";
+        Err(self.source.at(value.span(), format!("measurement_sigma_mm = {mm:?}"), help))
     }
 
     fn masses(&mut self, links: Vec<LinkMass>, joints: usize) -> Vec<LinkMass> {
@@ -170,6 +173,11 @@ impl Checker<'_> {
         let Some(value) = limits else { return Ok(None) };
         let [low, high] = *value.get_ref();
         self.finite(value.span(), "limits", &[low, high])?;
+        if low < -FARTHEST || high > FARTHEST {
+            let message = format!("limits [{low:?}, {high:?}]");
+            let help = "give degrees or mm, up to 100 000; leave limits out where there are none";
+            return Err(self.source.at(value.span(), message, help));
+        }
         if low > high {
             let message = format!("limits [{low}, {high}]");
             return Err(self.source.at(value.span(), message, "give the lower limit first"));

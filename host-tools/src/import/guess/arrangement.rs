@@ -1,12 +1,14 @@
 //! Joints and point of a table without headings, by where the numbers stand.
 
 use nalgebra::Vector3;
+use truearm::JointKind;
 
 use super::clues::{Clues, Found, Place};
 use crate::error::{Error, Result};
 use crate::headings::Unit;
-use crate::import::agreement;
+use crate::import::agreement::{self, Distances};
 use crate::import::table::Table;
+use crate::model::{Joint, Robot};
 use crate::units::from_mm;
 
 /// Where joints and point begin, among the columns of numbers.
@@ -67,26 +69,31 @@ fn numeric(table: &Table) -> Vec<usize> {
     columns.filter(|c| table.numeric(*c) && !(*c == 0 && counts(c))).collect()
 }
 
+/// Columns of numbers beyond which nobody looks for an arm among them.
+const MOST_COLUMNS: usize = 2000;
+/// A third: so well a reading of the numbers must agree; see units.
+const AGREES: f64 = 0.3;
+
 /// The only arrangement, and units, in which the nominal arm agrees.
 fn by_arm(clues: &Clues, table: &Table, columns: &[usize]) -> Option<(Arrangement, String)> {
     let robot = clues.robot?;
     let n = robot.joints.len();
-    if columns.len() < n + 3 {
+    if columns.len() < n + 3 || columns.len() > MOST_COLUMNS {
         return None;
     }
+    let readings = Readings::of(robot, table, columns);
     let mut found: Vec<(Arrangement, f64)> = Vec::new();
     for joints in 0..=columns.len() - n {
         for point in (0..=columns.len() - 3).filter(|p| p + 3 <= joints || *p >= joints + n) {
             let arrangement = Arrangement { joints, point, count: n };
-            let misfit = readings(clues, table, columns, arrangement);
-            found.extend(misfit.map(|m| (arrangement, m)));
+            found.extend(readings.misfit(arrangement).map(|m| (arrangement, m)));
         }
     }
     found.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (best, misfit) = *found.first()?;
     let other = found.get(1).map_or(f64::INFINITY, |f| f.1);
-    // A third, and twice as good as any other: see units.
-    (misfit < 0.3 && other > 2.0 * misfit).then(|| {
+    // Twice as good as any other.
+    (misfit < AGREES && other > 2.0 * misfit).then(|| {
         let percent = (100.0 * misfit.exp_m1()).ceil();
         (
             best,
@@ -97,37 +104,59 @@ fn by_arm(clues: &Clues, table: &Table, columns: &[usize]) -> Option<(Arrangemen
     })
 }
 
-/// The smallest misfit of an arrangement over the units.
-fn readings(clues: &Clues, table: &Table, columns: &[usize], a: Arrangement) -> Option<f64> {
-    let robot = clues.robot?;
-    let rows: Vec<Vec<f64>> = (0..table.rows.len())
-        .filter_map(|row| {
-            columns.iter().map(|c| table.number(row, *c)).collect::<Option<Vec<f64>>>()
-        })
-        .collect();
-    let mut best: Option<f64> = None;
-    for angle in [Unit::Deg, Unit::Rad] {
-        for length in [Unit::Mm, Unit::M] {
-            let joint = |(v, j): (&f64, &crate::model::Joint)| match j.link.kind {
-                truearm::JointKind::Prismatic => from_mm(length.to_file(*v)),
-                truearm::JointKind::Revolute => angle.to_file(*v).to_radians(),
+/// Distances between rows as each run of columns would have them: worked out once a
+/// run, so that runs can be compared two by two.
+struct Readings {
+    /// Of the nominal arm whose joints begin at a column: angles in degrees, in
+    /// radians; beside each the unit of lengths, which joints that slide share.
+    joints: Vec<Vec<(Unit, Distances)>>,
+    /// Of the point whose x is at a column, by the unit of lengths.
+    points: Vec<Vec<(Unit, Distances)>>,
+}
+
+impl Readings {
+    fn of(robot: &Robot, table: &Table, columns: &[usize]) -> Self {
+        let complete =
+            |row| columns.iter().map(|c| table.number(row, *c)).collect::<Option<Vec<f64>>>();
+        let rows: Vec<Vec<f64>> = (0..table.rows.len()).filter_map(complete).collect();
+        let n = robot.joints.len();
+        let target = robot.nominal_target();
+        let arm = |from: usize, angle: Unit, length: Unit| {
+            let joint = |(v, j): (&f64, &Joint)| match j.link.kind {
+                JointKind::Prismatic => from_mm(length.to_file(*v)),
+                JointKind::Revolute => angle.to_file(*v).to_radians(),
             };
-            let q: Vec<Vec<f64>> = rows
-                .iter()
-                .map(|r| {
-                    r[a.joints..a.joints + a.count].iter().zip(&robot.joints).map(joint).collect()
-                })
-                .collect();
-            let points: Vec<Vector3<f64>> = rows
-                .iter()
-                .map(|r| Vector3::from_fn(|i, _| from_mm(length.to_file(r[a.point + i]))))
-                .collect();
-            if let Some(misfit) = agreement::distances(robot, &q, &points) {
-                best = Some(best.map_or(misfit, |b: f64| b.min(misfit)));
-            }
+            let q = |r: &Vec<f64>| -> Vec<f64> {
+                r[from..from + n].iter().zip(&robot.joints).map(joint).collect()
+            };
+            let points: Vec<_> = rows.iter().map(|r| target(&q(r)).translation).collect();
+            (length, Distances::of(&points, agreement::MOVED))
+        };
+        let point = |from: usize, length: Unit| {
+            let point =
+                |r: &Vec<f64>| Vector3::from_fn(|i, _| from_mm(length.to_file(r[from + i])));
+            (length, Distances::of(&rows.iter().map(point).collect::<Vec<_>>(), 0.0))
+        };
+        let units = [Unit::Mm, Unit::M];
+        let arms = |from| {
+            let angles = [Unit::Deg, Unit::Rad].into_iter();
+            angles.flat_map(|a| units.map(|l| arm(from, a, l))).collect()
+        };
+        Self {
+            joints: (0..=columns.len() - n).map(arms).collect(),
+            points: (0..=columns.len() - 3).map(|c| units.map(|l| point(c, l)).to_vec()).collect(),
         }
     }
-    best
+
+    /// The smallest misfit of an arrangement over the units, where it may matter:
+    /// no worse than twice what is good enough.
+    fn misfit(&self, a: Arrangement) -> Option<f64> {
+        let joints = self.joints[a.joints].iter();
+        let pairs = joints.flat_map(|q| self.points[a.point].iter().map(move |p| (q, p)));
+        let alike = pairs.filter(|((of_joints, _), (of_point, _))| of_joints == of_point);
+        let misfits = alike.filter_map(|((_, q), (_, p))| p.misfit(q, 2.0 * AGREES));
+        misfits.min_by(f64::total_cmp)
+    }
 }
 
 /// Columns without four at the end that are a quaternion.

@@ -10,10 +10,11 @@ mod units;
 
 use std::collections::BTreeMap;
 
-use super::config::Config;
+use super::config::{Config, Pick};
 use super::join;
-use crate::error::Result;
+use crate::error::{Error, Result};
 pub(super) use clues::Clues;
+use clues::Place;
 
 /// The best guess of what the columns mean.
 ///
@@ -40,6 +41,7 @@ pub(super) fn guess(clues: &Clues, warnings: &mut Vec<String>) -> Result<Config>
     }
     orientation::add(clues, &given, &rows, &mut columns)?;
     others::add(clues, &given, &mut columns);
+    refuse_twins(clues, &given, &columns)?;
     Ok(Config {
         files: clues.tables.iter().map(|t| t.settled.clone()).collect(),
         evidence: clues.tables.iter().map(|t| t.evidence.clone()).collect(),
@@ -47,4 +49,32 @@ pub(super) fn guess(clues: &Clues, warnings: &mut Vec<String>) -> Result<Config>
         join_because,
         columns,
     })
+}
+
+/// What was taken by its heading must be the only column of that heading, unless
+/// the user named it.
+fn refuse_twins(
+    clues: &Clues,
+    given: &BTreeMap<String, Place>,
+    columns: &BTreeMap<String, Pick>,
+) -> Result<()> {
+    for (to, pick) in
+        columns.iter().filter(|(to, pick)| !given.contains_key(*to) && !pick.name.is_empty())
+    {
+        let table = &clues.tables[pick.file];
+        let twin = |(column, heading): &(usize, &crate::headings::Heading)| {
+            *column != pick.column && heading.text.eq_ignore_ascii_case(&pick.name)
+        };
+        let Some((twin, _)) = table.headings.iter().enumerate().find(twin) else { continue };
+        let (first, second) = (pick.column.min(twin) + 1, pick.column.max(twin) + 1);
+        return Err(Error::usage(
+            format!(
+                "{}: columns {first} and {second} are both called \"{}\"",
+                table.path.display(),
+                pick.name
+            ),
+            format!("say which is meant: --columns {to}={first} or --columns {to}={second}"),
+        ));
+    }
+    Ok(())
 }

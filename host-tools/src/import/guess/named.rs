@@ -14,6 +14,8 @@ pub(super) struct Group {
     pub preference: i32,
     /// By the number in the role.
     pub columns: BTreeMap<usize, usize>,
+    /// Two columns of one number: nobody can tell which is meant.
+    twins: Option<[usize; 2]>,
 }
 
 /// Groups of numeric columns whose role has a number by `of`.
@@ -27,12 +29,18 @@ pub(super) fn groups(clues: &Clues, of: impl Fn(Role) -> Option<usize>) -> Vec<G
             let family = format!("{} {unit}", named.family);
             let known = groups.iter_mut().find(|g| g.file == file && g.family == family);
             match known {
-                Some(group) => drop(group.columns.entry(number).or_insert(column)),
+                Some(group) => {
+                    let first = *group.columns.entry(number).or_insert(column);
+                    if first != column {
+                        group.twins.get_or_insert([first, column]);
+                    }
+                }
                 None => groups.push(Group {
                     file,
                     family,
                     preference: named.preference,
                     columns: BTreeMap::from([(number, column)]),
+                    twins: None,
                 }),
             }
         }
@@ -53,7 +61,10 @@ fn merged(groups: Vec<Group>) -> Vec<Group> {
                 && o.columns.keys().all(|k| !group.columns.contains_key(k))
         };
         match out.iter_mut().find(like) {
-            Some(known) => known.columns.extend(group.columns),
+            Some(known) => {
+                known.columns.extend(group.columns);
+                known.twins = known.twins.or(group.twins);
+            }
             None => out.push(group),
         }
     }
@@ -148,6 +159,18 @@ fn best<'a>(
                 first.list(clues)
             ),
             format!("name the measured columns with {flag}, these if they are meant"),
+        ));
+    }
+    if let Some([a, b]) = first.twins {
+        let table = &clues.tables[first.file];
+        return Err(Error::usage(
+            format!(
+                "{}: {} and {} may both be {what}",
+                table.path.display(),
+                table.called(a),
+                table.called(b)
+            ),
+            format!("say by their numbers which are meant, with {flag}"),
         ));
     }
     Ok(Some(first))

@@ -64,6 +64,14 @@ fn place(clues: &Clues, from: &str) -> Result<Place> {
                 .position(|h| !h.text.is_empty() && h.text.eq_ignore_ascii_case(name))
         };
         if let Some(column) = named.or_else(loosely) {
+            let twin = table.headings.iter().rposition(|h| h.text == table.headings[column].text);
+            if let Some(twin) = twin.filter(|twin| *twin != column) {
+                let (first, second) = (column + 1, twin + 1);
+                return Err(Error::usage(
+                    format!("--columns: columns {first} and {second} are both called {name}"),
+                    "give the number of the column instead of its heading",
+                ));
+            }
             return Ok(Place { file, column, because: "it was asked for".to_owned() });
         }
     }

@@ -5,8 +5,8 @@ use truearm::effects::{ActsOn, Order, Term};
 
 use super::super::numbers::period;
 use super::Seen;
-use crate::model::ModelTerm;
 use crate::model::arm::RowInputs;
+use crate::model::{Course, ModelTerm};
 use crate::units::{joint_from_file, joint_to_file, joint_unit};
 
 /// Cycles a turn above which one cycle is shown in place of a turn.
@@ -27,8 +27,10 @@ pub enum Covariate {
     Warmth,
     /// Side of its gap on which a joint rests, by this term.
     Side(Term<f64>),
-    /// Time of the session.
-    Hours,
+    /// Side that a joint came to rest moving to.
+    Arrival(usize),
+    /// Time of the session, or the number of the row.
+    Clock(Course),
     /// Series of measurements.
     Series,
 }
@@ -38,7 +40,8 @@ impl Covariate {
     pub fn of(term: &ModelTerm) -> Self {
         let term = match term {
             ModelTerm::Arm(term) => term,
-            ModelTerm::Drift { .. } => return Self::Hours,
+            ModelTerm::Drift { course, .. } => return Self::Clock(*course),
+            ModelTerm::Lag { joint, .. } => return Self::Arrival(*joint),
             ModelTerm::Remount { .. } => return Self::Series,
         };
         let (joint, source) = (usize::from(term.joint), usize::from(term.source));
@@ -72,7 +75,9 @@ impl Covariate {
             }
             Self::Warmth => "temperature above reference, K".to_owned(),
             Self::Side(t) => format!("side of its gap on which joint {} rests", t.joint + 1),
-            Self::Hours => "time, hours".to_owned(),
+            Self::Arrival(j) => format!("side that joint {} came to rest moving to", j + 1),
+            Self::Clock(Course::Rows) => "number of the row, thousands".to_owned(),
+            Self::Clock(_) => "time, hours".to_owned(),
             Self::Series => String::new(),
         }
     }
@@ -88,7 +93,8 @@ impl Covariate {
             Self::Moment(k) => inputs.moment[*k % 2],
             Self::Warmth => inputs.warmth,
             Self::Side(term) => inputs.basis(&of.q, term),
-            Self::Hours => of.time.unwrap_or(0.0) / 3600.0,
+            Self::Arrival(j) => of.directions.get(*j).map_or(0.0, |side| f64::from(*side)),
+            Self::Clock(course) => course.clock(of),
             Self::Series => {
                 let place =
                     seen.conditions.series.iter().position(|s| Some(s) == of.series.as_ref());
@@ -101,7 +107,8 @@ impl Covariate {
     pub fn basis(&self, term: &ModelTerm, x: f64, seen: &Seen) -> f64 {
         match term {
             ModelTerm::Arm(term) => self.basis_of_arm(term, x, seen),
-            ModelTerm::Drift { .. } => x,
+            ModelTerm::Drift { course, .. } => course.after(x),
+            ModelTerm::Lag { .. } => x,
             ModelTerm::Remount { series, .. } => {
                 let place = seen.conditions.series.iter().position(|s| s == series);
                 f64::from(u8::from(place.map(|p| p as f64 + 1.0) == Some(x.round())))
@@ -120,7 +127,7 @@ impl Covariate {
             Self::Moment(k) => inputs.moment[*k % 2] = x,
             Self::Warmth => inputs.warmth = x,
             Self::Side(_) => return x,
-            Self::Hours | Self::Series => {}
+            Self::Arrival(_) | Self::Clock(_) | Self::Series => {}
         }
         inputs.basis(&q, term)
     }

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 
 use super::Seen;
 use super::covariate::Covariate;
+use crate::model::Course;
 use crate::statistics::median;
 use crate::units::MILLI;
 
@@ -46,7 +47,7 @@ pub fn left(seen: &Seen) -> Vec<Left> {
         covariates.extend((0..kinds.len()).map(Covariate::Torque));
     }
     if seen.conditions.time {
-        covariates.push(Covariate::Hours);
+        covariates.push(Covariate::Clock(Course::Time));
     }
     if seen.conditions.temperature {
         covariates.push(Covariate::Warmth);

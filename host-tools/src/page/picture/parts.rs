@@ -10,7 +10,7 @@ use super::Seen;
 use super::covariate::Covariate;
 use crate::diagnose::Effect;
 use crate::identify::measurement_column;
-use crate::model::{CURVE, JointTables, ModelTerm};
+use crate::model::{CURVE, Course, JointTables, ModelTerm};
 use crate::statistics::median;
 use crate::units::{MICRO, MILLI};
 
@@ -82,6 +82,7 @@ impl Key {
         let place = match term {
             ModelTerm::Arm(t) => (t.own_joint(), 0),
             ModelTerm::Drift { component, .. } => (None, *component),
+            ModelTerm::Lag { joint, .. } => (Some(*joint as u8), 0),
             ModelTerm::Remount { axis, .. } => (None, *axis),
         };
         Self { effect: term.effect_name(), covariate: Covariate::of(term), place }
@@ -101,6 +102,7 @@ fn amount(term: &ModelTerm, seen: &Seen) -> (String, f64) {
         ModelTerm::Remount { axis, .. } => {
             (format!("shift of the target along {}, mm", ["x", "y", "z"][axis % 3]), MILLI)
         }
+        ModelTerm::Lag { joint, .. } => of_joint(*joint, seen),
         ModelTerm::Arm(t) => match t.effect.acts_on() {
             ActsOn::Base => {
                 let axis = ["x", "y"][usize::from(t.component) % 2];
@@ -124,11 +126,13 @@ fn action(seen: &Seen, term: &ModelTerm) -> Vec<Vector3<f64>> {
     let of = |(k, d): (usize, &crate::model::arm::Derivatives)| match term {
         ModelTerm::Arm(t) => d.column(t, 1.0, &seen.state.links),
         ModelTerm::Remount { axis, .. } => d.tool[*axis],
+        ModelTerm::Lag { joint, .. } => d.links[*joint].theta,
         ModelTerm::Drift { component, .. } => {
             let row = &seen.on.data.rows[seen.kept[k]];
             let hour = crate::model::Row { time: Some(3600.0), ..row.clone() };
             let base = seen.state.bases[row.station].translation;
-            let term = ModelTerm::Drift { component: *component, coefficient: 1.0 };
+            let term =
+                ModelTerm::Drift { component: *component, course: Course::Time, coefficient: 1.0 };
             measurement_column(&term, &hour, d, &base)
         }
     };

@@ -31,11 +31,17 @@ pub(super) struct Point<'a> {
 /// All rows of a program.
 ///
 /// # Errors
-/// A row that the arm does not reach: a program must not leave one out.
+/// A row that the arm does not reach: a program must not leave one out; a result
+/// that is no number.
 pub(super) fn points<'a>(path: &'a Path, found: &'a Compensated) -> Result<Vec<Point<'a>>> {
     let rows = found.rows.iter().zip(&path.data.rows).zip(&path.cells);
     rows.map(|((row, input), cells)| match row {
         Row::Corrected { joints, believed, .. } => {
+            let numbers = joints.iter().chain(&believed.translation).chain(&believed.rotation);
+            if let Some(x) = numbers.copied().find(|x| !x.is_finite()) {
+                let line = format!("{}, line {}", path.data.path.display(), input.line);
+                return Err(Error::not_finite(&line, x));
+            }
             Ok(Point { joints, believed, time: input.time, cells, line: input.line })
         }
         Row::NotReached(_) => Err(Error::data(

@@ -51,6 +51,10 @@ pub fn ros2(model: &Model, path: &Path, found: &Compensated, timing: &Timing) ->
 /// as the robot stands elsewhere before it.
 fn times(path: &Path, points: &[Point], timing: &Timing) -> Result<Vec<f64>> {
     if let Some(every) = timing.every {
+        if points.len() as f64 * every >= f64::from(i32::MAX) {
+            let help = "the last row must be within 68 years: sec is a signed 32-bit number";
+            return Err(Error::usage(format!("--every {every:?} is too long"), help));
+        }
         return Ok((1..=points.len()).map(|i| i as f64 * every).collect());
     }
     let fail = |line: usize, message: &str| {

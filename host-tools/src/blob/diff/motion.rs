@@ -1,0 +1,120 @@
+//! How far the tool moves from one blob to the other.
+
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
+use serde::Serialize;
+use truearm::{Approach, Arm, ArmParameters, JointKind, State};
+
+use crate::units::{joint_to_file, point_to_mm};
+
+/// Temperatures drawn: so far from the reference temperature, K.
+const WARMTH: f64 = 10.0;
+/// Range of a joint of which nothing is known, rad and m.
+const UNKNOWN: [f64; 2] = [std::f64::consts::PI, 1.0];
+
+/// How far the tool moves between the blobs, over drawn poses.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Motion {
+    /// Where the poses were drawn.
+    pub region: &'static str,
+    /// How many.
+    pub poses: usize,
+    /// Largest way of the tool point.
+    pub largest_mm: f64,
+    /// Root mean square.
+    pub rms_mm: f64,
+    /// Largest turn of its frame.
+    pub turn_deg: f64,
+    /// The pose of the largest way, degrees or mm.
+    pub worst_pose: Vec<f64>,
+    /// That way.
+    pub by_mm: [f64; 3],
+}
+
+/// The tool's motion within the limits and within what both covered, and its words.
+pub(super) fn motion<const N: usize>(
+    text: &mut String,
+    a: &ArmParameters<f64, N>,
+    b: &ArmParameters<f64, N>,
+    (poses, seed): (usize, u64),
+) -> Vec<Motion> {
+    let limits = core::array::from_fn(|i| {
+        let unknown = UNKNOWN[usize::from(a.nominal[i].kind == JointKind::Prismatic)];
+        a.limits[i].or(a.covered[i]).unwrap_or([-unknown, unknown])
+    });
+    let common = |i: usize| {
+        let ([low, high], [l, h]) = (a.covered[i]?, b.covered[i]?);
+        let both = [low.max(l), high.min(h)];
+        (both[0] <= both[1]).then_some(both)
+    };
+    let covered: Vec<_> = (0..N).filter_map(common).collect();
+    let mut motions = Vec::new();
+    motions.extend(farthest(a, b, (poses, seed), "within the joint limits", limits));
+    let within_both = <[[f64; 2]; N]>::try_from(covered).ok();
+    motions.extend(within_both.and_then(|covered| {
+        farthest(a, b, (poses, seed), "within what both identifications covered", covered)
+    }));
+    *text += "\n";
+    motions.iter().for_each(|motion| *text += &told(motion, &a.nominal.map(|link| link.kind)));
+    if within_both.is_none() {
+        *text += "no pose lies within what both identifications covered\n";
+    }
+    *text += &format!(
+        "(poses drawn with seed {seed}, approach directions drawn, temperature within {WARMTH} K of the\n\
+         reference, no payload, each blob with its own tool point)\n"
+    );
+    motions
+}
+
+/// How far the tool moves within some ranges of the joints; `None` of no poses.
+fn farthest<const N: usize>(
+    a: &ArmParameters<f64, N>,
+    b: &ArmParameters<f64, N>,
+    (poses, seed): (usize, u64),
+    region: &'static str,
+    ranges: [[f64; 2]; N],
+) -> Option<Motion> {
+    let arms = [Arm::new(a), Arm::new(b)];
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (mut worst, mut square, mut turn) = (None, 0.0, 0.0_f64);
+    for _ in 0..poses {
+        let q = ranges.map(|[low, high]| rng.random_range(low..=high));
+        let state = State {
+            approach: [(); N]
+                .map(|()| if rng.random() { Approach::Positive } else { Approach::Negative }),
+            payload: 0.0,
+            temperature: a.reference_temperature + rng.random_range(-WARMTH..=WARMTH),
+        };
+        let [x, y] = arms.each_ref().map(|arm| arm.real_pose_in(&q, &state));
+        let by = y.translation - x.translation;
+        square += by.norm_squared();
+        turn = turn.max(x.inverse().compose(&y).rotation_vector().norm());
+        if worst.is_none_or(|(most, _): (Vector3<f64>, _)| by.norm() > most.norm()) {
+            worst = Some((by, q));
+        }
+    }
+    let (by, q) = worst?;
+    Some(Motion {
+        region,
+        poses,
+        largest_mm: by.norm() * 1e3,
+        rms_mm: (square / poses as f64).sqrt() * 1e3,
+        turn_deg: turn.to_degrees(),
+        worst_pose: (0..N).map(|i| joint_to_file(a.nominal[i].kind, q[i])).collect(),
+        by_mm: point_to_mm(&by),
+    })
+}
+
+fn told(motion: &Motion, kinds: &[JointKind]) -> String {
+    let joints = motion.worst_pose.iter().zip(kinds);
+    let unit = |kind: &JointKind| if *kind == JointKind::Revolute { "deg" } else { "mm" };
+    let shown: Vec<String> = joints.map(|(q, kind)| format!("{q:.2} {}", unit(kind))).collect();
+    let Motion { region, poses, largest_mm, rms_mm, turn_deg, by_mm: [x, y, z], .. } = motion;
+    format!(
+        "{region}, {poses} poses: the tool moves by {largest_mm:.4} mm at worst, {rms_mm:.4} mm RMS, its frame turns by\n\
+         {turn_deg:.5} deg at worst; worst pose {}: by {x:.4} {y:.4} {z:.4} mm\n",
+        shown.join(", ")
+    )
+}
