@@ -41,7 +41,7 @@ pub struct Compare {
 }
 
 /// What is written into a folder.
-const FILES: [&str; 3] = ["compare.json", "errors.svg", "methods.svg"];
+const FILES: [&str; 4] = ["compare.json", "errors.svg", "methods.svg", "report.html"];
 
 impl Compare {
     pub fn run(self) -> Result<Said> {
@@ -58,13 +58,11 @@ impl Compare {
         let json = to_json(&CompareReport::new(&found));
         let mut wrote = String::new();
         if let Some(folder) = &self.out {
-            let [report, rows, methods] = FILES.map(|name| folder.join(name));
-            own::pictures(&report, &[rows.clone(), methods.clone()], self.force)?;
+            let [report, rows, methods, page] = FILES.map(|name| folder.join(name));
+            own::pictures(&report, &[rows, methods, page.clone()], self.force)?;
             write(&report, json.as_bytes())?;
-            write(&rows, errors(&found).as_bytes())?;
-            write(&methods, bars(&found).as_bytes())?;
-            write_page(&folder.join("report.html"), &compared(&found), true)?;
-            let files = folder.join("{compare.json,errors.svg,methods.svg,report.html}");
+            write_page(&page, &compared(&found), true)?;
+            let files = folder.join(format!("{{{}}}", FILES.join(",")));
             wrote = format!("wrote {}\n", files.display());
         }
         Ok(if self.json { json.into() } else { (words::compare(&found) + &wrote).into() })
