@@ -9,12 +9,12 @@ use serde::Serialize;
 use truearm::{Link, Pose};
 
 use crate::error::{Error, Kind, Label, Result};
+use crate::identify::components::{KindScore, scores};
 use crate::identify::fit::{Freedom, fit};
 use crate::identify::registration::{register, rigid_transform};
 use crate::identify::{Conditions, Predictor, Problem, Scaling, State, View};
-use crate::model::ModelTerm;
-use crate::model::{Measurements, Model};
-use crate::observations::{Residual, kind};
+use crate::model::{Instrument, Measurements, Model, ModelTerm};
+use crate::observations::{Residual, kind, measuring};
 use crate::statistics::{Stats, own_evidence};
 
 /// A file of poses that were not fitted, scored.
@@ -39,6 +39,8 @@ pub struct Validation {
     pub nominal_rms_mm: f64,
     /// RMS if a base were fitted on this file; `null` where it was.
     pub base_refitted_rms_mm: Option<f64>,
+    /// Kinds of measurements, each in its own units.
+    pub kinds: Vec<KindScore>,
     /// Joints with values outside the identified range, counted from 1.
     pub joints_not_covered: Vec<usize>,
 }
@@ -83,7 +85,8 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
     let kept: Vec<_> =
         (0..residuals.len()).filter(|i| !left_out.contains(i)).map(|i| residuals[i]).collect();
     let stats = |r: &[Residual]| {
-        Stats::of(r)
+        let measured: Vec<Residual> = r.iter().copied().filter(|r| !r.is_empty()).collect();
+        Stats::of(&measured)
             .ok_or_else(|| Error::data(Kind::NoRows, "no rows to score", "give a file with rows"))
     };
     let rms_without = |state: &State, conditions: &Conditions| -> Result<f64> {
@@ -110,6 +113,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
         all_rows: stats(&residuals)?,
         nominal_rms_mm: rms_without(&nominal, &rigid)?,
         base_refitted_rms_mm: base_refitted,
+        kinds: scores(data, &self::residuals(data, &rigid, &nominal), &residuals),
         joints_not_covered: not_covered(model, data),
     })
 }
@@ -181,11 +185,29 @@ fn known_markers(model: &Model, data: &Measurements) -> Result<Vec<Vector3<f64>>
     data.markers.iter().map(marker).collect()
 }
 
+/// What the rows of a file refer to, as the training found it.
+fn known_instruments(model: &Model, data: &Measurements) -> Result<Vec<Instrument>> {
+    let find = |wanted: &Instrument| {
+        let same = |i: &&Instrument| (i.form, &i.label) == (wanted.form, &wanted.label);
+        let known = wanted.unknowns().is_empty().then_some(wanted);
+        model.instruments.iter().find(same).or(known).cloned().ok_or_else(|| {
+            let (what, label) = (wanted.form.name(), &wanted.label);
+            Error::data(
+                Kind::UnknownMarker,
+                format!("{}: {what} \"{label}\" is unknown to the model", data.path.display()),
+                "give rows whose labels the training has, or --reregister base+tool",
+            )
+        })
+    };
+    data.instruments.iter().map(find).collect()
+}
+
 fn trained(model: &Model, data: &Measurements) -> Result<State> {
     let station = |s: &String| find(data, Label::Station, s, &model.stations, "base").copied();
     Ok(State {
         bases: data.stations.iter().map(station).collect::<Result<_>>()?,
         markers: known_markers(model, data)?,
+        instruments: known_instruments(model, data)?,
         links: model.links(),
         terms: model.terms.clone(),
     })
@@ -202,6 +224,7 @@ fn with_bases(
     let mut state = State {
         bases: vec![Pose::identity(); data.stations.len()],
         markers,
+        instruments: known_instruments(model, data)?,
         links: model.links(),
         terms: arm_terms(model),
     };
@@ -259,7 +282,7 @@ fn registered(
         conditions: Arc::new(conditions),
         ..Problem::new(data, &model.robot, Scaling::Prior)
     };
-    let mut rows: Vec<usize> = (0..data.rows.len()).collect();
+    let mut rows = measuring(&data.rows);
     let mut state = fit(&problem, &rows, None, &start, Freedom::Frames)?.state;
     let out = own_evidence(&residuals(data, &problem.conditions, &state));
     if !out.is_empty() {

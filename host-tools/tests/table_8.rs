@@ -115,6 +115,7 @@ fn leave_one_out_by_leaving_one_out() {
         let state = State {
             bases: found.model.stations.iter().map(|s| s.1).collect(),
             markers: found.model.markers.iter().map(|m| m.1).collect(),
+            instruments: Vec::new(),
             links: found.model.links(),
             terms: Vec::new(),
         };

@@ -9,6 +9,7 @@ pub mod body;
 pub mod dirty;
 pub mod draw;
 pub mod effects;
+pub mod instruments;
 #[path = "../../tests/common/mod.rs"]
 pub mod oracle;
 pub mod robots;

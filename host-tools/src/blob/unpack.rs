@@ -71,6 +71,7 @@ fn model<const N: usize>(p: &ArmParameters<f64, N>, path: &Path, name: Option<Na
             name,
             serial,
             sigma: ASSUMED_SIGMA,
+            sigma_angle: None,
             gravity: p.masses.map(|m| m.gravity),
             reference_temperature: p.reference_temperature,
             joints: joints
@@ -90,6 +91,7 @@ fn model<const N: usize>(p: &ArmParameters<f64, N>, path: &Path, name: Option<Na
         curves: p.curves.iter().map(|curve| ErrorCurve::of_blob(&curve)).collect(),
         stations: Vec::new(),
         markers: vec![(String::new(), p.tool)],
+        instruments: Vec::new(),
         frame_translation: p.base_translation,
         frame_rotation: p.base_rotation,
         provenance: Provenance {

@@ -129,6 +129,7 @@ impl Fitter<'_> {
         let bare = State {
             bases: vec![Pose::identity(); stations],
             markers: vec![self.scene.tool; markers],
+            instruments: Vec::new(),
             links: self.scene.links.clone(),
             terms: Vec::new(),
         };
@@ -268,7 +269,7 @@ fn column(unknown: Unknown, sight: &Sight, d: &Derivatives) -> Option<Vector3<f6
         Unknown::Station(s, k) => (s == sight.station).then(|| d.base[k]),
         Unknown::Marker(m, k) => (m == sight.marker).then(|| d.tool[k]),
         Unknown::Link(joint, parameter) => Some(*d.links[joint].get(parameter)),
-        Unknown::Term(_) => None,
+        Unknown::Term(_) | Unknown::Instrument(..) => None,
     }
 }
 

@@ -5,9 +5,10 @@ use truearm_host::evaluate::evaluate;
 use truearm_host::files::csv_text;
 use truearm_host::identify::{LambdaRule, Options, RowResult, Scaling, identify};
 use truearm_host::model::{Measurements, Row};
+use truearm_host::observations::Residual;
 use truearm_host::page::{Measured, Next, identified};
 use truearm_host::report::IdentifyReport;
-use truearm_host::units::to_mm;
+
 use truearm_host::{Error, Result};
 
 use super::check::{explained, remark};
@@ -139,29 +140,33 @@ impl Identify {
 /// One line a data row: residuals in mm with nominal geometry, identified, and
 /// held out.
 pub fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
-    // Of every kind that the file has, its components.
-    let mut names: Vec<&str> = Vec::new();
-    for name in rows.iter().flat_map(|r| r.identified.components()) {
-        if !names.contains(name) {
+    // Of every kind that the file has, its components with their unit.
+    let named = |r: &Residual| {
+        let names = r.components().iter().enumerate();
+        names.map(|(c, name)| format!("{name}_{}", r.measure(c).unit())).collect::<Vec<String>>()
+    };
+    let mut names: Vec<String> = Vec::new();
+    for name in rows.iter().flat_map(|r| named(&r.identified)) {
+        if !names.contains(&name) {
             names.push(name);
         }
     }
     let mut header: Vec<String> =
         ["row", "line", "station", "marker", "flagged"].map(str::to_owned).to_vec();
     for of in ["nominal_", "", "held_out_"] {
-        header.extend(names.iter().map(|name| format!("{of}d{name}_mm")));
+        header.extend(names.iter().map(|name| format!("{of}d{name}")));
     }
     let line = |(i, (row, result)): (usize, (&Row, &RowResult))| {
         let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
         let mut cells = vec![(i + 1).to_string(), row.line.to_string()];
         cells.extend([station.clone(), marker.clone(), u8::from(result.flagged).to_string()]);
         for v in [Some(result.nominal), Some(result.identified), result.held_out] {
-            let mm = |name: &&str| {
+            let told = |name: &String| {
                 let v = v?;
-                let place = v.components().iter().position(|c| c == name)?;
-                Some(format!("{:.5}", to_mm(v[place])))
+                let place = named(&v).iter().position(|c| c == name)?;
+                Some(format!("{:.5}", v.in_files().get(place)?))
             };
-            cells.extend(names.iter().map(|name| mm(name).unwrap_or_default()));
+            cells.extend(names.iter().map(|name| told(name).unwrap_or_default()));
         }
         cells
     };

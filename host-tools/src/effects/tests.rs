@@ -35,6 +35,7 @@ fn robot() -> Robot {
         path: "robot.toml".into(),
         name: "on a rail".into(),
         serial: String::new(),
+        sigma_angle: None,
         sigma: 2e-5,
         gravity: None,
         reference_temperature: 20.0,

@@ -2,6 +2,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
+use super::instruments::Gathered;
 use super::source::Source;
 use crate::error::Result;
 use crate::model::near::Reach;
@@ -49,11 +50,18 @@ impl Commanded {
                  cmd_z_mm in the robot's frame",
             )),
             (_, false) => {
-                let data = Measurements::table(path, text, robot, (Some("cmd"), true))?;
+                let data = Measurements::table(
+                    path,
+                    text,
+                    robot,
+                    (Some("cmd"), true),
+                    Gathered::default(),
+                )?;
                 Ok(Self { data, points: Vec::new() })
             }
             (false, true) => {
-                let mut data = Measurements::table(path, text, robot, (None, true))?;
+                let mut data =
+                    Measurements::table(path, text, robot, (None, true), Gathered::default())?;
                 let to_arm = robot.base.pose().inverse();
                 let points = points_of(&source, &header, &data)?;
                 let points: Vec<_> = points.iter().map(|p| to_arm.transform_point(p)).collect();

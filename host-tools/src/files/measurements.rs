@@ -3,6 +3,8 @@ use std::path::Path;
 use truearm::JointKind;
 
 use super::columns::{Cells, Columns, Labels};
+use super::instruments::Gathered;
+use super::pairs;
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::model::near::Reach;
@@ -19,7 +21,8 @@ impl Measurements {
     /// # Errors
     /// Names file, line, column and remedy.
     pub fn read(path: &Path, robot: &Robot) -> Result<Self> {
-        Self::parse(path, &super::read(path)?, robot)
+        let text = super::read(path)?;
+        Self::parsed(path, &text, robot, Gathered::beside(path, robot)?)
     }
 
     /// Like [`Measurements::read`] from a text.
@@ -27,7 +30,20 @@ impl Measurements {
     /// # Errors
     /// As for [`Measurements::read`].
     pub fn parse(path: &Path, text: &str, robot: &Robot) -> Result<Self> {
-        let mut data = Self::table(path, text, robot, (Some("q"), true))?;
+        Self::parsed(path, text, robot, Gathered::default())
+    }
+
+    /// The same with the text of an instruments.toml.
+    ///
+    /// # Errors
+    /// As for [`Measurements::read`], of either file.
+    pub fn parse_with(path: &Path, text: &str, robot: &Robot, instruments: &str) -> Result<Self> {
+        let book = Gathered::parse(&path.with_file_name("instruments.toml"), instruments)?;
+        Self::parsed(path, text, robot, book)
+    }
+
+    fn parsed(path: &Path, text: &str, robot: &Robot, book: Gathered) -> Result<Self> {
+        let mut data = Self::table(path, text, robot, (Some("q"), true), book)?;
         data.arrive(robot);
         data.remark(robot);
         Ok(data)
@@ -40,6 +56,7 @@ impl Measurements {
         text: &str,
         robot: &Robot,
         columns: (Option<&str>, bool),
+        book: Gathered,
     ) -> Result<Self> {
         let source = Source { path, text };
         source.refuse_toml()?;
@@ -48,7 +65,7 @@ impl Measurements {
         let names: Vec<String> = headers.iter().map(str::to_owned).collect();
         let joints = columns.0;
         let columns = Columns::find(source, &names, robot, columns)?;
-        let (mut rows, mut labels) = (Vec::new(), Labels::default());
+        let (mut rows, mut labels) = (Vec::new(), Labels { book, ..Labels::default() });
         for record in reader.records() {
             let record = record.map_err(|e| unreadable(&source, &e))?;
             let (line, start) = record
@@ -80,8 +97,21 @@ impl Measurements {
             poses: 0,
             extra_columns: columns.extra.iter().map(|c| names[*c].clone()).collect(),
             directions_from_order: false,
+            instruments: Vec::new(),
+            known_markers: Vec::new(),
+            base: robot.base.pose(),
             warnings: Vec::new(),
         };
+        if !columns.of_poses() && data.rows.iter().any(|row| row.orientation.is_some()) {
+            data.warnings.push(format!(
+                "{}: orientations are not used: state how good they are, measurement_sigma_deg in \
+                 {} or a column sigma_deg, or write `pose` in a column `kind`",
+                path.display(),
+                robot.path.display()
+            ));
+        }
+        labels.book.hand_over(&mut data, robot);
+        pairs::join(&mut data, &labels.pairs, source)?;
         if joints.is_some() {
             data.number(robot);
         }

@@ -4,6 +4,7 @@ use std::path::Path as FilePath;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 
+use super::instruments::Gathered;
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::model::{Coordinates, Measurements, Path, Placement, Robot, Row, Target};
@@ -44,7 +45,13 @@ impl Path {
         let header = text.lines().next().unwrap_or("").split(',');
         let header: Vec<&str> = header.map(|name| name.trim().trim_matches('"')).collect();
         let joints = joints_wanted(&source, &header, wanted)?;
-        let mut data = Measurements::table(path, text, robot, (joints.then_some("q"), false))?;
+        let mut data = Measurements::table(
+            path,
+            text,
+            robot,
+            (joints.then_some("q"), false),
+            Gathered::default(),
+        )?;
         let (names, cells) = cells(text, &data.rows);
         if joints {
             data.remark_joints(robot);

@@ -12,10 +12,11 @@ const SWAPPED: &str = "are the arguments swapped? The arm (robot.toml or model.t
                        the measurements";
 
 /// Keys of robot.toml, for those that resemble one.
-const KEYS: [&str; 26] = [
+const KEYS: [&str; 27] = [
     "name",
     "serial",
     "measurement_sigma_mm",
+    "measurement_sigma_deg",
     "gravity_m_s2",
     "reference_temperature_c",
     "joints",

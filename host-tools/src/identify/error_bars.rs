@@ -173,7 +173,7 @@ fn parameters(problem: &Problem, state: &State, of: &Covariances) -> Vec<Paramet
             let noise = of.noise[(k, k)].max(0.0);
             let both = noise + of.bias[(k, k)].max(0.0);
             ParameterBar {
-                name: unknown.name(&problem.data.stations, &problem.data.markers),
+                name: unknown.name(problem.data),
                 unit,
                 correction: corrections[k] * factor,
                 half_width: both.sqrt() * FACTOR * factor,

@@ -173,9 +173,14 @@ fn predictions(problem: &Problem, fold: &Fold, found: &Estimate) -> Vec<(usize, 
     };
     let stations = poses_of(|row| row.station, data.stations.len());
     let markers = poses_of(|row| row.marker, data.markers.len());
+    let mut seen = vec![0; data.instruments.len()];
+    for row in found.robust.kept.iter().map(|row| &data.rows[*row]) {
+        row.refers.iter().for_each(|i| seen[*i] += 1);
+    }
     let of = |index: &usize| {
         let row = &data.rows[*index];
-        let known = stations[row.station].min(markers[row.marker]) >= DETERMINED;
+        let poses = stations[row.station].min(markers[row.marker]);
+        let known = poses >= DETERMINED && row.refers.iter().all(|i| seen[*i] >= DETERMINED);
         (*index, known.then(|| at.residual(*index)))
     };
     fold.held_out.iter().map(of).collect()

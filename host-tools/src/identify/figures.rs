@@ -14,8 +14,28 @@ pub struct FlaggedRow {
     pub row: usize,
     /// Which components are wrong: of a point x, y, z.
     pub coordinates: Vec<&'static str>,
-    /// Measured minus predicted by the other rows, mm.
+    /// Measured minus predicted by the other rows, mm; degrees of components that
+    /// are angles, px of those in an image.
     pub residual_mm: Vec<f64>,
+}
+
+/// One kind of measurement, or its lengths and angles each.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct KindFigures {
+    /// Its name, as in the column `kind`.
+    pub kind: &'static str,
+    /// `mm`, `deg` or `px`.
+    pub unit: &'static str,
+    /// Rows of it.
+    pub rows: usize,
+    /// Root mean square of all components of a row together, nominal geometry.
+    pub nominal_rms: Option<f64>,
+    /// The same, identified.
+    pub identified_rms: Option<f64>,
+    /// The same, held out.
+    pub cross_validated_rms: Option<f64>,
+    /// Noise over what is stated, estimated where there are several kinds; else 1.
+    pub noise_scale: f64,
 }
 
 /// A number, or `"> 1e15"` where rounding hides it.
@@ -109,6 +129,12 @@ pub struct Figures {
     pub weakly_determined: Vec<String>,
     /// 95 % error bars of parameters and of the predicted tool point.
     pub uncertainty: Uncertainty,
+    /// Kinds of measurements, each in its own units.
+    pub kinds: Vec<KindFigures>,
+    /// What the kinds of the file leave open, in words, where it has no points.
+    pub left_open: Vec<String>,
+    /// Whether the data determine how the last frame is turned.
+    pub orientation_identified: bool,
     /// Remarks.
     pub warnings: Vec<String>,
 }

@@ -1,14 +1,15 @@
 //! A problem at a state: residuals and equations of its rows, and their sums.
 
 use nalgebra::{DMatrix, DVector, Vector3};
+use truearm::Pose;
 
 use super::accumulate::{CHUNK, tree};
 use super::predictor::{Model, View};
 use super::problem::Problem;
 use super::unknowns::State;
 use crate::model::arm::Derivatives;
-use crate::model::{Row, Values};
-use crate::observations::{Moving, Residual, Seen, kind};
+use crate::model::{Instrument, Row, Values};
+use crate::observations::{ArmPart, Body, Moving, Partials, Residual, Seen, kind};
 use crate::tikhonov::{Normal, Triangle};
 
 /// A row's equations, scaled: `block x = rhs`.
@@ -57,6 +58,54 @@ struct Motion<'l> {
     beside: &'l Beside<'l>,
 }
 
+impl Motion<'_> {
+    /// How the last frame of a row turns with each unknown in its unit, rad;
+    /// terms, and what is beside, turn nothing.
+    fn turned(&self, index: usize) -> DMatrix<f64> {
+        let (row, problem) = (self.row(index), &self.at.problem);
+        let unknowns = &problem.unknowns;
+        let (d, _) = self.at.model.derivatives(row, index, &problem.conditions);
+        let beside = (self.beside)(index, &d).len();
+        let mut block = DMatrix::zeros(3, unknowns.list().len() + beside);
+        if let Some(first) = unknowns.station(row.station) {
+            (0..3).for_each(|k| block[(k, first + k)] = 1.0);
+        }
+        for (i, link) in d.turns().iter().enumerate() {
+            for (k, column) in link.iter().enumerate() {
+                block.column_mut(unknowns.free() + 5 * i + k).copy_from(column);
+            }
+        }
+        self.in_units(&mut block);
+        block
+    }
+
+    fn in_units(&self, block: &mut DMatrix<f64>) {
+        for (mut column, unit) in block.column_iter_mut().zip(&self.at.units) {
+            column *= *unit;
+        }
+    }
+
+    /// How what a part of a row pulls at moves, as many rows as it has columns.
+    fn body(&self, part: &ArmPart) -> DMatrix<f64> {
+        let mut point = self.moved(part.row).1;
+        if part.pull.ncols() == 3 {
+            return point;
+        }
+        let turned = self.turned(part.row);
+        if part.body == Body::Flange {
+            let lever = self.pose(part.row).rotation * self.marker(part.row);
+            point += lever.cross_matrix() * &turned;
+            if let Some(first) = self.at.problem.unknowns.marker(self.row(part.row).marker) {
+                point.columns_mut(first, 3).fill(0.0);
+            }
+        }
+        let mut all = DMatrix::zeros(6, point.ncols());
+        all.rows_mut(0, 3).copy_from(&point);
+        all.rows_mut(3, 3).copy_from(&turned);
+        all
+    }
+}
+
 impl Seen for Motion<'_> {
     fn row(&self, index: usize) -> &Row {
         &self.at.problem.data.rows[index]
@@ -64,6 +113,18 @@ impl Seen for Motion<'_> {
 
     fn point(&self, index: usize) -> Vector3<f64> {
         self.at.view().point(index)
+    }
+
+    fn pose(&self, index: usize) -> Pose<f64> {
+        self.at.view().pose(index)
+    }
+
+    fn marker(&self, index: usize) -> Vector3<f64> {
+        self.at.model.marker(self.row(index))
+    }
+
+    fn instrument(&self, index: usize) -> &Instrument {
+        &self.at.model.instruments()[index]
     }
 }
 
@@ -75,24 +136,39 @@ impl Moving for Motion<'_> {
         let beside = (self.beside)(index, &d);
         let count = unknowns.list().len();
         let mut block = DMatrix::zeros(3, count + beside.len());
-        let mut set = |first: usize, columns: &[Vector3<f64>]| {
-            for (k, column) in columns.iter().enumerate() {
-                block.column_mut(first + k).copy_from(column);
+        let mut set = |first: Option<usize>, columns: &[Vector3<f64>]| {
+            for (column, value) in first.into_iter().flat_map(|first| first..).zip(columns) {
+                block.column_mut(column).copy_from(value);
             }
         };
         set(unknowns.station(row.station), &d.base);
-        set(unknowns.marker(row.marker, problem.data.stations.len()), &d.tool);
+        set(unknowns.marker(row.marker), &d.tool);
         if !unknowns.terms().is_empty() {
-            set(unknowns.terms().start, &terms);
+            set(Some(unknowns.terms().start), &terms);
         }
         for (i, columns) in d.links.iter().enumerate() {
-            set(unknowns.free() + 5 * i, &columns.to_array());
+            set(Some(unknowns.free() + 5 * i), &columns.to_array());
         }
-        set(count, &beside);
-        for (mut column, unit) in block.column_iter_mut().zip(&self.at.units) {
-            column *= *unit;
-        }
+        set(Some(count), &beside);
+        self.in_units(&mut block);
         (d.point, block)
+    }
+
+    fn block(&self, partials: &Partials) -> DMatrix<f64> {
+        let unknowns = &self.at.problem.unknowns;
+        let mut block = DMatrix::zeros(0, 0);
+        for part in &partials.arm {
+            let moved = &part.pull * self.body(part);
+            block = if block.is_empty() { moved } else { block + moved };
+        }
+        for (instrument, pull) in &partials.instruments {
+            for (column, k) in unknowns.instrument(*instrument) {
+                let moved = pull.column(k) * self.at.units[column];
+                let mut sum = block.column_mut(column);
+                sum += moved;
+            }
+        }
+        block
     }
 }
 
@@ -159,6 +235,27 @@ impl<'a> Linearised<'a> {
     #[must_use]
     pub fn target(&self, index: usize) -> (Vector3<f64>, DMatrix<f64>) {
         Motion { at: self, beside: &|_, _| Vec::new() }.moved(index)
+    }
+
+    /// How the frame of what a row measures with is turned by each unknown in its
+    /// unit, rad: that of its marker or camera where it has one, else the last.
+    #[must_use]
+    pub fn turn(&self, index: usize) -> DMatrix<f64> {
+        let motion = Motion { at: self, beside: &|_, _| Vec::new() };
+        let row = motion.row(index);
+        let mut pull = DMatrix::zeros(3, 6);
+        pull.view_mut((0, 3), (3, 3)).fill_with_identity();
+        let mut instruments = Vec::new();
+        let mounted = |i: &&usize| motion.instrument(**i).on_flange;
+        if let Some(mount) = row.refers.iter().find(mounted) {
+            let instrument = motion.instrument(*mount);
+            let axes = motion.pose(index).rotation * instrument.place.rotation;
+            let mut own = DMatrix::zeros(3, instrument.free.len());
+            own.view_mut((0, 0), (3, 3)).copy_from(&axes);
+            instruments.push((*mount, own));
+        }
+        let arm = vec![ArmPart { row: index, body: Body::Target, pull }];
+        motion.block(&Partials { residual: Values::default(), arm, instruments })
     }
 
     /// `[A, b]` of the given rows, each equation multiplied by the root of its

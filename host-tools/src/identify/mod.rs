@@ -4,6 +4,7 @@
 //! cross-validation -> report. Nothing here reads or writes a file.
 
 pub mod accumulate;
+pub mod components;
 mod conditions;
 mod damped;
 pub mod error_bars;
@@ -11,6 +12,7 @@ pub mod estimate;
 mod figures;
 pub mod fit;
 pub mod folds;
+mod guess;
 mod l_curve;
 mod lambda;
 mod linearised;
@@ -25,18 +27,18 @@ pub mod uncertainty;
 mod unknowns;
 
 pub use conditions::{Conditions, Surroundings};
-pub use figures::{AllRows, Condition, Figures, FlaggedRow};
+pub use figures::{AllRows, Condition, Figures, FlaggedRow, KindFigures};
 pub use l_curve::{LCurvePoint, l_curve};
 pub use lambda::{LambdaChoice, LambdaRule, choose, lambda_by};
 pub use linearised::{Beside, Equations, Linearised};
 pub use predictor::{Model as Predictor, View, measurement_column};
 pub use problem::{Problem, Scaling, link_corrections};
 pub use summary::Findings;
-pub use unknowns::{State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unknown, Unknowns};
+pub use unknowns::{Layout, State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unknown, Unknowns};
 
 use crate::error::{Error, Kind, Result};
 use crate::model::{Measurements, Model, Robot};
-use crate::observations::Residual;
+use crate::observations::{Residual, kind, measuring};
 use estimate::{cross_validate, estimate};
 use fit::{Freedom, fit};
 
@@ -89,10 +91,11 @@ pub fn identify(
     options: &Options,
     progress: Progress,
 ) -> Result<Identification> {
-    let problem = Problem::new(data, robot, options.scaling);
+    let mut problem = Problem::new(data, robot, options.scaling);
     enough(&problem, options)?;
     let start = registration::register(data, &problem.nominal, robot.tool)?;
-    let rows: Vec<usize> = (0..data.rows.len()).collect();
+    let rows = measuring(&data.rows);
+    problem.noise = components::noise(&problem, &rows, &start)?;
     let folds = folds::random(data, &rows, folds::SEED);
     let blocks = folds::blocked(data, &rows);
     let total = 1 + folds.len() + blocks.as_ref().map_or(0, Vec::len);
@@ -152,9 +155,12 @@ pub(crate) fn enough(problem: &Problem, options: &Options) -> Result<()> {
     }
     let key = |i: &usize| {
         let row = &data.rows[*i];
-        (row.pose, row.marker, row.kind.0)
+        // Another point of the same pose is the same; another label is not.
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<u64>>();
+        let own = if kind(row).point(row).is_some() { Vec::new() } else { bits(&row.measured) };
+        (row.pose, row.marker, row.kind.0, row.refers.clone(), own)
     };
-    let mut distinct: Vec<usize> = (0..data.rows.len()).collect();
+    let mut distinct = measuring(&data.rows);
     distinct.sort_by_key(key);
     distinct.dedup_by_key(|i| key(i));
     let (points, equations) = (distinct.len(), problem.equations(&distinct));

@@ -1,12 +1,13 @@
 //! Where a state sees the targets, and how they move with its unknowns.
 
 use nalgebra::Vector3;
+use truearm::Pose;
 use truearm::effects::Term;
 
 use super::conditions::Conditions;
 use super::unknowns::State;
 use crate::model::arm::{Derivatives, Kinematics};
-use crate::model::{Measurements, ModelTerm, Row};
+use crate::model::{Instrument, Measurements, ModelTerm, Row};
 use crate::observations::Seen;
 
 /// A state ready to predict rows.
@@ -16,6 +17,8 @@ pub struct Model {
     arm_terms: Vec<Term<f64>>,
     terms: Vec<ModelTerm>,
     bases: Vec<Vector3<f64>>,
+    places: Vec<Vector3<f64>>,
+    instruments: Vec<Instrument>,
 }
 
 impl Model {
@@ -34,6 +37,8 @@ impl Model {
             arm_terms: state.terms.iter().filter_map(arm).collect(),
             terms: state.terms.clone(),
             bases: state.bases.iter().map(|b| b.translation).collect(),
+            places: state.markers.clone(),
+            instruments: state.instruments.clone(),
         }
     }
 
@@ -49,6 +54,26 @@ impl Model {
             return self.chain(row).bent(&row.q, &self.arm_terms, inputs).translation;
         }
         self.derivatives(row, index, conditions).0.point
+    }
+
+    /// The same with how the last frame is turned.
+    #[must_use]
+    pub fn pose(&self, row: &Row, index: usize, conditions: &Conditions) -> Pose<f64> {
+        let inputs = &conditions.rows[index];
+        let pose = self.chain(row).bent(&row.q, &self.arm_terms, inputs);
+        Pose { translation: self.point(row, index, conditions), ..pose }
+    }
+
+    /// Of a marker its place in the last frame, m.
+    #[must_use]
+    pub fn marker(&self, row: &Row) -> Vector3<f64> {
+        self.places[row.marker]
+    }
+
+    /// What rows refer to.
+    #[must_use]
+    pub fn instruments(&self) -> &[Instrument] {
+        &self.instruments
     }
 
     /// The same with all derivatives, those of the terms in their order.
@@ -125,5 +150,17 @@ impl Seen for View<'_> {
 
     fn point(&self, index: usize) -> Vector3<f64> {
         self.model.point(self.row(index), index, self.conditions)
+    }
+
+    fn pose(&self, index: usize) -> Pose<f64> {
+        self.model.pose(self.row(index), index, self.conditions)
+    }
+
+    fn marker(&self, index: usize) -> Vector3<f64> {
+        self.model.marker(self.row(index))
+    }
+
+    fn instrument(&self, index: usize) -> &Instrument {
+        &self.model.instruments()[index]
     }
 }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use nalgebra::DVector;
 use truearm::{Link, MdhParameters};
 
+use super::components::Noise;
 use super::conditions::Conditions;
-use super::unknowns::{State, Unknown, Unknowns};
+use super::unknowns::{Layout, State, Unknown, Unknowns};
 use crate::model::{Measurements, Robot, Values};
 use crate::observations::{self, kind};
 
@@ -34,6 +35,8 @@ pub struct Problem<'a> {
     pub unknowns: Unknowns,
     /// What lambda weighs.
     pub scaling: Scaling,
+    /// By how much each kind is noisier than stated.
+    pub noise: Noise,
 }
 
 impl<'a> Problem<'a> {
@@ -42,15 +45,14 @@ impl<'a> Problem<'a> {
     pub fn new(data: &'a Measurements, robot: &Robot, scaling: Scaling) -> Self {
         let nominal = robot.nominal();
         let conditions = Arc::new(Conditions::new(data, robot));
-        let unknowns = Unknowns::new(data.stations.len(), data.markers.len(), 0, nominal.len());
-        Self { data, conditions, nominal, unknowns, scaling }
+        let unknowns = Unknowns::of(&Layout::of(data), 0, nominal.len());
+        Self { data, conditions, nominal, unknowns, scaling, noise: Noise::default() }
     }
 
     /// The same with so many terms.
     #[must_use]
     pub fn with_terms(&self, terms: usize) -> Self {
-        let (stations, markers) = (self.data.stations.len(), self.data.markers.len());
-        let unknowns = Unknowns::new(stations, markers, terms, self.nominal.len());
+        let unknowns = Unknowns::of(&Layout::of(self.data), terms, self.nominal.len());
         Self { unknowns, ..self.clone() }
     }
 
@@ -74,7 +76,12 @@ impl<'a> Problem<'a> {
     #[must_use]
     pub fn scale(&self, row: usize) -> Values {
         let row = &self.data.rows[row];
-        let sigmas = kind(row).sigmas(row);
+        let sigmas = match observations::equations_of(row) {
+            0 => Values::default(),
+            _ => kind(row).sigmas(row),
+        };
+        let scaled = |c: usize| sigmas[c] * self.noise.of(row.kind, kind(row).measure(c));
+        let sigmas = Values::from_fn(sigmas.len(), scaled);
         match self.scaling {
             Scaling::Prior => sigmas,
             Scaling::Printed => sigmas.map(|_| 1.0),

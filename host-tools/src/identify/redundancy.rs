@@ -44,12 +44,7 @@ pub fn analyse(problem: &Problem, state: &State, rows: &[usize]) -> Redundancy {
     let free = problem.unknowns.free();
     let raw = raw.columns(free, raw.ncols() - free).into_owned().singular_values();
     let smallest = raw.iter().copied().fold(f64::INFINITY, f64::min);
-    let names: Vec<String> = problem
-        .unknowns
-        .list()
-        .iter()
-        .map(|u| u.name(&problem.data.stations, &problem.data.markers))
-        .collect();
+    let names: Vec<String> = problem.unknowns.list().iter().map(|u| u.name(problem.data)).collect();
     let units = |k: usize| if problem.unknowns.list()[k].is_length() { "mm" } else { "mrad" };
     let null = v_t.rows(rank, v_t.nrows() - rank).into_owned();
     let weak = (0..rank).filter(|k| s[*k] < 1.0).map(|k| {
@@ -83,7 +78,7 @@ pub fn correlated(problem: &Problem, covariance: &DMatrix<f64>) -> Vec<String> {
     let list = problem.unknowns.list();
     let sigma = |k: usize| covariance[(k, k)].max(0.0).sqrt();
     let determined = |k: &usize| {
-        !matches!(list[*k], Unknown::Station(..) | Unknown::Term(_))
+        !matches!(list[*k], Unknown::Station(..) | Unknown::Term(_) | Unknown::Instrument(..))
             && sigma(*k) > 0.0
             && sigma(*k) < DETERMINED * list[*k].tolerance()
     };
@@ -100,7 +95,7 @@ pub fn correlated(problem: &Problem, covariance: &DMatrix<f64>) -> Vec<String> {
     pairs.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
     let with_bar = |k: usize| {
         let (factor, unit) = if list[k].is_length() { (1e3, "mm") } else { (1e3, "mrad") };
-        let name = list[k].name(&problem.data.stations, &problem.data.markers);
+        let name = list[k].name(problem.data);
         format!("{name} (+-{:.3} {unit})", 1.96 * sigma(k) * factor)
     };
     let sentence = |(correlation, a, b): &(f64, usize, usize)| {

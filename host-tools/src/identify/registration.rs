@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truearm::Pose;
 
+use super::guess;
 use super::unknowns::State;
 use crate::error::{Error, Kind, Result};
 use crate::model::arm::chain;
@@ -130,8 +131,10 @@ pub fn register(
         let (frames, points): (Vec<_>, Vec<_>) = of(most).map(|v| (v.flange, v.point)).unzip();
         if points.len() < 4 { tool } else { tool_by_distances(&frames, &points, tool) }
     };
-    let stated = vec![tool; data.markers.len()];
-    let found = (0..data.markers.len()).map(by_distance).collect();
+    let known = |m: usize| data.known_markers.get(m).copied().flatten();
+    let of = |m: usize, else_: Vector3<f64>| known(m).unwrap_or(else_);
+    let stated: Vec<_> = (0..data.markers.len()).map(|m| of(m, tool)).collect();
+    let found: Vec<_> = (0..data.markers.len()).map(|m| of(m, by_distance(m))).collect();
     let mut best: Option<(f64, State)> = None;
     for markers in [stated, found] {
         let (mut worst, mut bases) = (0.0_f64, Vec::new());
@@ -141,11 +144,12 @@ pub fn register(
             worst = worst.max(scale);
         }
         if best.as_ref().is_none_or(|(scale, _)| worst < *scale) {
-            let state = State { bases, markers, links: links.to_vec(), terms: Vec::new() };
+            let (links, instruments) = (links.to_vec(), data.instruments.clone());
+            let state = State { bases, markers, instruments, links, terms: Vec::new() };
             best = Some((worst, state));
         }
     }
-    best.map(|(_, state)| state)
+    best.map(|(_, state)| guess::instruments(data, state))
         .ok_or_else(|| Error::data(Kind::NoRows, "no measurements", "add rows"))
 }
 
@@ -165,6 +169,10 @@ fn base_of(
     markers: &[Vector3<f64>],
 ) -> Result<(Pose<f64>, f64)> {
     let here = sights.iter().filter(|v| v.station == station);
+    let pointless = |row: &Row| row.station != station || kind(row).point(row).is_none();
+    if data.rows.iter().all(pointless) {
+        return Ok((data.base, 0.0));
+    }
     let (from, to): (Vec<_>, Vec<_>) =
         here.map(|v| (v.flange.transform_point(&markers[v.marker]), v.point)).unzip();
     let label = if data.stations.len() > 1 {

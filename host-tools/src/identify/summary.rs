@@ -9,12 +9,14 @@ use super::figures::{AllRows, Figures, FlaggedRow};
 use super::l_curve::l_curve;
 use super::problem::link_corrections;
 use super::uncertainty::{factor, of_arm};
-use super::{Identification, Problem, RowResult, Scaling, State, redundancy, registration, robust};
+use super::{
+    Identification, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE, components, redundancy,
+    registration, robust,
+};
 use crate::model::arm::chain;
 use crate::model::{ErrorCurve, Model, Provenance, Robot};
-use crate::observations::Residual;
+use crate::observations::{Residual, kind};
 use crate::statistics::{Stats, robust_distance_scale};
-use crate::units::to_mm;
 
 /// All that was found out about a data set.
 pub struct Findings<'a> {
@@ -77,7 +79,7 @@ impl Findings<'_> {
             lambda_choice: found.choice.clone(),
             l_curve: l_curve(problem, &found.fit.state, &found.robust.kept, found.lambda),
             correction_norm: prior.corrections(&found.fit.state).norm(),
-            residual_over_sigma: found.robust.scale,
+            residual_over_sigma: found.robust.scale * problem.noise.largest(data),
             nominal: stats(results, false, |r| r.nominal),
             identified: stats(results, false, |r| r.identified),
             cross_validated: own(held_out),
@@ -94,6 +96,9 @@ impl Findings<'_> {
             unidentifiable: redundancy.redundant,
             weakly_determined: redundancy.weak,
             uncertainty: uncertainty(problem, found, &self.covariances()),
+            kinds: components::figures(problem, results),
+            left_open: components::left_open(data),
+            orientation_identified: orientation_identified(problem, found, &self.covariances()),
             warnings: self.warnings(),
         }
     }
@@ -150,10 +155,10 @@ impl Findings<'_> {
             curves: self.curves.clone(),
             stations: stations.collect(),
             markers: markers.collect(),
+            instruments: state.instruments.clone(),
             frame_translation: frame.translation,
             frame_rotation: turn,
-            // Points say nothing of how the flange is turned about them.
-            orientation_identified: false,
+            orientation_identified: figures.orientation_identified,
             robot_id: None,
             covariance: Some(factor(&covariance)),
             changed: false,
@@ -181,8 +186,8 @@ impl Findings<'_> {
 }
 
 fn stats(results: &[RowResult], all: bool, of: fn(&RowResult) -> Residual) -> Option<Stats> {
-    let used = results.iter().filter(|r| all || !r.flagged);
-    Stats::of(&used.map(of).collect::<Vec<_>>())
+    let used = results.iter().filter(|r| all || !r.flagged).map(of).filter(|r| !r.is_empty());
+    Stats::of(&used.collect::<Vec<_>>())
 }
 
 fn provenance(figures: &Figures) -> Provenance {
@@ -215,8 +220,25 @@ fn flagged_row(outlier: &robust::Outlier) -> FlaggedRow {
     FlaggedRow {
         row: outlier.row + 1,
         coordinates: outlier.components.clone(),
-        residual_mm: outlier.residual.iter().map(|r| to_mm(*r)).collect(),
+        residual_mm: outlier.residual.in_files(),
     }
+}
+
+/// Poses that must have said how the last frame is turned.
+const TURNED: usize = 6;
+
+/// Whether the data say how the last frame is turned, up to how the marker sits
+/// on it: at every pose that they say something of, better than a tolerance.
+/// Points say nothing of it.
+fn orientation_identified(problem: &Problem, found: &Estimate, of: &Covariances) -> bool {
+    let at = problem.linearise(&found.fit.state);
+    let turning = |row: &&usize| kind(&problem.data.rows[**row]).turns();
+    let rows: Vec<&usize> = found.robust.kept.iter().filter(turning).collect();
+    let mut poses: Vec<usize> = rows.iter().map(|row| problem.data.rows[**row].pose).collect();
+    poses.sort_unstable();
+    poses.dedup();
+    let sigma = |row: &&usize| of.of_predicted(&at.turn(**row))[1].amax();
+    poses.len() >= TURNED && rows.iter().map(sigma).all(|sigma| sigma < TOLERANCE_ANGLE)
 }
 
 /// The rigid transform that best carries identified tool points onto nominal

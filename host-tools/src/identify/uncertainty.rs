@@ -28,13 +28,12 @@ pub fn of_arm(
     let joints = state.links.len();
     let is_arm = |t: &ModelTerm| matches!(t, ModelTerm::Arm(_));
     let terms = state.terms.iter().filter(|t| is_arm(t)).count();
-    let stations = problem.data.stations.len();
 
     let mut map = DMatrix::zeros(uncertain_parameters(joints, terms), columns.list().len());
     map.rows_mut(0, 6).copy_from(&base(problem, state, rows, frame));
-    for k in 0..3 {
-        // The blob's tool point is the first marker.
-        map[(6 + k, columns.marker(0, stations) + k)] = 1.0;
+    // The blob's tool point is the first marker.
+    for (k, column) in (0..3).zip(columns.marker(0).into_iter().flat_map(|first| first..)) {
+        map[(6 + k, column)] = 1.0;
     }
     for k in 0..5 * joints {
         map[(9 + k, columns.free() + k)] = 1.0;
@@ -67,9 +66,10 @@ fn base(problem: &Problem, state: &State, rows: &[usize], frame: &Pose<f64>) -> 
                 add(columns.free() + 5 * i + k, *change);
             }
         }
-        let marker = columns.marker(row.marker, problem.data.stations.len());
-        for k in 0..3 {
-            add(marker + k, real.tool[k]);
+        for (k, column) in
+            columns.marker(row.marker).into_iter().flat_map(|m| m..).take(3).enumerate()
+        {
+            add(column, real.tool[k]);
         }
     }
     match normal.cholesky() {

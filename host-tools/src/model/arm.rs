@@ -1,7 +1,7 @@
 //! The crate's kinematics for a joint count known only at run time: the same
 //! `Chain<f64, N>` that the controller links, chosen by N.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use truearm::effects::{Load, Masses, Term, TermInputs, deflection};
 use truearm::kinematics::{Deflection, LinkColumns};
 use truearm::{Approach, Chain, Link, Pose};
@@ -58,6 +58,27 @@ impl Derivatives {
     #[must_use]
     pub fn column(&self, term: &Term<f64>, basis: f64, links: &[Link<f64>]) -> Vector3<f64> {
         term.column(basis, links, &self.links, &self.about)
+    }
+
+    /// How the last frame is turned.
+    #[must_use]
+    pub fn rotation(&self) -> Matrix3<f64> {
+        Matrix3::from_columns(&self.tool)
+    }
+
+    /// How the last frame turns with the parameters of each link, in their
+    /// order, rad per unit: about the axes that the links' columns lie along.
+    #[must_use]
+    pub fn turns(&self) -> Vec<[Vector3<f64>; 5]> {
+        let count = self.links.len();
+        let turn = |i: usize| {
+            let link = &self.links[i];
+            // x behind the joint and its beta: that of the next link.
+            let next = if i + 1 < count { self.links[i + 1].a } else { self.tool[0] };
+            let y = link.d.cross(&next).normalize();
+            [link.a, Vector3::zeros(), link.d, Vector3::zeros(), y]
+        };
+        (0..count).map(turn).collect()
     }
 }
 

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 use truearm::{MdhParameters, Pose};
 
 use super::robot::Robot;
-use crate::model::{ErrorCurve, ModelTerm};
+use crate::model::{ErrorCurve, Instrument, ModelTerm};
 
 /// An identified arm: what `identify` writes, `evaluate` scores, `pack` flashes.
 /// SI units.
@@ -25,6 +25,8 @@ pub struct Model {
     pub stations: Vec<(String, Pose<f64>)>,
     /// Each marker in the flange frame, m.
     pub markers: Vec<(String, Vector3<f64>)>,
+    /// What was measured with and on, found with the arm.
+    pub instruments: Vec<Instrument>,
     /// Carries identified tool points onto nominal ones: translation, m.
     pub frame_translation: Vector3<f64>,
     /// The same: rotation vector, rad.
@@ -85,6 +87,7 @@ impl Model {
             curves: Vec::new(),
             stations: Vec::new(),
             markers: Vec::new(),
+            instruments: Vec::new(),
             frame_translation: Vector3::zeros(),
             frame_rotation: Vector3::zeros(),
             provenance: Provenance::default(),

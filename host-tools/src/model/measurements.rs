@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use truearm::Pose;
 
-use super::Values;
+use super::{Instrument, Values};
 
 /// The rows of a `measurements.csv`, in SI units.
 #[derive(Debug, Clone)]
@@ -18,6 +19,13 @@ pub struct Measurements {
     pub stations: Vec<String>,
     /// Labels of the markers; one empty label without the column.
     pub markers: Vec<String>,
+    /// Places of markers in the last frame that are known, m; empty where none
+    /// is.
+    pub known_markers: Vec<Option<Vector3<f64>>>,
+    /// What rows refer to beside the arm, as far as it is known.
+    pub instruments: Vec<Instrument>,
+    /// Where the arm stands in a station's frame if nothing measured says so.
+    pub base: Pose<f64>,
     /// Number of distinct poses.
     pub poses: usize,
     /// Names of columns without a meaning to truearm; their cells are in [`Row::extra`].
@@ -45,8 +53,17 @@ pub struct Row {
     /// What the columns of its kind say, SI: of a point its coordinates in the
     /// tracker frame, m.
     pub measured: Values,
-    /// Standard deviation of a component, m.
+    /// Standard deviation of a component that is a length, m.
     pub sigma: f64,
+    /// The same of an angle, rad.
+    pub sigma_angle: f64,
+    /// The same of a place in an image, px.
+    pub sigma_px: f64,
+    /// What it refers to beside the arm, indices into
+    /// [`Measurements::instruments`], in the order that its kind gives them.
+    pub refers: Vec<usize>,
+    /// The row of the other end, of a kind that joins two.
+    pub partner: Option<usize>,
     /// Index into [`Measurements::stations`].
     pub station: usize,
     /// Index into [`Measurements::markers`].
@@ -95,6 +112,10 @@ impl Row {
             orientation: None,
             directions: Vec::new(),
             torques: Vec::new(),
+            partner: None,
+            refers: Vec::new(),
+            sigma_angle: 0.0,
+            sigma_px: 0.0,
             extra: Vec::new(),
         }
     }
@@ -130,7 +151,11 @@ impl Measurements {
     #[must_use]
     pub fn with_noise(&self, scale: f64) -> Self {
         let mut out = self.clone();
-        out.rows.iter_mut().for_each(|row| row.sigma *= scale);
+        for row in &mut out.rows {
+            row.sigma *= scale;
+            row.sigma_angle *= scale;
+            row.sigma_px *= scale;
+        }
         out
     }
 

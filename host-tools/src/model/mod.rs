@@ -4,6 +4,7 @@
 pub mod arm;
 mod error_curve;
 mod identified;
+mod instrument;
 mod measurements;
 pub mod near;
 mod path;
@@ -14,6 +15,7 @@ mod workspace;
 
 pub use error_curve::{CURVE, CurveFit, ErrorCurve, JointTables};
 pub use identified::{Model, Provenance};
+pub use instrument::{Form, Instrument};
 pub use measurements::{Commanded, KindId, Measurements, Row};
 pub use path::{Coordinates, Path, Target};
 pub use robot::{Joint, LinkMass, Placement, Robot};

@@ -16,6 +16,9 @@ pub struct Robot {
     pub serial: String,
     /// Standard deviation of a measured coordinate, repeatability included, m.
     pub sigma: f64,
+    /// The same of a measured orientation about an axis, rad; `None` if not
+    /// stated.
+    pub sigma_angle: Option<f64>,
     /// Gravity in the frame before joint 1, m/s^2.
     pub gravity: Option<Vector3<f64>>,
     /// Temperature the nominal geometry refers to, degrees Celsius.

@@ -1,19 +1,22 @@
-//! The distance of the target from a known point of the tracker frame. It
-//! stands here for tests only, to show that a kind is one file, one row of the
-//! table and its columns.
+//! The distance of the target from a point that does not move: a ballbar, a draw
+//! wire, an interferometer. The point is an unknown unless it is stated.
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::{Column, Kind, Moving, Seen};
-use crate::model::{Row, Values};
+use super::partials::InFrame;
+use super::{Book, Bound, Column, Kind, Partials, Seen, Told, Unclear};
+use crate::model::{Form, Row, Values};
 
-/// Columns `distance_mm` and the place of the known point.
+/// A length, m.
+pub(super) const COLUMNS: [Column; 1] = [Column {
+    name: "distance_mm",
+    most: 1e3,
+    missing: "a distance needs distance_mm",
+    wrong: "give it in mm",
+}];
+
+/// Of the column `anchor`; without a label there is one.
 pub struct Distance;
-
-/// From the known point to the target.
-fn apart(row: &Row, target: Vector3<f64>) -> Vector3<f64> {
-    target - Vector3::new(row.measured[1], row.measured[2], row.measured[3])
-}
 
 impl Kind for Distance {
     fn name(&self) -> &'static str {
@@ -21,32 +24,41 @@ impl Kind for Distance {
     }
 
     fn columns(&self) -> &'static [Column] {
-        const AT: &str = "a distance needs distance_mm, anchor_x_mm, anchor_y_mm, anchor_z_mm";
-        const FAR: &str = "give it in mm";
-        &[
-            Column { name: "distance_mm", most: 1e3, missing: AT, wrong: FAR },
-            Column { name: "anchor_x_mm", most: 1e3, missing: AT, wrong: FAR },
-            Column { name: "anchor_y_mm", most: 1e3, missing: AT, wrong: FAR },
-            Column { name: "anchor_z_mm", most: 1e3, missing: AT, wrong: FAR },
-        ]
+        &COLUMNS
+    }
+
+    fn labels(&self) -> &'static [&'static str] {
+        &["anchor"]
+    }
+
+    fn bind(&self, told: &Told, book: &mut dyn Book) -> Result<Bound, Unclear> {
+        let anchor = book.instrument(&[Form::Anchor], (told.text)("anchor"));
+        Ok(Bound { refers: vec![anchor], known: Vec::new() })
     }
 
     fn components(&self) -> &'static [&'static str] {
         &["distance"]
     }
 
-    fn residual(&self, index: usize, seen: &dyn Seen) -> Values {
-        let row = seen.row(index);
-        Values::repeat(1, row.measured[0] - apart(row, seen.point(index)).norm())
+    fn leaves(&self) -> &'static str {
+        "where the arm stands, unless three anchors that are not on a line are known"
     }
 
-    fn linearised(&self, index: usize, seen: &dyn Moving) -> (Values, DMatrix<f64>) {
-        let row = seen.row(index);
-        let (point, moved) = seen.moved(index);
-        let apart = apart(row, point);
-        let along = apart / apart.norm().max(1e-9);
-        let residual = Values::repeat(1, row.measured[0] - apart.norm());
-        let along = DMatrix::from_row_slice(1, 3, along.as_slice());
-        (residual, along * moved)
+    fn distance(&self, row: &Row) -> Option<f64> {
+        Some(row.measured[0])
     }
+
+    fn partials(&self, index: usize, seen: &dyn Seen) -> Partials {
+        let row = seen.row(index);
+        let instrument = (row.refers[0], seen.instrument(row.refers[0]));
+        let at = InFrame { row: index, target: seen.point(index), instrument };
+        let local = at.local();
+        let residual = Values::repeat(1, row.measured[0] - local.norm());
+        at.partials(residual, &along(&local), &[])
+    }
+}
+
+/// How the length of a vector moves with it.
+pub(super) fn along(v: &Vector3<f64>) -> DMatrix<f64> {
+    DMatrix::from_row_slice(1, 3, (v / v.norm().max(1e-9)).as_slice())
 }

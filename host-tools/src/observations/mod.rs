@@ -5,23 +5,40 @@
 //! columns of the file that it reads. Nothing else knows how many equations a
 //! row has. A new kind is a file here and a row of [`KINDS`].
 
-#[cfg(test)]
+mod closure;
 mod distance;
+mod inclination;
+mod pair;
+mod partials;
+pub mod pixel;
+mod plate;
 mod point;
+mod pose;
+mod range;
 #[cfg(test)]
 mod tests;
+mod touch;
 
 use std::ops::{Deref, Div, Mul, Sub};
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use truearm::Pose;
 
-use crate::model::{KindId, Row, Values};
+use crate::model::{Form, Instrument, KindId, Row, Values};
+pub use partials::{ArmPart, Body, Partials};
 
 /// All kinds. A row's [`KindId`] is the place of its kind here.
 pub static KINDS: &[&dyn Kind] = &[
     &point::Point,
-    #[cfg(test)]
+    &pose::FullPose,
     &distance::Distance,
+    &pair::Pair,
+    &plate::Plate,
+    &touch::Touch,
+    &range::Range,
+    &inclination::Inclination,
+    &closure::Closure,
+    &pixel::Pixel,
 ];
 
 /// A column of a file.
@@ -66,6 +83,12 @@ pub trait Seen {
     fn row(&self, index: usize) -> &Row;
     /// Where its target is in the tracker frame, m.
     fn point(&self, index: usize) -> Vector3<f64>;
+    /// The same, turned as the last frame is.
+    fn pose(&self, index: usize) -> Pose<f64>;
+    /// The target of a row in the last frame, m.
+    fn marker(&self, index: usize) -> Vector3<f64>;
+    /// What rows refer to, by its place in the list.
+    fn instrument(&self, index: usize) -> &Instrument;
 }
 
 /// The same with derivatives.
@@ -73,23 +96,122 @@ pub trait Moving: Seen {
     /// Where the target of a row is, m, and how it moves with each of the
     /// unknowns asked for: 3 x any number.
     fn moved(&self, index: usize) -> (Vector3<f64>, DMatrix<f64>);
+    /// How something with these partial derivatives moves with the same.
+    fn block(&self, partials: &Partials) -> DMatrix<f64>;
 }
+
+/// What a number of a residual is measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// m; files say mm.
+    Length,
+    /// rad; files say degrees.
+    Angle,
+    /// px
+    Pixel,
+}
+
+impl Measure {
+    /// The unit in files.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Length => "mm",
+            Self::Angle => "deg",
+            Self::Pixel => "px",
+        }
+    }
+
+    /// A value in that unit.
+    #[must_use]
+    pub fn to_file(self, value: f64) -> f64 {
+        match self {
+            Self::Length => value * 1e3,
+            Self::Angle => value.to_degrees(),
+            Self::Pixel => value,
+        }
+    }
+}
+
+/// What a row of a file says in words.
+pub struct Told<'a> {
+    /// Label of its marker.
+    pub marker: &'a str,
+    /// The cell of a column, empty where there is none.
+    pub text: &'a dyn Fn(&str) -> &'a str,
+}
+
+/// What rows of a file refer to, as it is gathered.
+pub trait Book {
+    /// An instrument of one of these forms, the first one if it is new.
+    fn instrument(&mut self, forms: &[Form], label: &str) -> usize;
+    /// One that only files of instruments make.
+    fn known(&self, form: Form, label: &str) -> Option<usize>;
+    /// Coordinates of a hole, ball or corner of a plate, m.
+    fn hole(&self, plate: &str, hole: &str) -> Option<Vector3<f64>>;
+    /// Says that nothing depends on these numbers of an instrument.
+    fn without(&mut self, instrument: usize, unneeded: &[usize]);
+}
+
+/// What a row refers to.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Bound {
+    /// Instruments, in the order in which the kind looks for them.
+    pub refers: Vec<usize>,
+    /// Numbers to stand behind those of the columns, SI.
+    pub known: Vec<f64>,
+}
+
+/// What keeps a row from being understood: a column, what is wrong, what to do.
+pub type Unclear = (&'static str, String, String);
 
 /// A kind of measurement. A row has as many equations as its kind components.
 pub trait Kind: Sync {
     /// As in the column `kind`.
     fn name(&self) -> &'static str;
 
-    /// The columns that it reads, all needed: [`Row::measured`] in this order.
+    /// The columns of numbers that it reads, all needed: [`Row::measured`] in
+    /// this order.
     fn columns(&self) -> &'static [Column];
+
+    /// The columns of labels that it reads.
+    fn labels(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// What a row refers to beside the arm.
+    ///
+    /// # Errors
+    /// A label that is missing or says nothing.
+    fn bind(&self, _told: &Told, _book: &mut dyn Book) -> Result<Bound, Unclear> {
+        Ok(Bound::default())
+    }
+
+    /// Whether two rows, joined by a label of this column, are one measurement.
+    fn joined_by(&self) -> Option<&'static str> {
+        None
+    }
 
     /// Names of the residual's components, for flags and reports.
     fn components(&self) -> &'static [&'static str];
 
+    /// What a component is measured in.
+    fn measure(&self, _component: usize) -> Measure {
+        Measure::Length
+    }
+
     /// Standard deviation of each component, SI.
     fn sigmas(&self, row: &Row) -> Values {
-        Values::repeat(self.components().len(), row.sigma)
+        let of = |c| match self.measure(c) {
+            Measure::Length => row.sigma,
+            Measure::Angle => row.sigma_angle,
+            Measure::Pixel => row.sigma_px,
+        };
+        Values::from_fn(self.components().len(), of)
     }
+
+    /// What the kind alone leaves undetermined, in words.
+    fn leaves(&self) -> &'static str;
 
     /// The point that was measured, m, for first guesses of frames and for
     /// pictures; `None` of a kind that measures none.
@@ -97,21 +219,63 @@ pub trait Kind: Sync {
         None
     }
 
+    /// How the marker's frame was measured to be turned in the station's.
+    fn turn(&self, _row: &Row) -> Option<Matrix3<f64>> {
+        None
+    }
+
+    /// A length that was measured, m.
+    fn distance(&self, _row: &Row) -> Option<f64> {
+        None
+    }
+
+    /// Where the target is in the frame of a plate, m.
+    fn hole(&self, _row: &Row) -> Option<Vector3<f64>> {
+        None
+    }
+
+    /// A corner of a board, m, and where an image has it, px.
+    fn corner(&self, _row: &Row) -> Option<(Vector3<f64>, [f64; 2])> {
+        None
+    }
+
+    /// Whether what a row measures depends on the place of its marker.
+    fn of_marker(&self, _row: &Row) -> bool {
+        true
+    }
+
+    /// Whether it depends on how the last frame is turned.
+    fn turns(&self) -> bool {
+        false
+    }
+
+    /// Measured minus modelled, SI, and how what is modelled moves.
+    fn partials(&self, index: usize, seen: &dyn Seen) -> Partials;
+
     /// Measured minus modelled, SI.
-    fn residual(&self, index: usize, seen: &dyn Seen) -> Values;
+    fn residual(&self, index: usize, seen: &dyn Seen) -> Values {
+        self.partials(index, seen).residual
+    }
 
     /// The same with the derivatives of what is modelled: as many rows as
     /// components, as many columns as [`Moving::moved`] gives.
-    fn linearised(&self, index: usize, seen: &dyn Moving) -> (Values, DMatrix<f64>);
+    fn linearised(&self, index: usize, seen: &dyn Moving) -> (Values, DMatrix<f64>) {
+        let partials = self.partials(index, seen);
+        (partials.residual, seen.block(&partials))
+    }
 
     /// How far off noise alone makes it, root mean square, m.
     fn noise(&self, row: &Row) -> f64 {
         self.miss(&self.sigmas(row))
     }
 
-    /// How far off a residual is, m: what statistics show.
+    /// How far off a residual is, m: what statistics show. An angle counts what
+    /// it moves at a distance of 1 m, unless a length is measured with it.
     fn miss(&self, residual: &[f64]) -> f64 {
-        residual.iter().map(|r| r * r).sum::<f64>().sqrt()
+        let length = |c: usize| self.measure(c) == Measure::Length;
+        let lengths = (0..residual.len()).any(length);
+        let counts = |(c, _): &(usize, &f64)| !lengths || length(*c);
+        residual.iter().enumerate().filter(counts).map(|(_, r)| r * r).sum::<f64>().sqrt()
     }
 }
 
@@ -169,6 +333,18 @@ impl Residual {
     #[must_use]
     pub fn components(&self) -> &'static [&'static str] {
         of(self.kind).components()
+    }
+
+    /// What a component is measured in.
+    #[must_use]
+    pub fn measure(&self, component: usize) -> Measure {
+        of(self.kind).measure(component)
+    }
+
+    /// The numbers in the units of files: mm, degrees, px.
+    #[must_use]
+    pub fn in_files(&self) -> Vec<f64> {
+        self.iter().enumerate().map(|(c, v)| self.measure(c).to_file(*v)).collect()
     }
 
     /// Of a kind with a point, its error.
@@ -240,8 +416,21 @@ impl Miss for Vector3<f64> {
     }
 }
 
+/// How many equations a row gives: none where it is the first end of a pair.
+#[must_use]
+pub fn equations_of(row: &Row) -> usize {
+    let kind = kind(row);
+    if kind.joined_by().is_some() && row.partner.is_none() { 0 } else { kind.components().len() }
+}
+
 /// How many equations some rows give.
 #[must_use]
 pub fn equations(rows: &[Row], of: &[usize]) -> usize {
-    of.iter().map(|row| kind(&rows[*row]).components().len()).sum()
+    of.iter().map(|row| equations_of(&rows[*row])).sum()
+}
+
+/// Rows that give equations.
+#[must_use]
+pub fn measuring(rows: &[Row]) -> Vec<usize> {
+    (0..rows.len()).filter(|row| equations_of(&rows[*row]) > 0).collect()
 }

@@ -2,8 +2,17 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::{Column, Kind, Moving, Seen};
+use super::{ArmPart, Body, Column, Kind, Moving, Partials, Seen};
 use crate::model::{Row, Values};
+
+const AT: &str = "the measured point needs x_mm, y_mm, z_mm";
+const FAR: &str = "give the point in mm";
+/// Where it is, m.
+pub(super) const COLUMNS: [Column; 3] = [
+    Column { name: "x_mm", most: 1e3, missing: AT, wrong: FAR },
+    Column { name: "y_mm", most: 1e3, missing: AT, wrong: FAR },
+    Column { name: "z_mm", most: 1e3, missing: AT, wrong: FAR },
+];
 
 /// The kind of a row without a `kind` of its own.
 pub struct Point;
@@ -14,13 +23,7 @@ impl Kind for Point {
     }
 
     fn columns(&self) -> &'static [Column] {
-        const AT: &str = "the measured point needs x_mm, y_mm, z_mm";
-        const FAR: &str = "give the point in mm";
-        &[
-            Column { name: "x_mm", most: 1e3, missing: AT, wrong: FAR },
-            Column { name: "y_mm", most: 1e3, missing: AT, wrong: FAR },
-            Column { name: "z_mm", most: 1e3, missing: AT, wrong: FAR },
-        ]
+        &COLUMNS
     }
 
     fn components(&self) -> &'static [&'static str] {
@@ -29,6 +32,19 @@ impl Kind for Point {
 
     fn point(&self, row: &Row) -> Option<Vector3<f64>> {
         Some(row.measured.point())
+    }
+
+    fn leaves(&self) -> &'static str {
+        "how the last frame is turned about the target"
+    }
+
+    fn partials(&self, index: usize, seen: &dyn Seen) -> Partials {
+        let pull = DMatrix::identity(3, 3);
+        Partials {
+            residual: self.residual(index, seen),
+            arm: vec![ArmPart { row: index, body: Body::Target, pull }],
+            instruments: Vec::new(),
+        }
     }
 
     fn residual(&self, index: usize, seen: &dyn Seen) -> Values {

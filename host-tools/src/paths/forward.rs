@@ -45,6 +45,7 @@ impl Forward {
         let measured = (station.is_some() && of_measurement).then(|| State {
             bases: vec![base],
             markers: vec![tool],
+            instruments: Vec::new(),
             links: model.links(),
             terms: model.terms.clone(),
         });

@@ -254,6 +254,7 @@ fn predicted(
     let state = State {
         bases: frames.iter().map(|frame| frame.compose(&small)).collect(),
         markers: markers.to_vec(),
+        instruments: Vec::new(),
         links: model.links(),
         terms: arm.cloned().collect(),
     };

@@ -92,6 +92,7 @@ impl Truth {
         State {
             bases: self.bases.iter().map(pose).collect(),
             markers: self.tools.clone(),
+            instruments: Vec::new(),
             links: self.links.clone(),
             terms: Vec::new(),
         }
@@ -153,6 +154,7 @@ pub fn state_of(found: &Identification, check: &Measurements) -> State {
     State {
         bases: check.stations.iter().map(base).collect(),
         markers: check.markers.iter().map(tool).collect(),
+        instruments: found.model.instruments.clone(),
         links: found.model.links(),
         terms: found.model.terms.clone(),
     }

@@ -79,6 +79,11 @@ impl<'a> Header<'a> {
         self.fail(message, help).showing(self.source.text, self.source.cell(0, column))
     }
 
+    /// Where a column stands, if it is there; nobody asked for it yet.
+    pub fn place(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+
     /// A column by name, if it is there.
     pub fn take(&mut self, name: &str) -> Option<usize> {
         let found = self.names.iter().position(|n| n == name)?;

@@ -7,17 +7,35 @@ mod sense;
 
 use truearm::JointKind;
 
+use super::instruments::Gathered;
 use super::source::Source;
 use crate::error::Result;
 use crate::model::{Robot, Row};
 use crate::units::{from_mm, joint_from_file};
 pub(super) use cells::Cells;
 pub(super) use header::Header;
-use measured::MeasuredColumns;
+use measured::{Measured, MeasuredColumns};
 
 /// Standard deviations of a coordinate that an instrument may have, mm: none
 /// knows a nanometre, and beyond the largest it says nothing of an arm.
 pub(super) const SIGMAS: std::ops::RangeInclusive<f64> = 1e-6..=10.0;
+
+/// A standard deviation as a file states it.
+struct Sigma {
+    unit: &'static str,
+    /// No instrument is better or worse.
+    range: std::ops::RangeInclusive<f64>,
+    such_as: f64,
+    to_si: fn(f64) -> f64,
+}
+
+const SIGMA_MM: Sigma = Sigma { unit: "mm", range: SIGMAS, such_as: 0.03, to_si: from_mm };
+const SIGMA_DEG: Sigma =
+    Sigma { unit: "degrees", range: 1e-6..=10.0, such_as: 0.01, to_si: f64::to_radians };
+const SIGMA_PX: Sigma = Sigma { unit: "px", range: 1e-4..=100.0, such_as: 0.1, to_si: |px| px };
+/// Where none is stated, rad and px.
+const USUAL_SIGMA_ANGLE: f64 = 0.01 * std::f64::consts::PI / 180.0;
+const USUAL_SIGMA_PX: f64 = 0.1;
 /// Farther than any rail goes, mm.
 const MOST_MM: f64 = 1e5;
 /// More degrees no encoder reads.
@@ -43,6 +61,8 @@ struct Optional {
     payload: Option<usize>,
     order: Option<usize>,
     sigma: Option<usize>,
+    sigma_deg: Option<usize>,
+    sigma_px: Option<usize>,
     series: Option<usize>,
     station: Option<usize>,
     marker: Option<usize>,
@@ -53,6 +73,10 @@ struct Optional {
 pub(super) struct Labels {
     pub stations: Vec<String>,
     pub markers: Vec<String>,
+    /// What rows refer to.
+    pub book: Gathered,
+    /// What joins each row to another.
+    pub pairs: Vec<Option<String>>,
 }
 
 impl Labels {
@@ -91,7 +115,10 @@ impl Columns {
     ) -> Result<Self> {
         let mut header = Header::new(source, names)?;
         let q = header.joints(robot, joints)?;
-        let measured = measured.then(|| MeasuredColumns::find(&mut header)).transpose()?;
+        let sigma_deg = if measured { header.take("sigma_deg") } else { None };
+        let with_turns = sigma_deg.is_some() || robot.sigma_angle.is_some();
+        let find = |header: &mut Header| MeasuredColumns::find(header, with_turns);
+        let measured = measured.then(|| find(&mut header)).transpose()?;
         let orientation = header.orientation()?;
         let directions =
             (1..=robot.joints.len()).map(|j| header.take(&format!("dir{j}"))).collect();
@@ -102,6 +129,8 @@ impl Columns {
             payload: header.take("payload_kg"),
             order: header.take("order"),
             sigma: header.take("sigma_mm"),
+            sigma_deg,
+            sigma_px: measured.as_ref().and_then(|_| header.take("sigma_px")),
             series: header.take("series"),
             station: header.take("station"),
             marker: header.take("marker"),
@@ -110,18 +139,32 @@ impl Columns {
         Ok(Self { q, measured, optional, directions, torques, orientation, extra })
     }
 
+    /// Whether rows with an orientation are poses.
+    pub fn of_poses(&self) -> bool {
+        self.orientation.is_none() || self.measured.as_ref().is_none_or(|m| m.of_poses())
+    }
+
     /// Reads a row; new station and marker labels join the lists.
     pub fn row(&self, cells: &Cells, robot: &Robot, labels: &mut Labels) -> Result<Row> {
         let o = &self.optional;
         let text = |column: Option<usize>| column.map_or("", |c| cells.text(c));
-        let measured = self.measured.as_ref().map(|measured| measured.row(cells)).transpose()?;
-        let (kind, measured) = measured.unwrap_or_default();
+        let orientation = self.orientation(cells)?;
+        let (marker, book) = (text(o.marker), &mut labels.book);
+        let measured =
+            self.measured.as_ref().map(|all| all.row(cells, marker, book)).transpose()?;
+        let Measured { kind, values: measured, refers, pair } = measured.unwrap_or_default();
+        labels.pairs.push(pair);
+        let angle = robot.sigma_angle.unwrap_or(USUAL_SIGMA_ANGLE);
         Ok(Row {
             line: cells.line,
             q: self.joints(cells, robot)?,
             kind,
             measured,
-            sigma: self.sigma(cells)?.unwrap_or(robot.sigma),
+            sigma: self.sigma(cells, o.sigma, SIGMA_MM)?.unwrap_or(robot.sigma),
+            sigma_angle: self.sigma(cells, o.sigma_deg, SIGMA_DEG)?.unwrap_or(angle),
+            sigma_px: self.sigma(cells, o.sigma_px, SIGMA_PX)?.unwrap_or(USUAL_SIGMA_PX),
+            refers,
+            partner: None,
             station: label(&mut labels.stations, text(o.station)),
             marker: label(&mut labels.markers, text(o.marker)),
             pose: 0,
@@ -130,7 +173,7 @@ impl Columns {
             temperature: sense::temperature(cells, o.temperature)?,
             payload: sense::payload(cells, o.payload)?,
             order: sense::order(cells, o.order)?,
-            orientation: self.orientation(cells)?,
+            orientation,
             directions: self.directions(cells)?,
             torques: sense::torques(cells, self.torques.as_deref())?,
             extra: self.extra.iter().map(|c| cells.text(*c).to_owned()).collect(),
@@ -153,14 +196,20 @@ impl Columns {
         self.q.iter().zip(&robot.joints).map(value).collect()
     }
 
-    fn sigma(&self, cells: &Cells) -> Result<Option<f64>> {
-        let Some(column) = self.optional.sigma else { return Ok(None) };
+    fn sigma(&self, cells: &Cells, column: Option<usize>, of: Sigma) -> Result<Option<f64>> {
+        let Some(column) = column else { return Ok(None) };
         match cells.optional(Some(column))? {
-            Some(mm) if !SIGMAS.contains(&mm) => {
-                let help = "give one standard deviation in mm, 1e-6 to 10, such as 0.03";
-                Err(cells.fail(column, format!("sigma {mm:?}"), help))
+            Some(sigma) if !of.range.contains(&sigma) => {
+                let help = format!(
+                    "give one standard deviation in {}, {:?} to {}, such as {}",
+                    of.unit,
+                    of.range.start(),
+                    of.range.end(),
+                    of.such_as
+                );
+                Err(cells.fail(column, format!("sigma {sigma:?}"), &help))
             }
-            sigma => Ok(sigma.map(from_mm)),
+            sigma => Ok(sigma.map(of.to_si)),
         }
     }
 

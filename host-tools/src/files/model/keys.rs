@@ -20,6 +20,8 @@ pub(super) struct ModelFile {
     pub orientation_identified: bool,
     pub measurement_sigma_mm: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub measurement_sigma_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity_m_s2: Option<[f64; 3]>,
     pub reference_temperature_c: f64,
     pub unidentifiable: Vec<String>,
@@ -39,6 +41,8 @@ pub(super) struct ModelFile {
     pub curves: Vec<CurveFile>,
     pub stations: Vec<StationFile>,
     pub markers: Vec<MarkerFile>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub instruments: Vec<InstrumentFile>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub links: Vec<LinkFile>,
 }
@@ -67,6 +71,8 @@ pub(super) struct ModelPart {
     #[serde(default)]
     pub stations: Vec<Spanned<StationFile>>,
     pub markers: Vec<MarkerFile>,
+    #[serde(default)]
+    pub instruments: Vec<Spanned<InstrumentFile>>,
 }
 
 /// `[base]` or `[tool]`.
@@ -158,4 +164,18 @@ pub(super) struct StationFile {
 pub(super) struct MarkerFile {
     pub label: String,
     pub xyz_mm: [f64; 3],
+}
+
+/// What was measured with and on: its frame in the station's, or in the last
+/// frame where it is mounted there; its numbers, radii in mm.
+#[derive(Serialize, Deserialize)]
+pub(super) struct InstrumentFile {
+    pub form: String,
+    pub label: String,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub on_flange: bool,
+    pub xyz_mm: [f64; 3],
+    pub quaternion_xyzw: [f64; 4],
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<f64>,
 }

@@ -5,13 +5,13 @@ use toml::Spanned;
 use truearm::Pose;
 
 use super::finite::unlike_a_number;
-use super::keys::{CorrectionFile, ModelPart, StationFile};
+use super::keys::{CorrectionFile, InstrumentFile, ModelPart, StationFile};
 use super::{SCHEMA, frame_from_file, from_file};
 use crate::error::{Error, Result};
 use crate::files::digest::digest;
 use crate::files::source::Source;
 use crate::files::{model_curves, model_terms};
-use crate::model::{ErrorCurve, Model, ModelTerm, Robot};
+use crate::model::{ErrorCurve, Form, Instrument, Model, ModelTerm, Robot};
 use crate::units::{from_mm, point_from_mm};
 
 /// Degrees or mm that no joint covers.
@@ -62,6 +62,11 @@ impl Model {
                 .iter()
                 .map(|m| (m.label.clone(), point_from_mm(m.xyz_mm)))
                 .collect(),
+            instruments: part
+                .instruments
+                .iter()
+                .map(|i| reader.instrument(i))
+                .collect::<Result<_>>()?,
             frame_translation,
             frame_rotation,
             provenance: part.provenance,
@@ -138,16 +143,42 @@ impl Part<'_> {
 
     /// The frame before joint 1 as a station sees it.
     fn station(&self, s: &Spanned<StationFile>, base: &Pose<f64>) -> Result<(String, Pose<f64>)> {
-        let StationFile { label, xyz_mm, quaternion_xyzw: [x, y, z, w] } = s.get_ref();
-        let q = Quaternion::new(*w, *x, *y, *z);
-        if (q.norm() - 1.0).abs() > 1e-6 {
+        let StationFile { label, xyz_mm, quaternion_xyzw } = s.get_ref();
+        let pose = self.pose(xyz_mm, quaternion_xyzw).ok_or_else(|| {
             let message = format!("station \"{label}\": not a unit quaternion");
-            return Err(self.source.at(s.span(), message, HELP));
-        }
-        let rotation = UnitQuaternion::new_normalize(q).to_rotation_matrix().into_inner();
-        let pose = Pose { rotation, translation: point_from_mm(*xyz_mm) };
+            self.source.at(s.span(), message, HELP)
+        })?;
         let pose = if *base == Pose::identity() { pose } else { pose.compose(base) };
         Ok((label.clone(), pose))
+    }
+
+    /// `None` if the quaternion is not one of a rotation.
+    fn pose(&self, xyz_mm: &[f64; 3], [x, y, z, w]: &[f64; 4]) -> Option<Pose<f64>> {
+        let q = Quaternion::new(*w, *x, *y, *z);
+        let rotation = UnitQuaternion::new_normalize(q).to_rotation_matrix().into_inner();
+        let unit = (q.norm() - 1.0).abs() <= 1e-6;
+        unit.then_some(Pose { rotation, translation: point_from_mm(*xyz_mm) })
+    }
+
+    /// What was measured with and on, as it was found.
+    fn instrument(&self, file: &Spanned<InstrumentFile>) -> Result<Instrument> {
+        let InstrumentFile { form, label, on_flange, xyz_mm, quaternion_xyzw, numbers } =
+            file.get_ref();
+        let known = Form::ALL.into_iter().find(|f| f.name() == form);
+        let pose = self.pose(xyz_mm, quaternion_xyzw);
+        let (Some(form), Some(place)) = (known, pose) else {
+            let message = format!("{form} \"{label}\": not a form, or no unit quaternion");
+            return Err(self.source.at(file.span(), message, HELP));
+        };
+        if numbers.len() != form.numbers().len() {
+            let message = format!("{} numbers of a {}", numbers.len(), form.name());
+            return Err(self.source.at(file.span(), message, HELP));
+        }
+        let number = |value: &f64| if form.has_lengths() { from_mm(*value) } else { *value };
+        let numbers = numbers.iter().map(number).collect();
+        let unknown = Instrument::unknown(form, label);
+        let found = Instrument { place, numbers, on_flange: *on_flange, stated: true, ..unknown };
+        Ok(found.known())
     }
 
     /// By joint, whatever their order in the file.

@@ -7,7 +7,7 @@ use super::{SCHEMA, frame_to_file, to_file};
 use crate::error::{Error, Result};
 use crate::files::digest::digest;
 use crate::files::{covariance, model_curves, model_terms};
-use crate::model::{Joint, Model, Placement, Robot};
+use crate::model::{Instrument, Joint, Model, Placement, Robot};
 use crate::units::{joint_to_file, point_to_mm, to_mm};
 
 /// What stands above the keys.
@@ -55,6 +55,7 @@ impl Model {
             robot_id: self.robot_id.map(|id| format!("{id:#018x}")),
             orientation_identified: self.orientation_identified,
             measurement_sigma_mm: to_mm(robot.sigma),
+            measurement_sigma_deg: robot.sigma_angle.map(f64::to_degrees),
             gravity_m_s2: robot.gravity.map(|g| (base.rotation * g).into()),
             reference_temperature_c: robot.reference_temperature,
             unidentifiable: self.unidentifiable.clone(),
@@ -75,6 +76,7 @@ impl Model {
                     xyz_mm: point_to_mm(point),
                 })
                 .collect(),
+            instruments: self.instruments.iter().map(instrument).collect(),
             links: links
                 .map(|l| LinkFile { mass_kg: l.mass, com_mm: point_to_mm(&l.com) })
                 .collect(),
@@ -142,11 +144,28 @@ fn tool(robot: &Robot) -> PlacementFile {
 
 fn station((label, pose): &(String, Pose<f64>), base: &Pose<f64>) -> StationFile {
     let pose = if *base == Pose::identity() { *pose } else { pose.compose(&base.inverse()) };
-    let rotation = Rotation3::from_matrix_unchecked(pose.rotation);
-    let q = UnitQuaternion::from_rotation_matrix(&rotation);
     StationFile {
         label: label.clone(),
         xyz_mm: point_to_mm(&pose.translation),
-        quaternion_xyzw: [q.i, q.j, q.k, q.w],
+        quaternion_xyzw: quaternion(&pose),
+    }
+}
+
+fn quaternion(pose: &Pose<f64>) -> [f64; 4] {
+    let rotation = Rotation3::from_matrix_unchecked(pose.rotation);
+    let q = UnitQuaternion::from_rotation_matrix(&rotation);
+    [q.i, q.j, q.k, q.w]
+}
+
+fn instrument(instrument: &Instrument) -> InstrumentFile {
+    let lengths = instrument.form.has_lengths();
+    let number = |value: &f64| if lengths { to_mm(*value) } else { *value };
+    InstrumentFile {
+        form: instrument.form.name().to_owned(),
+        label: instrument.label.clone(),
+        on_flange: instrument.on_flange,
+        xyz_mm: point_to_mm(&instrument.place.translation),
+        quaternion_xyzw: quaternion(&instrument.place),
+        numbers: instrument.numbers.iter().map(number).collect(),
     }
 }

@@ -10,6 +10,7 @@ pub(super) struct RobotFile {
     pub name: Option<String>,
     pub serial: Option<String>,
     pub measurement_sigma_mm: Option<Spanned<f64>>,
+    pub measurement_sigma_deg: Option<Spanned<f64>>,
     #[serde(rename = "repeatability_mm")]
     _repeatability_mm: Option<f64>,
     pub gravity_m_s2: Option<Spanned<[f64; 3]>>,

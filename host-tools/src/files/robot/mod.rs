@@ -49,6 +49,8 @@ impl Robot {
         let mut check = Checker { source, warnings, sense: Sense::of(&file) };
         check.count(file.joints.len())?;
         let sigma = check.sigma(file.measurement_sigma_mm.as_ref())?;
+        let sigma_angle = file.measurement_sigma_deg.as_ref();
+        let sigma_angle = sigma_angle.map(|s| check.sigma_angle(s)).transpose()?;
         let joints: Vec<Joint> =
             file.joints.iter().map(|j| check.joint(j)).collect::<Result<_>>()?;
         let base = check.placement("base", file.base.as_ref())?;
@@ -65,6 +67,7 @@ impl Robot {
             name: file.name.unwrap_or(stem),
             serial: file.serial.unwrap_or_default(),
             sigma,
+            sigma_angle,
             gravity: gravity.map(|g| base.pose().rotation.tr_mul(&g)),
             reference_temperature: temperature.unwrap_or(ROOM),
             links: check.masses(links, joints.len()),
@@ -91,6 +94,16 @@ impl Checker<'_> {
         }
         let help = "give one standard deviation of a coordinate in mm, 1e-6 to 10, such as 0.03";
         Err(self.source.at(value.span(), format!("measurement_sigma_mm = {mm:?}"), help))
+    }
+
+    /// Standard deviation of an orientation about an axis, rad.
+    fn sigma_angle(&self, given: &Spanned<f64>) -> Result<f64> {
+        let degrees = *given.get_ref();
+        if degrees > 0.0 && degrees <= 10.0 {
+            return Ok(degrees.to_radians());
+        }
+        let help = "give one standard deviation of a turn about an axis in degrees, such as 0.01";
+        Err(self.source.at(given.span(), format!("measurement_sigma_deg = {degrees}"), help))
     }
 
     fn masses(&mut self, links: Vec<LinkMass>, joints: usize) -> Vec<LinkMass> {

@@ -1,0 +1,78 @@
+//! What rows refer to beside the arm, as it is gathered from instruments.toml
+//! and from the labels of the rows.
+
+mod keys;
+mod read;
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+use truearm::Pose;
+
+use crate::model::{Form, Instrument, Measurements, Placement, Robot};
+use crate::observations::Book;
+
+/// What is known so far.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Gathered {
+    /// Instruments, stated ones first.
+    pub list: Vec<Instrument>,
+    /// Coordinates of holes, balls and corners by plate and label, m.
+    pub holes: HashMap<(String, String), Vector3<f64>>,
+    /// Markers whose place in the last frame is stated, m, and whether it is
+    /// only a guess.
+    pub markers: Vec<(String, Vector3<f64>, bool)>,
+    /// Remarks for the user.
+    pub warnings: Vec<String>,
+}
+
+impl Gathered {
+    /// Hands over to the rows that were read with it. Markers sit as the tool
+    /// does until something says otherwise; what no row refers to is left out.
+    pub fn hand_over(self, data: &mut Measurements, robot: &Robot) {
+        let tool = Placement { xyz: Vector3::zeros(), rpy: robot.tool_rpy }.pose();
+        let known = |label: &String| {
+            let stated = self.markers.iter().find(|(l, _, guess)| l == label && !guess);
+            stated.map(|(_, place, _)| *place)
+        };
+        data.known_markers = data.markers.iter().map(known).collect();
+        let mut places = vec![None; self.list.len()];
+        for row in &mut data.rows {
+            for refer in &mut row.refers {
+                let next = data.instruments.len();
+                let place = *places[*refer].get_or_insert(next);
+                if place == next {
+                    data.instruments.push(self.list[*refer].clone());
+                }
+                *refer = place;
+            }
+        }
+        for instrument in data.instruments.iter_mut().filter(|i| !i.stated) {
+            if instrument.form == Form::Turn {
+                instrument.place = Pose { translation: Vector3::zeros(), ..tool };
+            }
+        }
+        data.warnings.extend(self.warnings);
+    }
+}
+
+impl Book for Gathered {
+    fn instrument(&mut self, forms: &[Form], label: &str) -> usize {
+        forms.iter().find_map(|form| self.known(*form, label)).unwrap_or_else(|| {
+            self.list.push(Instrument::unknown(forms[0], label));
+            self.list.len() - 1
+        })
+    }
+
+    fn known(&self, form: Form, label: &str) -> Option<usize> {
+        self.list.iter().position(|i| i.form == form && i.label == label)
+    }
+
+    fn hole(&self, plate: &str, hole: &str) -> Option<Vector3<f64>> {
+        self.holes.get(&(plate.to_owned(), hole.to_owned())).copied()
+    }
+
+    fn without(&mut self, instrument: usize, unneeded: &[usize]) {
+        unneeded.iter().for_each(|k| self.list[instrument].free[*k] = false);
+    }
+}

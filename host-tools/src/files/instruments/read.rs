@@ -1,0 +1,242 @@
+use std::path::Path;
+
+use nalgebra::{Matrix3, Vector3};
+use toml::Spanned;
+use truearm::Pose;
+
+use super::Gathered;
+use super::keys::{CameraFile, InstrumentsFile, MarkerFile, PlateFile, RayFile, SurfaceFile};
+use crate::error::Result;
+use crate::files::source::Source;
+use crate::model::{Form, Instrument, Placement, Robot};
+use crate::units::{from_mm, point_from_mm};
+
+const HELP: &str = "see docs/instruments.md for the keys of this file";
+/// The file that stands beside measurements, or beside the robot.
+const NAME: &str = "instruments.toml";
+/// Farther than any place of a cell, mm.
+const FAR: f64 = 1e6;
+
+type Triple = Spanned<[f64; 3]>;
+
+impl Gathered {
+    /// What the instruments.toml beside the measurements says, or else the one
+    /// beside the robot; nothing where there is none.
+    ///
+    /// # Errors
+    /// Names file, line, key and remedy.
+    pub fn beside(data: &Path, robot: &Robot) -> Result<Self> {
+        let there = [data, robot.path.as_path()].map(|file| file.with_file_name(NAME));
+        match there.iter().find(|file| file.is_file()) {
+            Some(file) => Self::parse(file, &crate::files::read(file)?),
+            None => Ok(Self::default()),
+        }
+    }
+
+    /// Reads and checks an instruments.toml.
+    ///
+    /// # Errors
+    /// Names file, line, key and remedy.
+    pub fn parse(path: &Path, text: &str) -> Result<Self> {
+        let source = Source { path, text };
+        source.refuse_table()?;
+        let mut book = Self::default();
+        let file: InstrumentsFile = source.toml(HELP, &mut book.warnings)?;
+        let reader = Reader { source };
+        for anchor in &file.anchors {
+            let a = anchor.get_ref();
+            let place = Pose { translation: reader.point(&a.xyz_mm)?, ..Pose::identity() };
+            let found = stated(Instrument::unknown(Form::Anchor, &a.label), place, a.guess);
+            book.list.push(found);
+        }
+        for surface in &file.surfaces {
+            book.list.push(reader.surface(surface.get_ref())?);
+        }
+        for probe in &file.probes {
+            let p = probe.get_ref();
+            let radius = reader.length(&p.radius_mm)?;
+            let numbers = vec![radius];
+            let probe = Instrument { numbers, ..Instrument::unknown(Form::Probe, &p.marker) };
+            book.list.push(stated(probe, Pose::identity(), p.guess));
+        }
+        for plate in &file.plates {
+            reader.plate(plate.get_ref(), &mut book)?;
+        }
+        for camera in &file.cameras {
+            book.list.push(reader.camera(camera.get_ref())?);
+        }
+        for ray in &file.rays {
+            reader.ray(ray.get_ref(), &mut book)?;
+        }
+        for marker in &file.markers {
+            reader.marker(marker.get_ref(), &mut book)?;
+        }
+        if let Some(up) = &file.up {
+            let place = Pose { rotation: reader.towards(up)?, ..Pose::identity() };
+            book.list.push(stated(Instrument::unknown(Form::Up, ""), place, false));
+        }
+        Ok(book)
+    }
+}
+
+/// At a stated place: known, or where the search begins.
+fn stated(mut instrument: Instrument, place: Pose<f64>, guess: bool) -> Instrument {
+    instrument.place = place;
+    instrument.stated = true;
+    if guess { instrument } else { instrument.known() }
+}
+
+struct Reader<'a> {
+    source: Source<'a>,
+}
+
+impl Reader<'_> {
+    fn point(&self, file: &Triple) -> Result<Vector3<f64>> {
+        self.finite(file.span(), file.get_ref())?;
+        Ok(point_from_mm(*file.get_ref()))
+    }
+
+    fn length(&self, file: &Spanned<f64>) -> Result<f64> {
+        self.finite(file.span(), &[*file.get_ref()])?;
+        Ok(from_mm(*file.get_ref()))
+    }
+
+    fn finite(&self, span: std::ops::Range<usize>, values: &[f64]) -> Result<()> {
+        match values.iter().find(|v| !v.is_finite() || v.abs() > FAR) {
+            Some(v) => Err(self.source.at(span, format!("{v}"), "give a number, lengths in mm")),
+            None => Ok(()),
+        }
+    }
+
+    /// A frame whose z points that way.
+    fn towards(&self, file: &Triple) -> Result<Matrix3<f64>> {
+        self.finite(file.span(), file.get_ref())?;
+        let way = Vector3::from(*file.get_ref());
+        if way.norm() < 1e-9 {
+            let help = "give the three components of a direction";
+            return Err(self.source.at(file.span(), "a direction of no length", help));
+        }
+        Ok(along(&way))
+    }
+
+    /// `None` where neither key is given.
+    fn place(&self, xyz: Option<&Triple>, rpy: Option<&Triple>) -> Result<Option<Pose<f64>>> {
+        let mut placement = Placement::default();
+        if let Some(xyz) = xyz {
+            placement.xyz = self.point(xyz)?;
+        }
+        if let Some(rpy) = rpy {
+            self.finite(rpy.span(), rpy.get_ref())?;
+            placement.rpy = Vector3::from(rpy.get_ref().map(f64::to_radians));
+        }
+        Ok((xyz.is_some() || rpy.is_some()).then(|| placement.pose()))
+    }
+
+    fn on_flange(&self, mounted: Option<&Spanned<String>>, usual: bool) -> Result<bool> {
+        match mounted.map(|m| (m, m.get_ref().as_str())) {
+            None => Ok(usual),
+            Some((_, "flange")) => Ok(true),
+            Some((_, "fixed")) => Ok(false),
+            Some((key, other)) => {
+                let help = "write \"flange\" or \"fixed\"";
+                Err(self.source.at(key.span(), format!("mounted = \"{other}\""), help))
+            }
+        }
+    }
+
+    fn surface(&self, file: &SurfaceFile) -> Result<Instrument> {
+        let form = match file.shape.as_ref().map(|s| (s, s.get_ref().as_str())) {
+            None | Some((_, "plane")) => Form::Plane,
+            Some((_, "sphere")) => Form::Sphere,
+            Some((_, "cylinder")) => Form::Cylinder,
+            Some((key, other)) => {
+                let help = "write \"plane\", \"sphere\" or \"cylinder\"";
+                return Err(self.source.at(key.span(), format!("shape = \"{other}\""), help));
+            }
+        };
+        let mut out = Instrument::unknown(form, &file.label);
+        let point = file.point_mm.as_ref().map(|p| self.point(p)).transpose()?;
+        let normal = file.normal.as_ref().map(|n| self.towards(n)).transpose()?;
+        let turned = form == Form::Sphere || normal.is_some();
+        let rotation = normal.unwrap_or_else(Matrix3::identity);
+        if let (Some(translation), true) = (point, turned) {
+            out = stated(out, Pose { rotation, translation }, file.guess);
+        }
+        if let (Some(radius), true) = (&file.radius_mm, form.has_lengths()) {
+            out.numbers[0] = self.length(radius)?;
+            out.free[6] = file.guess;
+        }
+        Ok(out)
+    }
+
+    fn plate(&self, file: &PlateFile, book: &mut Gathered) -> Result<()> {
+        let mut plate = Instrument::unknown(Form::Plate, &file.label);
+        plate.on_flange = self.on_flange(file.mounted.as_ref(), false)?;
+        if let Some(place) = self.place(file.xyz_mm.as_ref(), file.rpy_deg.as_ref())? {
+            plate = stated(plate, place, file.guess);
+        }
+        book.list.push(plate);
+        for (label, hole) in &file.holes {
+            book.holes.insert((file.label.clone(), label.clone()), self.point(hole)?);
+        }
+        Ok(())
+    }
+
+    fn camera(&self, file: &CameraFile) -> Result<Instrument> {
+        let mut camera = Instrument::unknown(Form::Camera, &file.label);
+        camera.on_flange = self.on_flange(file.mounted.as_ref(), true)?;
+        if let Some(place) = self.place(file.xyz_mm.as_ref(), file.rpy_deg.as_ref())? {
+            camera = stated(camera, place, file.guess);
+        }
+        let [focal, centre] = [&file.focal_px, &file.centre_px];
+        for key in [focal, centre] {
+            self.finite(key.span(), key.get_ref())?;
+        }
+        if focal.get_ref().iter().any(|f| *f <= 0.0) {
+            let help = "give the focal lengths in pixels, such as [1800.0, 1800.0]";
+            return Err(self.source.at(focal.span(), "focal_px is not positive", help));
+        }
+        let pixels = focal.get_ref().iter().chain(centre.get_ref()).map(|px| px * 1e-3);
+        let distortion = file.distortion.as_ref().map_or([0.0; 5], |d| *d.get_ref());
+        camera.numbers = pixels.chain(distortion).collect();
+        let free = match file.intrinsics.as_ref().map(|i| (i, i.get_ref().as_str())) {
+            None | Some((_, "known")) => false,
+            Some((_, "free")) => true,
+            Some((key, other)) => {
+                let help = "write \"known\" or \"free\"";
+                return Err(self.source.at(key.span(), format!("intrinsics = \"{other}\""), help));
+            }
+        };
+        camera.free[6..].fill(free);
+        Ok(camera)
+    }
+
+    fn ray(&self, file: &RayFile, book: &mut Gathered) -> Result<()> {
+        let rotation = self.towards(&file.direction)?;
+        let mut ray = Instrument::unknown(Form::Turn, &file.marker);
+        ray.free[2] = false;
+        book.list.push(stated(ray, Pose { rotation, ..Pose::identity() }, file.guess));
+        book.markers.push((file.marker.clone(), self.point(&file.origin_mm)?, file.guess));
+        Ok(())
+    }
+
+    fn marker(&self, file: &MarkerFile, book: &mut Gathered) -> Result<()> {
+        if let Some(xyz) = &file.xyz_mm {
+            book.markers.push((file.marker.clone(), self.point(xyz)?, file.guess));
+        }
+        if let Some(place) = self.place(None, file.rpy_deg.as_ref())? {
+            let turn = Instrument::unknown(Form::Turn, &file.marker);
+            book.list.push(stated(turn, place, file.guess));
+        }
+        Ok(())
+    }
+}
+
+/// A rotation whose z points that way.
+pub fn along(way: &Vector3<f64>) -> Matrix3<f64> {
+    let z = way.normalize();
+    // From the axis that is least like it.
+    let least = z.iamin();
+    let x = Vector3::ith(least, 1.0).cross(&z).normalize();
+    Matrix3::from_columns(&[x, z.cross(&x), z])
+}

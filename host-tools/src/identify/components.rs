@@ -1,0 +1,206 @@
+//! Noise of each kind of measurement, as its own residuals have it (variance
+//! components), and how far off each kind is.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::problem::{Problem, Scaling};
+use super::robust::{Flags, robust_fit};
+use super::unknowns::State;
+use super::{RowResult, figures::KindFigures};
+use crate::error::Result;
+use crate::model::{KindId, Measurements, Row};
+use crate::observations::{KINDS, Measure, Residual, equations_of, kind};
+use crate::tikhonov::covariance;
+
+/// Measures in the order of [`Noise`].
+const MEASURES: [Measure; 3] = [Measure::Length, Measure::Angle, Measure::Pixel];
+/// Most kinds.
+const KINDS_AT_MOST: usize = 12;
+/// Rounds of estimates, and the change of a scale that ends them.
+const ROUNDS: usize = 12;
+const SETTLED: f64 = 0.01;
+/// What is believed beforehand of a scale, as so many residuals of the stated
+/// size: a kind of two rows says little of its own noise.
+const BELIEVED: f64 = 2.0;
+/// Scales beyond this, either way, are another mistake.
+const BOUNDS: [f64; 2] = [0.02, 50.0];
+
+/// By how much the noise of each component of each kind is larger than stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise([[f64; 3]; KINDS_AT_MOST]);
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self([[1.0; 3]; KINDS_AT_MOST])
+    }
+}
+
+impl Noise {
+    /// Of a component of a row's kind.
+    #[must_use]
+    pub fn of(&self, kind: KindId, measure: Measure) -> f64 {
+        let place = MEASURES.iter().position(|m| *m == measure).unwrap_or(0);
+        self.0[usize::from(kind.0)][place]
+    }
+
+    /// The largest of those that a file has.
+    #[must_use]
+    pub fn largest(&self, data: &Measurements) -> f64 {
+        groups(data).into_iter().map(|g| self.of(g.kind, g.measure)).fold(0.0, f64::max)
+    }
+
+    fn scale_mut(&mut self, group: Group) -> &mut f64 {
+        let place = MEASURES.iter().position(|m| *m == group.measure).unwrap_or(0);
+        &mut self.0[usize::from(group.kind.0)][place]
+    }
+}
+
+/// Components of one kind in one unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Group {
+    kind: KindId,
+    measure: Measure,
+}
+
+impl Group {
+    /// Components of a row that belong to it.
+    fn components(self, row: &Row) -> impl Iterator<Item = usize> {
+        let count = if row.kind == self.kind { equations_of(row) } else { 0 };
+        (0..count).filter(move |c| KINDS[usize::from(self.kind.0)].measure(*c) == self.measure)
+    }
+}
+
+/// Those that a file has, in the order of the table.
+fn groups(data: &Measurements) -> Vec<Group> {
+    let mut kinds: Vec<KindId> = data.rows.iter().map(|row| row.kind).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let of = |kind: KindId| MEASURES.map(|measure| Group { kind, measure });
+    let has = |g: &Group| data.rows.iter().any(|row| g.components(row).next().is_some());
+    kinds.into_iter().flat_map(of).filter(has).collect()
+}
+
+/// The noise of every kind where there are several; of one kind alone the fit
+/// scales its own.
+///
+/// # Errors
+/// As for [`robust_fit`].
+pub fn noise(problem: &Problem, rows: &[usize], start: &State) -> Result<Noise> {
+    let groups = groups(problem.data);
+    let mut noise = Noise::default();
+    if groups.len() < 2 {
+        return Ok(noise);
+    }
+    let mut start = start.clone();
+    for _ in 0..ROUNDS {
+        let scaled = Problem { noise, scaling: Scaling::Prior, ..problem.clone() };
+        let found = robust_fit(&scaled, rows, &start, Flags::default())?;
+        start = found.fit.state.clone();
+        let at = scaled.linearise(&found.fit.state);
+        let cov = covariance(&found.fit.normal, scaled.unknowns.free(), 1.0);
+        let mut sums = vec![[0.0; 2]; groups.len()];
+        for index in &found.kept {
+            let e = at.equations(*index);
+            let (residual, weighed) = (e.scaled_residual(), &e.block * &cov);
+            for (sum, group) in sums.iter_mut().zip(&groups) {
+                for c in group.components(&problem.data.rows[*index]) {
+                    sum[0] += residual[c].powi(2);
+                    sum[1] += 1.0 - weighed.row(c).dot(&e.block.row(c));
+                }
+            }
+        }
+        let mut moved = 0.0_f64;
+        for ([squares, freedom], group) in sums.iter().zip(&groups) {
+            let old = noise.of(group.kind, group.measure);
+            let ratio = (squares * old * old + BELIEVED) / (freedom.max(0.0) + BELIEVED);
+            let new = ratio.sqrt().clamp(BOUNDS[0], BOUNDS[1]);
+            moved = moved.max((new / old).ln().abs());
+            *noise.scale_mut(*group) = new;
+        }
+        if moved < SETTLED {
+            break;
+        }
+    }
+    Ok(noise)
+}
+
+/// Root mean square of the components of a group over some residuals, in the
+/// unit of files; `None` of none.
+fn rms<'r>(group: Group, all: impl Iterator<Item = (&'r Row, Residual)>) -> Option<f64> {
+    let (mut count, mut square) = (0.0, 0.0);
+    for (row, residual) in all {
+        let values: Vec<f64> = group.components(row).map(|c| residual[c]).collect();
+        if !values.is_empty() {
+            count += 1.0;
+            square += values.iter().map(|v| v * v).sum::<f64>();
+        }
+    }
+    (count > 0.0).then(|| group.measure.to_file((square / f64::max(count, 1.0)).sqrt()))
+}
+
+/// How far off each kind is; flagged rows do not count.
+#[must_use]
+pub fn figures(problem: &Problem, results: &[RowResult]) -> Vec<KindFigures> {
+    let data = problem.data;
+    let used = || data.rows.iter().zip(results).filter(|(_, r)| !r.flagged);
+    let figures = |group: Group| {
+        let known = KINDS[usize::from(group.kind.0)];
+        let mine = |row: &&Row| group.components(row).next().is_some();
+        KindFigures {
+            kind: known.name(),
+            unit: group.measure.unit(),
+            rows: data.rows.iter().filter(mine).count(),
+            nominal_rms: rms(group, used().map(|(row, r)| (row, r.nominal))),
+            identified_rms: rms(group, used().map(|(row, r)| (row, r.identified))),
+            cross_validated_rms: rms(group, used().filter_map(|(row, r)| Some((row, r.held_out?)))),
+            noise_scale: problem.noise.of(group.kind, group.measure),
+        }
+    };
+    groups(data).into_iter().map(figures).collect()
+}
+
+/// A kind of a file that was not fitted.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct KindScore {
+    /// Its name.
+    pub kind: &'static str,
+    /// `mm`, `deg` or `px`.
+    pub unit: &'static str,
+    /// Root mean square with the nominal geometry, registered on the file.
+    pub nominal_rms: Option<f64>,
+    /// The same of the model.
+    pub rms: Option<f64>,
+}
+
+/// How far off each kind is, by nominal geometry and by a model.
+#[must_use]
+pub fn scores(data: &Measurements, nominal: &[Residual], found: &[Residual]) -> Vec<KindScore> {
+    let of = |group: Group, all: &[Residual]| {
+        rms(group, data.rows.iter().zip(all).map(|(row, r)| (row, *r)))
+    };
+    let score = |group: Group| KindScore {
+        kind: KINDS[usize::from(group.kind.0)].name(),
+        unit: group.measure.unit(),
+        nominal_rms: of(group, nominal),
+        rms: of(group, found),
+    };
+    groups(data).into_iter().map(score).collect()
+}
+
+/// What the kinds of a file leave undetermined, in words; nothing is said where
+/// there are points.
+#[must_use]
+pub fn left_open(data: &Measurements) -> Vec<String> {
+    if data.rows.iter().any(|row| kind(row).point(row).is_some()) {
+        return Vec::new();
+    }
+    let mut kinds: Vec<KindId> = data.rows.iter().map(|row| row.kind).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let words = |id: KindId| {
+        let kind = KINDS[usize::from(id.0)];
+        format!("{} alone leaves open: {}", kind.name(), kind.leaves())
+    };
+    kinds.into_iter().map(words).collect()
+}
