@@ -47,6 +47,7 @@ fn identified(robot: &Robot, seed: u64) -> Model {
         curves: Vec::new(),
         stations: Vec::new(),
         markers: vec![(String::new(), marker)],
+        instruments: Vec::new(),
         frame_translation,
         frame_rotation,
         provenance: Provenance::default(),

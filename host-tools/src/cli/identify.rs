@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use truearm_host::evaluate::evaluate;
@@ -22,8 +22,12 @@ use super::{Said, deliver, own, read_both, warn, words};
 pub struct Identify {
     /// The nominal arm, robot.toml
     robot: PathBuf,
-    /// Measured points, measurements.csv
-    data: PathBuf,
+    /// Measured points, poses, distances, touches..., measurements.csv
+    #[arg(required_unless_present = "more")]
+    data: Option<PathBuf>,
+    /// More measurements of the same arm and session, of whatever kinds
+    #[arg(id = "more", long = "data", value_name = "FILE")]
+    more: Vec<PathBuf>,
     /// Score the model on other measurements as well
     #[arg(long, value_name = "DATA2")]
     validate: Option<PathBuf>,
@@ -64,9 +68,15 @@ enum Mode {
 impl Identify {
     pub fn run(self) -> Result<Said> {
         let options = self.options()?;
-        let inputs = [&self.robot, &self.data].into_iter().chain(&self.validate);
+        let files = self.data.iter().chain(&self.more);
+        let inputs = std::iter::once(&self.robot).chain(files).chain(&self.validate);
         own::folder_apart(self.out.as_deref(), &own::MODEL_FOLDER, inputs)?;
-        let (robot, data) = read_both(&self.robot, &self.data)?;
+        let mut files = self.data.iter().chain(&self.more);
+        let first = files.next().map(PathBuf::as_path).unwrap_or(Path::new("measurements.csv"));
+        let (robot, mut data) = read_both(&self.robot, first)?;
+        for file in files {
+            data = data.joined(Measurements::read(file, &robot)?, &robot);
+        }
         let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         if let Some(other) = &other {
             apart("--validate", &data, other)?;
@@ -87,7 +97,7 @@ impl Identify {
         let on = Measured { data: &data, rows: &found.rows, model: &found.model };
         let next = Next {
             robot: self.robot.clone(),
-            data: self.data.clone(),
+            data: data.path.clone(),
             out: self.out.clone(),
             terms: 0,
         };

@@ -28,7 +28,7 @@ use crate::identify::{
     Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
 use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Robot};
-use crate::observations::{Residual, kind};
+use crate::observations::{Residual, kind, points_only};
 use crate::statistics::Stats;
 use node::Node;
 use policy::POLICY;
@@ -81,6 +81,10 @@ pub fn diagnose(
     options: &DiagnoseOptions,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
+    // Where a row is a pose, its point.
+    let data = &points_only(data, "diagnose")?;
+    let holdout = holdout.map(|h| points_only(h, "diagnose")).transpose()?;
+    let holdout = holdout.as_ref();
     let with = |crowd| diagnosed(robot, data, holdout, options, crowd, progress);
     match with(Crowd::Refused) {
         Err(error) if error.kind() == Kind::Contradiction => with(Crowd::Described),

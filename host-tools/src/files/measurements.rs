@@ -141,6 +141,50 @@ impl Measurements {
         }
     }
 
+    /// With the rows of another file behind these: stations, markers and what rows
+    /// refer to are the same where their labels are.
+    #[must_use]
+    pub fn joined(mut self, other: Self, robot: &Robot) -> Self {
+        let place = |own: &mut Vec<String>, label: &String| {
+            own.iter().position(|l| l == label).unwrap_or_else(|| {
+                own.push(label.clone());
+                own.len() - 1
+            })
+        };
+        let stations: Vec<usize> =
+            other.stations.iter().map(|label| place(&mut self.stations, label)).collect();
+        let markers: Vec<usize> =
+            other.markers.iter().map(|label| place(&mut self.markers, label)).collect();
+        self.known_markers.resize(self.markers.len(), None);
+        for (marker, known) in markers.iter().zip(&other.known_markers) {
+            self.known_markers[*marker] = self.known_markers[*marker].or(*known);
+        }
+        let mut instruments = Vec::new();
+        for instrument in other.instruments {
+            let same = |i: &crate::model::Instrument| {
+                (i.form, &i.label) == (instrument.form, &instrument.label)
+            };
+            let place = self.instruments.iter().position(same);
+            instruments.push(place.unwrap_or_else(|| {
+                self.instruments.push(instrument);
+                self.instruments.len() - 1
+            }));
+        }
+        let before = self.rows.len();
+        for mut row in other.rows {
+            row.station = stations[row.station];
+            row.marker = markers[row.marker];
+            row.refers.iter_mut().for_each(|i| *i = instruments[*i]);
+            row.partner = row.partner.map(|partner| partner + before);
+            row.extra.clear();
+            self.rows.push(row);
+        }
+        self.directions_from_order |= other.directions_from_order;
+        self.warnings.extend(other.warnings);
+        self.number(robot);
+        self
+    }
+
     /// Numbers the poses by their joint values.
     fn number(&mut self, robot: &Robot) {
         let reach = Reach::of_joints(robot, SAME_ANGLE, SAME_LENGTH);

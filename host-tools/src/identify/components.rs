@@ -188,6 +188,20 @@ pub fn scores(data: &Measurements, nominal: &[Residual], found: &[Residual]) -> 
     groups(data).into_iter().map(score).collect()
 }
 
+/// What is said of a file that holds no length against the arm.
+pub const SCALE_OPEN: &str = "the overall scale: all lengths of the arm, and of where what it touches \
+                              stands, times one number move no measured value; a plate of known \
+                              coordinates, or one known length, closes it";
+
+/// Whether a file leaves the overall scale open, the tolerances apart.
+#[must_use]
+pub fn scale_is_open(problem: &Problem) -> bool {
+    let data = problem.data;
+    let tells = |row: &Row| equations_of(row) > 0 && kind(row).tells_scale(row, &data.instruments);
+    let slides = problem.nominal.iter().any(|link| link.kind == truearm::JointKind::Prismatic);
+    !slides && data.known_markers.iter().all(Option::is_none) && !data.rows.iter().any(tells)
+}
+
 /// What the kinds of a file leave undetermined, in words; nothing is said where
 /// there are points.
 #[must_use]

@@ -56,7 +56,12 @@ impl Findings<'_> {
         let data = problem.data;
         let prior = Problem { scaling: Scaling::Prior, ..(*problem).clone() };
         let geometry = problem.with_terms(0);
-        let redundancy = redundancy::analyse(&geometry, &self.nominal, &found.robust.kept);
+        let mut redundancy = redundancy::analyse(&geometry, &self.nominal, &found.robust.kept);
+        if components::scale_is_open(problem) {
+            // Where residuals are not zero it shows as weak only.
+            redundancy.rank -= 1;
+            redundancy.redundant.push(components::SCALE_OPEN.to_owned());
+        }
         let own = |cv: &[Option<Residual>]| Stats::of(&judged(results, cv));
         let flags: Vec<FlaggedRow> = found.robust.outliers.iter().map(flagged_row).collect();
         Figures {

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 
 use super::partials::InFrame;
 use super::{Book, Bound, Column, Kind, Partials, Seen, Told, Unclear};
-use crate::model::{Form, Values};
+use crate::model::{Form, Instrument, Row, Values};
 
 /// The point of the column `anchor`; without a label there is one.
 pub struct Closure;
@@ -30,6 +30,10 @@ impl Kind for Closure {
 
     fn components(&self) -> &'static [&'static str] {
         &["x", "y", "z"]
+    }
+
+    fn tells_scale(&self, row: &Row, instruments: &[Instrument]) -> bool {
+        instruments[row.refers[0]].knows_length()
     }
 
     fn leaves(&self) -> &'static str {

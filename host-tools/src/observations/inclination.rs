@@ -5,7 +5,7 @@
 use nalgebra::{DMatrix, Vector3};
 
 use super::{ArmPart, Body, Book, Bound, Column, Kind, Measure, Partials, Seen, Told, Unclear};
-use crate::model::{Form, Row, Values};
+use crate::model::{Form, Instrument, Row, Values};
 
 /// Two angles, each of one axis of the inclinometer.
 pub struct Inclination;
@@ -37,6 +37,10 @@ impl Kind for Inclination {
 
     fn measure(&self, _component: usize) -> Measure {
         Measure::Angle
+    }
+
+    fn tells_scale(&self, _row: &Row, _instruments: &[Instrument]) -> bool {
+        false
     }
 
     fn leaves(&self) -> &'static str {

@@ -24,7 +24,7 @@ use std::ops::{Deref, Div, Mul, Sub};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use truearm::Pose;
 
-use crate::model::{Form, Instrument, KindId, Row, Values};
+use crate::model::{Form, Instrument, KindId, Measurements, Row, Values};
 pub use partials::{ArmPart, Body, Partials};
 
 /// All kinds. A row's [`KindId`] is the place of its kind here.
@@ -208,6 +208,12 @@ pub trait Kind: Sync {
             Measure::Pixel => row.sigma_px,
         };
         Values::from_fn(self.components().len(), of)
+    }
+
+    /// Whether a row holds a length against the arm: with places and sizes all
+    /// unknown a touch says the same of an arm twice as large.
+    fn tells_scale(&self, _row: &Row, _instruments: &[Instrument]) -> bool {
+        true
     }
 
     /// What the kind alone leaves undetermined, in words.
@@ -433,4 +439,31 @@ pub fn equations(rows: &[Row], of: &[usize]) -> usize {
 #[must_use]
 pub fn measuring(rows: &[Row]) -> Vec<usize> {
     (0..rows.len()).filter(|row| equations_of(&rows[*row]) > 0).collect()
+}
+
+/// The same rows for a verb that takes points only: poses without their turns.
+///
+/// # Errors
+/// Another kind, by name.
+pub fn points_only(data: &Measurements, verb: &str) -> crate::Result<Measurements> {
+    let mut out = data.clone();
+    for row in &mut out.rows {
+        if kind(row).point(row).is_none() {
+            return Err(crate::Error::data(
+                crate::Kind::Usage,
+                format!(
+                    "{}:{}: a row of kind {}, which {verb} does not take yet",
+                    data.path.display(),
+                    row.line,
+                    kind(row).name()
+                ),
+                "`truearm identify` and `truearm evaluate` take every kind; give points or poses here",
+            ));
+        }
+        row.measured = row.measured.point().into();
+        row.kind = KindId::default();
+        row.refers.clear();
+    }
+    out.instruments.clear();
+    Ok(out)
 }

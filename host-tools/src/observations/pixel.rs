@@ -59,6 +59,11 @@ impl Kind for Pixel {
         Measure::Pixel
     }
 
+    fn tells_scale(&self, row: &Row, instruments: &[Instrument]) -> bool {
+        let known = |i: &usize| instruments[*i].knows_length();
+        self.corner(row).is_some() || row.refers[SEEN..].iter().any(known)
+    }
+
     fn leaves(&self) -> &'static str {
         "where the arm stands; the overall scale where no board has known coordinates"
     }

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, Vector3};
 use super::distance::along;
 use super::partials::InFrame;
 use super::{Book, Bound, Column, Kind, Partials, Seen, Told, Unclear};
-use crate::model::{Form, Values};
+use crate::model::{Form, Instrument, Row, Values};
 
 /// The surface of the column `surface`; without a label there is one.
 pub struct Touch;
@@ -36,6 +36,11 @@ impl Kind for Touch {
 
     fn components(&self) -> &'static [&'static str] {
         &["touch"]
+    }
+
+    fn tells_scale(&self, row: &Row, instruments: &[Instrument]) -> bool {
+        // Of an unknown radius that of the ball is a part.
+        instruments[row.refers[0]].knows_length()
     }
 
     fn leaves(&self) -> &'static str {

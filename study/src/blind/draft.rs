@@ -162,6 +162,7 @@ impl Draft {
                 translation: Vector3::from_fn(|i, _| station[i][3]),
             }],
             markers: vec![self.arm.tool],
+            instruments: Vec::new(),
             links: self.arm.kinds.iter().zip(&self.arm.links).map(link).collect(),
             terms: Vec::new(),
         }

@@ -42,8 +42,13 @@ impl Arm {
             let error = core::array::from_fn(|k| draw[k] * 1e-3 * scale);
             *link = link.corrected(&MdhParameters::from_array(error));
         }
-        let truth =
-            State { bases: vec![base], markers: vec![robot.tool], links, terms: Vec::new() };
+        let truth = State {
+            bases: vec![base],
+            markers: vec![robot.tool],
+            instruments: Vec::new(),
+            links,
+            terms: Vec::new(),
+        };
         Self {
             robot: robot.clone(),
             truth,

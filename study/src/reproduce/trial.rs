@@ -215,6 +215,7 @@ fn diagnosed(cell: &Cell, geometry: &Contest) -> Result<Diagnosis> {
     let state = State {
         bases: model.stations.iter().map(|s| s.1).collect(),
         markers: model.markers.iter().map(|m| m.1).collect(),
+        instruments: Vec::new(),
         links: model.links(),
         terms: model.terms.clone(),
     };

@@ -12,6 +12,11 @@ pub fn validation(v: &Validation) -> String {
         table.row("identified, all rows", Some(&v.all_rows));
     }
     out += &table.0.to_string();
+    for k in v.kinds.iter().filter(|k| k.kind != "point") {
+        let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.4} {}", k.unit));
+        let (before, after) = (number(k.nominal_rms), number(k.rms));
+        out += &format!("{}: RMS {before} nominal, {after} identified\n", k.kind);
+    }
     if !v.left_out.is_empty() {
         let rows = list(&v.left_out);
         out += &format!("rows {rows} left out: beyond 10 robust standard deviations\n");

@@ -1,5 +1,5 @@
-use truearm_host::identify::Figures;
 use truearm_host::identify::error_bars::Uncertainty;
+use truearm_host::identify::{Figures, KindFigures};
 use truearm_host::report::IdentifyReport;
 use truearm_host::table::Table;
 
@@ -16,6 +16,7 @@ pub fn identification(report: &IdentifyReport) -> String {
             count(r.rows_not_cross_validated, "row")
         );
     }
+    out += &kinds(&r.kinds);
     out += &flagged(r);
     out += &error_bars(&r.uncertainty);
     out += &undetermined(r);
@@ -81,6 +82,30 @@ fn errors(report: &IdentifyReport) -> String {
     table.0.to_string()
 }
 
+/// Each kind in its own unit, where there is more than points.
+fn kinds(kinds: &[KindFigures]) -> String {
+    if kinds.iter().all(|k| k.kind == "point") {
+        return String::new();
+    }
+    let mut table = Table::new([
+        "RMS of each kind",
+        "rows",
+        "unit",
+        "nominal",
+        "identified",
+        "cross-validated",
+        "noise / stated",
+    ]);
+    let number = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.4}"));
+    for k in kinds {
+        let all = [k.nominal_rms, k.identified_rms, k.cross_validated_rms].map(number);
+        let first = [k.kind.to_owned(), k.rows.to_string(), k.unit.to_owned()];
+        let scale = format!("{:.2}", k.noise_scale);
+        table.row(first.into_iter().chain(all).chain([scale]));
+    }
+    table.to_string()
+}
+
 fn flagged(r: &Figures) -> String {
     if r.outliers.is_empty() {
         return "no row flagged\n".to_owned();
@@ -120,6 +145,10 @@ fn error_bars(u: &Uncertainty) -> String {
 
 fn undetermined(r: &Figures) -> String {
     let mut out = String::new();
+    r.left_open.iter().for_each(|line| out += &format!("{line}\n"));
+    if r.orientation_identified {
+        out += "how the last frame is turned is identified\n";
+    }
     if !r.unidentifiable.is_empty() {
         let combinations = count(r.unidentifiable.len(), "combination");
         out += &format!("{combinations} that the data cannot determine:\n");
