@@ -95,3 +95,40 @@ fn a_model_has_no_more_terms_than_asked_for() {
         assert!(most == 0 || gap[gap.len() - 1] < gap[0], "{gap:?}");
     }
 }
+
+/// Where nobody weighed the arm, the moments of its links are fitted beside the
+/// springs: the same joints, and no second name for what assumed masses get wrong.
+#[test]
+fn springs_are_named_without_masses() {
+    let sets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/hidden-effects/cases");
+    for (case, expected, most) in [
+        ("case_012", vec![("joint-compliance", vec![3])], 1.1),
+        ("case_014", vec![], 1.1),
+        (
+            "case_015",
+            vec![("encoder-eccentricity", vec![5]), ("joint-compliance", vec![2, 3])],
+            1.4,
+        ),
+        ("case_018", vec![("base-compliance", vec![])], 1.1),
+    ] {
+        let expected: Names = expected.into_iter().map(|(n, j)| (n.to_owned(), j)).collect();
+        let report = |weighed: bool| {
+            let mut robot = Robot::read(&sets.join(case).join("robot.toml")).unwrap();
+            if !weighed {
+                robot.links.clear();
+            }
+            let read =
+                |file: &str| Measurements::read(&sets.join(case).join(file), &robot).unwrap();
+            let (data, holdout) = (read("measurements.csv"), read("holdout.csv"));
+            let options = DiagnoseOptions::default();
+            diagnose(&robot, &data, Some(&holdout), &options, &|_| ()).unwrap().outcome
+        };
+        let (with, without) = (report(true), report(false));
+        let names: Names =
+            without.effects.iter().map(|e| (e.name.to_owned(), e.joints.clone())).collect();
+        assert_eq!(names, expected, "{case}");
+        let left =
+            |o: &truearm_host::diagnose::Outcome| o.gap.last().unwrap().holdout_rms_mm.unwrap();
+        assert!(left(&without) < most * left(&with), "{case}: {} {}", left(&without), left(&with));
+    }
+}

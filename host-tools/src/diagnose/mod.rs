@@ -6,7 +6,8 @@
 
 pub mod candidates;
 mod chi_square;
-pub mod node;
+pub mod moments;
+mod node;
 mod outcome;
 pub mod policy;
 pub mod question;
@@ -124,7 +125,19 @@ fn diagnosed(
     question.flags.lambda = believable_lambda(&problem, &first);
     let root = node::geometry(&question, &first.fit.fit.state)?;
     progress("weighing effects");
-    let weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
+    let mut weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
+    // Masses that were assumed gave a first answer: moments that suit it give another.
+    let adapted = match assumed {
+        Some(_) => moments::adapted(&question, robot, &weighed.best)?,
+        None => None,
+    };
+    let robot = adapted.as_ref().unwrap_or(robot);
+    let reloaded = moments::loaded_by(&problem, robot);
+    let (reoffered, _) = candidates::all(&reloaded, robot);
+    if adapted.is_some() {
+        question = Question { problem: &reloaded, offered: &reoffered, ..question };
+        weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
+    }
     progress("held-out poses");
     // What is fitted and judged from here on has the noise that was found.
     let heard = data.with_noise(weighed.scale);

@@ -1,0 +1,126 @@
+//! Gravity torques of an arm that nobody weighed: the first moments of its links,
+//! found together with the springs that they bend.
+//!
+//! Assumed masses give torques of about the right shape. Where springs were found
+//! with them, what is left has the shape of what the masses were wrong by: a
+//! torque is linear in the first moments of all that follows the joint, so that
+//! they are unknowns of the fit like any other, held near what was assumed. Their
+//! common size stays what it was: the springs' coefficients take it up.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+use truearm::effects::{Effect, Term};
+
+use super::candidates::Candidate;
+use super::node::{Node, fitted};
+use super::question::Question;
+use crate::error::Result;
+use crate::identify::{Conditions, Problem, Unknown};
+use crate::model::arm::{Derivatives, RowInputs};
+use crate::model::{ModelTerm, Robot};
+
+/// Rounds of fitting springs and moments in turn.
+const ROUNDS: usize = 4;
+/// Prior of a moment about what was assumed, as a share of all of them.
+const SHARE: f64 = 0.5;
+/// Precision that keeps unknowns without a prior where they are, in units.
+const HELD: f64 = 1e-8;
+
+/// The same problem with the loads of a robot.
+#[must_use]
+pub fn loaded_by<'a>(problem: &Problem<'a>, robot: &Robot) -> Problem<'a> {
+    let conditions = Arc::new(Conditions::new(problem.data, robot));
+    Problem { conditions, ..problem.clone() }
+}
+
+/// The robot with the moments of its links fitted beside the springs of a model;
+/// `None` where the model has none.
+///
+/// # Errors
+/// When a fit does not converge.
+pub fn adapted(q: &Question, robot: &Robot, found: &Node) -> Result<Option<Robot>> {
+    let springs = |c: &&Candidate| {
+        [Effect::JointCompliance, Effect::BaseCompliance].iter().any(|e| e.name() == c.name())
+    };
+    let springs: Vec<Candidate> = found.added.iter().filter(springs).cloned().collect();
+    if springs.is_empty() {
+        return Ok(None);
+    }
+    let mut robot = robot.clone();
+    let mut state = found.fit.fit.state.clone();
+    for _ in 0..ROUNDS {
+        let problem = loaded_by(q.problem, &robot);
+        let node = fitted(&Question { problem: &problem, ..*q }, springs.clone(), &state)?;
+        let step = step(&problem, &robot, &node, q.flags.lambda);
+        state = node.fit.fit.state;
+        let Some(step) = step else { break };
+        for (link, moment) in robot.links.iter_mut().zip(step.chunks_exact(2)) {
+            link.com.x += moment[0] / link.mass;
+            link.com.y += moment[1] / link.mass;
+        }
+    }
+    robot.warnings.push(format!(
+        "{}: the first moments of its links were fitted beside the springs",
+        robot.path.display()
+    ));
+    Ok(Some(robot))
+}
+
+/// What to add to the moments about x and y of each link, kg m.
+fn step(problem: &Problem, robot: &Robot, node: &Node, lambda: f64) -> Option<Vec<f64>> {
+    let terms: Vec<Term<f64>> = node.fit.fit.state.terms.iter().filter_map(of_arm).collect();
+    let problem = problem.with_terms(node.fit.fit.state.terms.len());
+    let turned = turned(&problem, robot);
+    let at = problem.linearise(&node.fit.fit.state);
+    let beside = |row: usize, d: &Derivatives| {
+        let q = &problem.data.rows[row].q;
+        let here = &problem.conditions.rows[row];
+        let column = |there: &Vec<RowInputs>| {
+            let of = |term: &Term<f64>| {
+                let by = there[row].basis(q, term) - here.basis(q, term);
+                d.column(term, by, &problem.nominal) * term.coefficient
+            };
+            terms.iter().map(of).sum()
+        };
+        turned.iter().map(column).collect()
+    };
+    let unknowns = problem.unknowns.list();
+    let (p, all) = (unknowns.len(), unknowns.len() + turned.len());
+    let mut h = DMatrix::<f64>::zeros(all, all);
+    let mut g = DVector::<f64>::zeros(all);
+    for row in &node.fit.kept {
+        let e = at.equations_beside(*row, &beside);
+        // Moments are in SI, and so is their residual: only the equations are scaled.
+        let rhs = DVector::from_iterator(e.rhs.len(), e.rhs.iter().copied());
+        h += e.block.tr_mul(&e.block);
+        g += e.block.tr_mul(&rhs);
+    }
+    let size: f64 = robot.links.iter().map(|l| l.mass * l.com.norm()).sum();
+    for k in 0..all {
+        h[(k, k)] += match unknowns.get(k) {
+            Some(Unknown::Link(..)) => lambda,
+            Some(_) => HELD,
+            None => (SHARE * size).powi(-2),
+        };
+    }
+    let solved = h.cholesky()?.solve(&g);
+    Some(solved.rows(p, turned.len()).iter().copied().collect())
+}
+
+/// What every row is like with one more kg m about x and y of each link.
+fn turned(problem: &Problem, robot: &Robot) -> Vec<Vec<RowInputs>> {
+    let mut out = Vec::new();
+    for link in 0..robot.links.len() {
+        for axis in 0..2 {
+            let mut other = robot.clone();
+            other.links[link].com[axis] += 1.0 / other.links[link].mass;
+            out.push(Conditions::new(problem.data, &other).rows);
+        }
+    }
+    out
+}
+
+fn of_arm(term: &ModelTerm) -> Option<Term<f64>> {
+    if let ModelTerm::Arm(term) = term { Some(*term) } else { None }
+}
