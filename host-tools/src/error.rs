@@ -271,6 +271,19 @@ impl Error {
     }
 }
 
+/// Names that a message lists before it only counts.
+const MOST_NAMES: usize = 40;
+
+/// Names for a message, the first of them if there are many.
+#[must_use]
+pub fn listed<T: std::fmt::Display>(names: &[T]) -> String {
+    let mut shown: Vec<String> = names.iter().take(MOST_NAMES).map(T::to_string).collect();
+    if names.len() > MOST_NAMES {
+        shown.push(format!("and {} others", names.len() - MOST_NAMES));
+    }
+    shown.join(", ")
+}
+
 /// More digits no number of a message needs.
 const MOST_DIGITS: usize = 24;
 /// Longer words, such as a whole line without a blank, are not read by anybody.

@@ -47,6 +47,34 @@ fn valid(report: &str) -> String {
     name
 }
 
+/// What `diff --json` says of two blobs that are not the same.
+fn changed_blobs(folder: &tempfile::TempDir) -> String {
+    let run = |line: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
+        let ran = command.current_dir(folder).args(line.split(' ')).output().unwrap();
+        assert!(ran.status.success(), "{line}: {}", String::from_utf8_lossy(&ran.stderr));
+        String::from_utf8(ran.stdout).unwrap()
+    };
+    run("identify robot.toml measurements.csv --lambda 30 --out other");
+    run("pack other/model.toml --out other.bin");
+    let words = run("diff arm.bin other.bin");
+    let text = run("diff arm.bin other.bin --json");
+    let report: Value = serde_json::from_str(&text).unwrap();
+    let changes = report["changes"].as_array().unwrap();
+    assert!(changes.len() > 10 && report["same"] == false, "{text}");
+    for change in changes {
+        assert!(words.contains(change["what"].as_str().unwrap()), "{change} in {words}");
+    }
+    let motions = report["motions"].as_array().unwrap();
+    assert_eq!(motions.len(), 2, "{text}");
+    for motion in motions {
+        let [largest, rms] = ["largest_mm", "rms_mm"].map(|key| motion[key].as_f64().unwrap());
+        assert!(largest > rms && rms > 0.0, "{motion}");
+        assert!(words.contains(&format!("by {largest:.4} mm at worst")), "{motion} in {words}");
+    }
+    text
+}
+
 #[test]
 fn reports_are_valid() {
     let folder = tempfile::tempdir().unwrap();
@@ -93,6 +121,8 @@ fn reports_are_valid() {
         name
     })
     .to_vec();
+    let changed = changed_blobs(&folder);
+    assert_eq!(valid(&changed), "truearm-diff-1");
     // No shipped data has alternatives.
     names.push(valid(&to_json(&SeparationReport {
         schema: SeparationReport::SCHEMA,

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use truearm_host::error::Excerpt;
 use truearm_host::{Error, Kind, Result};
 
 /// The table of exit statuses, the same for all verbs.
@@ -123,13 +124,25 @@ struct Shown {
 impl Shown {
     fn new(error: Error) -> Self {
         let source = match &error {
-            Error::File { path, excerpt: Some(excerpt), .. } => {
+            Error::File { path, excerpt: Some(excerpt), .. } if shown(excerpt) => {
                 Some(NamedSource::new(path.display().to_string(), excerpt.text.clone()))
             }
             _ => None,
         };
         Self { error, source }
     }
+}
+
+/// Longer lines are no help, and nothing draws them soon.
+const LONGEST_LINE: usize = 2000;
+
+/// Whether what is wrong can be shown in its place: among lines that can be read.
+fn shown(excerpt: &Excerpt) -> bool {
+    let Excerpt { text, span } = excerpt;
+    let before = text.get(..span.start).unwrap_or("").rsplit('\n').take(2);
+    let behind = text.get(span.start..).unwrap_or("");
+    let lines = behind.get(..span.len()).unwrap_or("").matches('\n').count();
+    before.chain(behind.split('\n').take(lines + 2)).all(|line| line.len() < LONGEST_LINE / 2)
 }
 
 impl std::fmt::Display for Shown {
@@ -151,7 +164,10 @@ impl Diagnostic for Shown {
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let Error::File { excerpt: Some(excerpt), .. } = &self.error else { return None };
+        let (Error::File { excerpt: Some(excerpt), .. }, Some(_)) = (&self.error, &self.source)
+        else {
+            return None;
+        };
         let span = excerpt.span.clone();
         Some(Box::new(std::iter::once(LabeledSpan::new(None, span.start, span.len()))))
     }

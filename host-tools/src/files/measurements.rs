@@ -6,7 +6,7 @@ use super::columns::{Cells, Columns, Labels};
 use super::instruments::Gathered;
 use super::pairs;
 use super::source::Source;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, listed};
 use crate::model::near::Reach;
 use crate::model::{Measurements, Robot};
 
@@ -198,7 +198,7 @@ impl Measurements {
         let mut warn =
             |text: String| self.warnings.push(format!("{}: {text}", self.path.display()));
         if !self.extra_columns.is_empty() {
-            warn(format!("columns kept without use: {}", self.extra_columns.join(", ")));
+            warn(format!("columns kept without use: {}", listed(&self.extra_columns)));
         }
         self.remark_joints(robot);
     }

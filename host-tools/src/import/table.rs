@@ -6,7 +6,7 @@ use super::config::FileConfig;
 use super::number::number;
 use super::sniff::{Dialect, Line, sniff};
 use super::{book, decode, fixed, layout};
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, listed};
 use crate::headings::Heading;
 
 /// A table that was read.
@@ -137,7 +137,7 @@ impl Table {
             return format!("{} columns without headings", self.headings.len());
         }
         let names: Vec<&str> = self.headings.iter().map(|h| h.text.as_str()).collect();
-        names.join(", ")
+        listed(&names)
     }
 
     /// What is wrong in a cell.

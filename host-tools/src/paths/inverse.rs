@@ -31,6 +31,11 @@ const NEAR_STARTS: usize = 4;
 /// Starts anywhere within the limits, for a first row without a start and for what
 /// the row before does not lead to.
 const ANY_STARTS: usize = 100;
+/// Rows in a row that none of them led to, after which fewer are tried: a long path
+/// beyond the arm's reach is to be called so soon.
+const PATIENCE: usize = 20;
+/// How many then.
+const FEW_STARTS: usize = 15;
 
 /// Joints that were found for a pose, and what is left.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,13 +100,14 @@ impl<'a> Inverse<'a> {
         let mut last: Option<Vec<f64>> = start.map(<[f64]>::to_vec);
         let elsewhere: Vec<Vec<f64>> =
             start.iter().map(|start| start.to_vec()).chain(self.anywhere()).collect();
-        let (mut rows, mut jumps) = (Vec::new(), Vec::new());
+        let (mut rows, mut jumps, mut missed) = (Vec::new(), Vec::new(), 0);
         for (i, (row, target)) in data.rows.iter().zip(targets).enumerate() {
             let near = last.as_ref().map(|last| self.best(row, target, &self.near(last)));
             let found = match near {
                 Some(near) if near.is_reached() => near,
                 near => {
-                    let found = self.best(row, target, &elsewhere);
+                    let count = if missed < PATIENCE { elsewhere.len() } else { FEW_STARTS };
+                    let found = self.best(row, target, &elsewhere[..count]);
                     if near.is_some() && found.is_reached() {
                         jumps.push(i);
                     }
@@ -109,6 +115,7 @@ impl<'a> Inverse<'a> {
                     near.filter(|near| near.left() < found.left()).unwrap_or(found)
                 }
             };
+            missed = if found.is_reached() { 0 } else { missed + 1 };
             if found.is_reached() {
                 last = Some(found.joints.clone());
             }

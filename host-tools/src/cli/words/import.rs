@@ -1,3 +1,4 @@
+use truearm_host::error::listed;
 use truearm_host::report::ImportReport;
 
 use super::count;
@@ -22,7 +23,7 @@ pub fn import(report: &ImportReport) -> String {
             &format!("{}: {file}column {}{name}{unit}, because {}\n", c.to, c.column, c.because);
     }
     if !made.left_out.is_empty() {
-        text += &format!("left out: {}\n", made.left_out.join(", "));
+        text += &format!("left out: {}\n", listed(&made.left_out));
     }
     let repeats = made.rows - made.poses;
     text += &format!("{} of {}", count(made.rows, "row"), count(made.poses, "pose"));

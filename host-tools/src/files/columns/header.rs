@@ -1,15 +1,12 @@
 use std::collections::HashSet;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, listed};
 use crate::files::source::{Source, resembling};
 use crate::headings::suggestion;
 use truearm::JointKind;
 
 use crate::model::{Joint, Robot};
 use crate::units::joint_column;
-
-/// Names that a message lists.
-const SHOWN: usize = 40;
 
 /// The names of the columns; those that were asked for are known.
 pub(in crate::files) struct Header<'a> {
@@ -61,15 +58,11 @@ impl<'a> Header<'a> {
         let names = self.names.iter().map(String::as_str);
         let meant = meant.map(String::as_str).or_else(|| resembling(name, names));
         let meant = meant.map_or(String::new(), |found| format!("; {name} may be \"{found}\""));
-        let shown = self.names.iter().take(SHOWN).map(|n| format!("\"{n}\""));
-        let mut found: Vec<String> = shown.collect();
-        if self.names.len() > SHOWN {
-            found.push(format!("and {} others", self.names.len() - SHOWN));
-        }
+        let found: Vec<String> = self.names.iter().map(|n| format!("\"{n}\"")).collect();
         let help = format!(
             "{help}; found {}{meant}; `truearm import {} --out measurements.csv` makes the columns of \
              any table",
-            found.join(", "),
+            listed(&found),
             self.source.path.display()
         );
         self.fail(format!("missing column {name}"), help)
