@@ -28,23 +28,19 @@ impl Commanded {
     /// As for [`Commanded::read`].
     pub fn parse(path: &Path, text: &str, robot: &Robot) -> Result<Self> {
         let source = Source { path, text };
-        let header: Vec<&str> =
-            text.lines().next().unwrap_or("").split(',').map(str::trim).collect();
+        let names = source.headings();
+        let header: Vec<&str> = names.iter().map(String::as_str).collect();
         let points = POINT.iter().any(|name| header.contains(name));
         let joints = header.iter().any(|name| {
             name.strip_prefix("cmd")
                 .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
         });
         match (joints, points) {
-            (true, true) => Err(source.in_line(
-                1,
-                0,
+            (true, true) => Err(source.in_headings(
                 "both commanded joints and commanded points",
                 "keep what the controller was told and delete the other columns",
             )),
-            (false, false) if !text.trim().is_empty() => Err(source.in_line(
-                1,
-                0,
+            (false, false) if !text.trim().is_empty() => Err(source.in_headings(
                 "no commanded joints and no commanded points",
                 "add the columns cmd1_deg.. (cmdN_mm for prismatic joints), or cmd_x_mm, cmd_y_mm, \
                  cmd_z_mm in the robot's frame",
@@ -78,7 +74,7 @@ fn points_of(source: &Source, header: &[&str], data: &Measurements) -> Result<Ve
     for (slot, name) in at.iter_mut().zip(POINT) {
         *slot = data.extra_columns.iter().position(|c| c == name).ok_or_else(|| {
             let help = "a commanded point needs cmd_x_mm, cmd_y_mm, cmd_z_mm";
-            source.in_line(1, 0, format!("missing column {name}"), help)
+            source.in_headings(format!("missing column {name}"), help)
         })?;
     }
     let cell = |row: &Row, axis: usize| match row.extra[at[axis]].parse::<f64>() {

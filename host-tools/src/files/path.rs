@@ -42,8 +42,8 @@ impl Path {
     /// As for [`Path::read`].
     pub fn parse(path: &FilePath, text: &str, robot: &Robot, wanted: Wanted) -> Result<Self> {
         let source = Source { path, text };
-        let header = text.lines().next().unwrap_or("").split(',');
-        let header: Vec<&str> = header.map(|name| name.trim().trim_matches('"')).collect();
+        let names = source.headings();
+        let header: Vec<&str> = names.iter().map(String::as_str).collect();
         let joints = joints_wanted(&source, &header, wanted)?;
         let mut data = Measurements::table(
             path,
@@ -52,7 +52,7 @@ impl Path {
             (joints.then_some("q"), false),
             Gathered::default(),
         )?;
-        let (names, cells) = cells(text, &data.rows);
+        let cells = cells(&source, &data.rows);
         if joints {
             data.remark_joints(robot);
             let coordinates = Coordinates::Joints;
@@ -111,17 +111,13 @@ fn joints_wanted(source: &Source, header: &[&str], wanted: Wanted) -> Result<boo
     match wanted {
         Wanted::Joints => Ok(true),
         Wanted::Poses => Ok(false),
-        Wanted::Either if joints && point => Err(source.in_line(
-            1,
-            0,
+        Wanted::Either if joints && point => Err(source.in_headings(
             "both joints and points of the tool",
             "say which of them is the command with --from joints or --from poses, or delete the \
              other columns",
         )),
         Wanted::Either if !joints && !point && !source.text.trim().is_empty() => Err(source
-            .in_line(
-                1,
-                0,
+            .in_headings(
                 "no joints and no points of the tool",
                 "add the columns q1_deg.. (qN_mm for prismatic joints), or x_mm, y_mm, z_mm with \
                  qx, qy, qz, qw or roll_deg, pitch_deg, yaw_deg, of [tool] in [base]",
@@ -130,21 +126,20 @@ fn joints_wanted(source: &Source, header: &[&str], wanted: Wanted) -> Result<boo
     }
 }
 
-/// Names, and the cells of the rows that were read, as they stand in the file.
-fn cells(text: &str, rows: &[Row]) -> (Vec<String>, Vec<Vec<String>>) {
-    let mut reader =
-        csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
-    let owned = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
-    let names = reader.headers().map(owned).unwrap_or_default();
+/// The cells of the rows that were read, as they stand in the file.
+fn cells(source: &Source, rows: &[Row]) -> Vec<Vec<String>> {
+    let mut reader = super::csv_reader(source.text);
     // What could not be read was an error before; a row of units is no row.
     let mut rows = rows.iter().peekable();
     let records = reader.records().filter_map(std::result::Result::ok);
     let read = records.filter(|record| {
-        let line = record.position().map_or(0, |p| p.line() as usize);
+        let line = record.position().map_or(0, |p| {
+            // As the rows have it: behind empty lines and remarks.
+            source.begin(p.line() as usize, p.byte() as usize).0
+        });
         rows.next_if(|row| row.line == line).is_some()
     });
-    let cells = read.map(|record| owned(&record)).collect();
-    (names, cells)
+    read.map(|record| record.iter().map(str::to_owned).collect()).collect()
 }
 
 /// Where the columns of the poses stand.
@@ -162,7 +157,7 @@ impl<'a> Poses<'a> {
         for (slot, name) in point.iter_mut().zip(POINT) {
             *slot = at(name).ok_or_else(|| {
                 let help = "a pose of the tool needs x_mm, y_mm, z_mm, of [tool] in [base]";
-                source.in_line(1, 0, format!("missing column {name}"), help)
+                source.in_headings(format!("missing column {name}"), help)
             })?;
         }
         let quaternion = QUATERNION.iter().all(|name| at(name).is_some());
@@ -172,13 +167,11 @@ impl<'a> Poses<'a> {
             _ => {
                 let message = "orientation needs all of roll_deg, pitch_deg, yaw_deg";
                 let help = "add the missing ones or delete the others";
-                return Err(source.in_line(1, 0, message, help));
+                return Err(source.in_headings(message, help));
             }
         };
         if quaternion && rpy.is_some() {
-            return Err(source.in_line(
-                1,
-                0,
+            return Err(source.in_headings(
                 "orientation as quaternion and as angles",
                 "keep qx, qy, qz, qw or roll_deg, pitch_deg, yaw_deg and delete the other columns",
             ));

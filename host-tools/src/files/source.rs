@@ -136,6 +136,19 @@ impl Source<'_> {
         })
     }
 
+    /// The headings of a table: those of its first line that is no remark.
+    pub fn headings(&self) -> Vec<String> {
+        let mut reader = super::csv_reader(self.text);
+        let headings = reader.headers().map(|names| names.iter().map(str::to_owned).collect());
+        headings.unwrap_or_default()
+    }
+
+    /// What is wrong with the headings of a table.
+    pub fn in_headings(&self, message: impl Into<String>, help: impl Into<String>) -> Error {
+        let (line, start) = self.begin(1, 0);
+        self.in_line(line, start, message, help)
+    }
+
     /// Line and byte where the first CSV record from these on begins: behind
     /// empty lines and comments.
     pub fn begin(&self, line: usize, byte: usize) -> (usize, usize) {

@@ -5,6 +5,7 @@ mod bounds;
 mod overwriting;
 mod reach;
 mod readme;
+mod remarks;
 mod small_arms;
 mod too_little;
 mod twins;

@@ -43,7 +43,7 @@ fn fixture(path: &Path) -> Vec<u8> {
 }
 
 fn robot() -> Robot {
-    Robot::read(&data("seed-table-8/robot.toml")).unwrap()
+    Robot::parse(Path::new("robot.toml"), published::ROBOT).unwrap()
 }
 
 /// Reads every mutation of some bytes; what panicked, and how long the longest took.
