@@ -62,6 +62,7 @@ fn cell_b_leaves_what_the_paper_leaves_and_is_explained() {
     for (name, text) in done.files.iter().filter(|f| f.0.ends_with(".svg")) {
         assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"), "{name}");
         assert!(!text.contains("NaN"), "{name}");
+        assert!(report.contains(&format!("]({name})")), "report.md does not show {name}");
     }
 }
 

@@ -36,7 +36,8 @@ impl Figure {
 
     fn drawn(&self) -> Element {
         let panel = |panel: &Panel| {
-            let drawn = element("div").with("class", "panel");
+            let class = if panel.size.0 < WIDE { "panel" } else { "panel wide" };
+            let drawn = element("div").with("class", class);
             drawn.child(element("h3").text(&panel.title)).child(panel.drawn())
         };
         let count = self.panels.len().min(3);

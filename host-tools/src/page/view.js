@@ -24,7 +24,7 @@ document.querySelectorAll(".view").forEach((view) => {
     const z = p[2] - middle[2];
     const [c, s] = [Math.cos(at.turn), Math.sin(at.turn)];
     const away = s * x + c * y;
-    const scale = (900 * at.zoom) / size;
+    const scale = (680 * at.zoom) / size;
     const up = z * Math.cos(at.tilt) + away * Math.sin(at.tilt);
     return [500 + scale * (c * x - s * y), 350 - scale * up, -away];
   };

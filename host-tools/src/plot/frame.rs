@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::marks::{number, shape};
-use super::{Mark, Panel, Series};
+use super::{Mark, Panel};
 use crate::markup::{Element, Node, element};
 
 /// Width of a character over the size of the font, about.
@@ -83,8 +83,7 @@ impl Layout {
             out.push(text(14.0, 22.0, &panel.title).with("class", "heading").into());
         }
         for (series, x, y) in &self.legend {
-            let ink = panel.inks()[*series].place();
-            out.extend(key(&panel.series[*series], ink, *x, *y, panel.lines() > 1));
+            out.extend(key(panel, *series, *x, *y));
         }
         out.extend(self.mesh(panel));
         out.extend(self.labels(panel));
@@ -157,7 +156,9 @@ pub(super) fn text(x: f64, y: f64, text: &str) -> Element {
 }
 
 /// A name in the legend with what its marks look like.
-fn key(series: &Series, ink: usize, x: f64, y: f64, dashed: bool) -> Vec<Node> {
+fn key(panel: &Panel, which: usize, x: f64, y: f64) -> Vec<Node> {
+    let (series, ink) = (&panel.series[which], panel.inks()[which].place());
+    let dashed = panel.lines() > 1;
     let group = element("g").with("class", format!("key i{ink}"));
     let bar = |h: f64| format!("M{} {}h16v{h}h-16z", number(x), number(y - 4.5 - h / 2.0));
     let mark = |class: &str, d: String| element("path").with("class", class).with("d", d);
@@ -170,8 +171,8 @@ fn key(series: &Series, ink: usize, x: f64, y: f64, dashed: bool) -> Vec<Node> {
         Mark::Arrows => mark("thin", flat),
         Mark::Steps => mark("tread", flat),
         Mark::Band => mark("band", bar(12.0)),
-        Mark::Bars => mark("bar", bar(10.0)),
-        Mark::Points | Mark::Intervals => mark("shape", shape(ink, x + 8.0, y - 4.5)),
+        Mark::Bars if !panel.y.log => mark("bar", bar(10.0)),
+        Mark::Points | Mark::Intervals | Mark::Bars => mark("shape", shape(ink, x + 8.0, y - 4.5)),
     };
     vec![group.child(drawn).into(), text(x + 22.0, y, &series.name).into()]
 }

@@ -179,3 +179,59 @@ pub fn grid(panels: &[Panel], columns: usize) -> String {
     }
     format!("{root}\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bars(y: Axis) -> String {
+        let series =
+            vec![Series::bars("a", &[0.21, 0.22, 0.23]), Series::bars("b", &[0.2, 0.2, 0.2])];
+        let names = ["x", "y", "z"].map(str::to_owned).to_vec();
+        Panel::new("t", Axis::names(names), y, series).svg()
+    }
+
+    /// On decades there is no zero for a bar to stand on.
+    #[test]
+    fn bars_on_decades_are_points() {
+        let (log, linear) = (bars(Axis::log("mm")), bars(Axis::linear("mm")));
+        assert_eq!(
+            (log.matches("class=\"bar\"").count(), linear.matches("class=\"bar\"").count()),
+            (0, 8)
+        );
+        assert_eq!(log.matches("class=\"shape\"").count(), 6 + 2);
+        // Ticks, though no decade is within.
+        assert!(log.contains(">0.21<") && log.contains(">0.22<"), "{log}");
+    }
+
+    #[test]
+    fn marks_are_counted_and_said() {
+        let many: Vec<f64> = (0..500).map(f64::from).collect();
+        let text = Panel {
+            series: vec![
+                Series::points("many", numbered(&many)),
+                Series::line("l", numbered(&many)),
+            ],
+            ..Panel::default()
+        }
+        .svg();
+        assert_eq!(text.matches("data-marks=\"500\"").count(), 2);
+        assert_eq!(text.matches("h0").count(), 500);
+    }
+
+    /// What lies on each other is drawn in different widths, and dashed.
+    #[test]
+    fn lines_on_each_other_can_be_told() {
+        let line =
+            |k: usize| Series::line(format!("{k}"), vec![(0.0, 1.0), (1.0, 2.0)]).ink(Ink(k));
+        let text = Panel { series: (0..5).map(line).collect(), ..Panel::default() }.svg();
+        let widths = ["4.4", "3.7", "3", "2.3", "1.6"];
+        assert!(widths.iter().all(|w| text.contains(&format!("stroke-width=\"{w}\""))), "{text}");
+    }
+
+    #[test]
+    fn names_are_escaped() {
+        let text = Panel { title: "<b>&".to_owned(), ..Panel::default() }.svg();
+        assert!(text.contains("&lt;b&gt;&amp;") && !text.contains("<b>"));
+    }
+}

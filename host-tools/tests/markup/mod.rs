@@ -89,13 +89,6 @@ impl Element {
         own.or_else(|| self.children.iter().find_map(|c| c.id(id)))
     }
 
-    /// Its text and that of all in it.
-    pub fn words(&self) -> String {
-        let mut out = self.text.clone();
-        self.children.iter().for_each(|c| out += &format!(" {}", c.words()));
-        out
-    }
-
     /// Marks of a drawn series: what it says it has, and what is drawn.
     pub fn marks(&self) -> (usize, usize) {
         let said = self.get("data-marks").unwrap().parse().unwrap();

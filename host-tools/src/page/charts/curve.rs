@@ -6,15 +6,21 @@ use crate::plot::{Axis, Ink, Mark, Panel, Series};
 pub fn part(part: &Part) -> Panel {
     let x = match part.names.is_empty() {
         true => Axis::linear(part.x_label.clone()),
-        false => Axis::names(part.names.clone()),
+        false => Axis { label: part.x_label.clone(), ..Axis::names(part.names.clone()) },
     };
+    // At a name rows stand side by side, in no order.
+    let spread = |(k, p): (usize, &(f64, f64))| match part.names.is_empty() {
+        true => *p,
+        false => (p.0 + 0.5 * ((0.618_034 * k as f64).fract() - 0.5), p.1),
+    };
+    let points = part.points.iter().enumerate().map(spread).collect();
     let band = Series::new("its 95 % band", part.curve.clone(), Mark::Band);
     let fitted = match part.names.is_empty() {
         true => Mark::Line,
         false => Mark::Intervals,
     };
     let series = vec![
-        Series::points("rows", part.points.clone()).ink(Ink::DATA),
+        Series::points("rows", points).ink(Ink::DATA),
         band.ends(part.band.clone()).ink(Ink::MODEL),
         Series::new("model", part.curve.clone(), fitted).ends(part.band.clone()).ink(Ink::MODEL),
     ];

@@ -91,10 +91,11 @@ pub fn before_and_after(before: &[f64], after: &[f64], tolerance: Option<(f64, f
     let (x, y) = (Axis::linear("row"), Axis::linear("position error, mm"));
     let mut panel = Panel::new("Position error of every row", x, y, drawn);
     if let Some((mm, guard)) = tolerance {
-        panel.rules.push(Rule { at: mm, name: format!("tolerance {mm} mm") });
+        panel
+            .rules
+            .push(Rule { at: mm, name: format!("tolerance {mm} mm; below, less its uncertainty") });
         if mm > guard {
-            let name = format!("less its uncertainty {:.3} mm", mm - guard);
-            panel.rules.push(Rule { at: mm - guard, name });
+            panel.rules.push(Rule { at: mm - guard, name: String::new() });
         }
     }
     panel

@@ -27,10 +27,10 @@ pub enum Covariate {
     Warmth,
     /// Side of its gap on which a joint rests, by this term.
     Side(Term<f64>),
-    /// Side that a joint came to rest moving to.
+    /// Side from which a joint came to rest.
     Arrival(usize),
-    /// Time of the session, or the number of the row.
-    Clock(Course),
+    /// How far the session has come, in what a drift goes with.
+    Session(Course),
     /// Series of measurements.
     Series,
 }
@@ -40,7 +40,7 @@ impl Covariate {
     pub fn of(term: &ModelTerm) -> Self {
         let term = match term {
             ModelTerm::Arm(term) => term,
-            ModelTerm::Drift { course, .. } => return Self::Clock(*course),
+            ModelTerm::Drift { course, .. } => return Self::Session(*course),
             ModelTerm::Lag { joint, .. } => return Self::Arrival(*joint),
             ModelTerm::Remount { .. } => return Self::Series,
         };
@@ -76,8 +76,8 @@ impl Covariate {
             Self::Warmth => "temperature above reference, K".to_owned(),
             Self::Side(t) => format!("side of its gap on which joint {} rests", t.joint + 1),
             Self::Arrival(j) => format!("side that joint {} came to rest moving to", j + 1),
-            Self::Clock(Course::Rows) => "number of the row, thousands".to_owned(),
-            Self::Clock(_) => "time, hours".to_owned(),
+            Self::Session(Course::Rows) => "number in the session, thousands of rows".to_owned(),
+            Self::Session(_) => "time, hours".to_owned(),
             Self::Series => String::new(),
         }
     }
@@ -92,9 +92,11 @@ impl Covariate {
             Self::Torque(j) => inputs.torque.get(*j).copied().unwrap_or(f64::NAN),
             Self::Moment(k) => inputs.moment[*k % 2],
             Self::Warmth => inputs.warmth,
-            Self::Side(term) => inputs.basis(&of.q, term),
-            Self::Arrival(j) => of.directions.get(*j).map_or(0.0, |side| f64::from(*side)),
-            Self::Clock(course) => course.clock(of),
+            Self::Side(term) => place(inputs.basis(&of.q, term)),
+            Self::Arrival(j) => of.directions.get(*j).map_or(f64::NAN, |d| place(f64::from(*d))),
+            // A base that settles is shown against time, as one that drifts.
+            Self::Session(Course::Rows) => Course::Rows.at(of),
+            Self::Session(_) => Course::Time.at(of),
             Self::Series => {
                 let place =
                     seen.conditions.series.iter().position(|s| Some(s) == of.series.as_ref());
@@ -107,8 +109,11 @@ impl Covariate {
     pub fn basis(&self, term: &ModelTerm, x: f64, seen: &Seen) -> f64 {
         match term {
             ModelTerm::Arm(term) => self.basis_of_arm(term, x, seen),
-            ModelTerm::Drift { course, .. } => course.after(x),
-            ModelTerm::Lag { .. } => x,
+            ModelTerm::Drift { course, .. } => match course {
+                Course::Settling(settling) => -(-x / settling).exp_m1(),
+                Course::Time | Course::Rows => x,
+            },
+            ModelTerm::Lag { .. } => side(x),
             ModelTerm::Remount { series, .. } => {
                 let place = seen.conditions.series.iter().position(|s| s == series);
                 f64::from(u8::from(place.map(|p| p as f64 + 1.0) == Some(x.round())))
@@ -126,8 +131,8 @@ impl Covariate {
             Self::Torque(j) => inputs.torque[*j] = x,
             Self::Moment(k) => inputs.moment[*k % 2] = x,
             Self::Warmth => inputs.warmth = x,
-            Self::Side(_) => return x,
-            Self::Arrival(_) | Self::Clock(_) | Self::Series => {}
+            Self::Side(_) => return side(x),
+            Self::Arrival(_) | Self::Session(_) | Self::Series => {}
         }
         inputs.basis(&q, term)
     }
@@ -136,7 +141,20 @@ impl Covariate {
     pub fn names(&self, seen: &Seen) -> Vec<String> {
         match self {
             Self::Series => seen.conditions.series.clone(),
+            Self::Side(_) | Self::Arrival(_) => {
+                ["negative", "positive"].map(str::to_owned).to_vec()
+            }
             _ => Vec::new(),
         }
     }
+}
+
+/// Where a side stands among its names: the negative one first; an unknown one nowhere.
+fn place(side: f64) -> f64 {
+    if side == 0.0 { f64::NAN } else { 1.5 + 0.5 * side.signum() }
+}
+
+/// The side at a place.
+fn side(place: f64) -> f64 {
+    2.0 * (place - 1.5)
 }

@@ -43,11 +43,13 @@ pub struct Left {
 pub fn left(seen: &Seen) -> Vec<Left> {
     let kinds: Vec<_> = seen.state.links.iter().map(|link| link.kind).collect();
     let mut covariates: Vec<Covariate> = (0..kinds.len()).map(Covariate::Angle).collect();
-    if seen.conditions.masses {
+    if seen.conditions.masses || seen.conditions.torques {
         covariates.extend((0..kinds.len()).map(Covariate::Torque));
     }
     if seen.conditions.time {
-        covariates.push(Covariate::Clock(Course::Time));
+        covariates.push(Covariate::Session(Course::Time));
+    } else if seen.conditions.ordered {
+        covariates.push(Covariate::Session(Course::Rows));
     }
     if seen.conditions.temperature {
         covariates.push(Covariate::Warmth);

@@ -99,10 +99,10 @@ fn amount(term: &ModelTerm, seen: &Seen) -> (String, f64) {
                 _ => (format!("shift along the tracker's {axis}, mm"), MILLI),
             }
         }
+        ModelTerm::Lag { joint, .. } => of_joint(*joint, seen),
         ModelTerm::Remount { axis, .. } => {
             (format!("shift of the target along {}, mm", ["x", "y", "z"][axis % 3]), MILLI)
         }
-        ModelTerm::Lag { joint, .. } => of_joint(*joint, seen),
         ModelTerm::Arm(t) => match t.effect.acts_on() {
             ActsOn::Base => {
                 let axis = ["x", "y"][usize::from(t.component) % 2];
@@ -131,9 +131,9 @@ fn action(seen: &Seen, term: &ModelTerm) -> Vec<Vector3<f64>> {
             let row = &seen.on.data.rows[seen.kept[k]];
             let hour = crate::model::Row { time: Some(3600.0), ..row.clone() };
             let base = seen.state.bases[row.station].translation;
-            let term =
-                ModelTerm::Drift { component: *component, course: Course::Time, coefficient: 1.0 };
-            measurement_column(&term, &hour, d, &base)
+            let (component, course) = (*component, Course::Time);
+            let whole = ModelTerm::Drift { component, course, coefficient: 1.0 };
+            measurement_column(&whole, &hour, d, &base)
         }
     };
     seen.moves.iter().enumerate().map(of).collect()
@@ -275,15 +275,10 @@ fn title(key: &Key, term: &ModelTerm) -> String {
 
 /// One standard deviation of a term's coefficient, as the report has it.
 fn sigma(term: &ModelTerm, effects: &[Effect]) -> f64 {
-    let joint = match term {
-        ModelTerm::Arm(t) => t.own_joint().map(|joint| usize::from(joint) + 1),
-        _ => None,
-    };
     let own = effects.iter().filter(|e| e.name == term.effect_name() && e.order == term.order());
-    let mut found = own
-        .flat_map(|e| &e.coefficients)
-        .filter(|c| c.joint == joint && c.part == term.part() && c.value == term.coefficient());
-    found.next().map_or(0.0, |c| c.sigma)
+    let mut all = own.flat_map(|e| &e.coefficients);
+    let found = all.find(|c| c.part == term.part() && c.value == term.coefficient());
+    found.map_or(0.0, |c| c.sigma)
 }
 
 /// Where a curve is looked at: as far as the rows go.
@@ -295,7 +290,9 @@ fn places(covariate: &Covariate, rows: &[Row]) -> Vec<f64> {
     }
     let (low, high) = match covariate {
         Covariate::Cycle(_, n) => (0.0, 360.0 / n),
-        Covariate::Series => return (low as usize..=high as usize).map(|k| k as f64).collect(),
+        Covariate::Series | Covariate::Side(_) | Covariate::Arrival(_) => {
+            return (low as usize..=high as usize).map(|k| k as f64).collect();
+        }
         _ => (low, high),
     };
     (0..PLACES).map(|i| low + (high - low) * i as f64 / (PLACES - 1) as f64).collect()

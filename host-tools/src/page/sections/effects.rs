@@ -90,10 +90,13 @@ fn amount(value: f64, unit: &str) -> String {
 }
 
 /// Effects of a model and the rows that show them.
-pub fn effects(named: &[Effect], suspected: &[Effect], parts: &[Part]) -> Section {
+pub fn effects(named: &[Effect], suspected: &[Effect], parts: &[Part], clean: bool) -> Section {
     let mut section = Section::new("effects", "What the geometry lacks");
     if named.is_empty() && suspected.is_empty() {
-        return section.say("Nothing: no effect of the repertoire is needed beside the geometry.");
+        return section.say(match clean {
+            true => "Nothing: no effect of the repertoire is needed beside the geometry.",
+            false => "No effect of the repertoire is told from what geometry alone leaves.",
+        });
     }
     section = section.node(list(named.iter().map(sentence)));
     if !suspected.is_empty() {

@@ -11,8 +11,9 @@ pub fn gap(steps: &[Step], floor_mm: Option<f64>, held_out: &str) -> Section {
     let columns = if other { 4 } else { 3 };
     let rows = steps.iter().map(|s| row(s).into_iter().take(columns).collect());
     let caption = "Each step adds one thing to the model. Believe the figures of poses that were \
-                   not fitted: what falls there is not only fitted better, it predicts better. No \
-                   model comes below the dashed line, what the stated noise alone leaves.";
+                   not fitted: what falls there is not only fitted better, it predicts better. The \
+                   dashed line is what the stated noise alone leaves; of poses that were not fitted \
+                   no model comes far below it.";
     Section::new("gap", "How the error falls")
         .figure(Figure::new("staircase", caption, vec![staircase(steps, floor_mm)]))
         .node(table(&head[..columns], rows))

@@ -1,6 +1,6 @@
 use super::super::charts::{method_errors, method_sizes};
 use super::super::document::{Figure, Page, Section};
-use super::super::numbers::mm;
+use super::super::numbers::{digits, mm};
 use super::super::sections::{self, table};
 use super::file_name;
 use crate::methods::{Comparison, Outcome};
@@ -69,12 +69,7 @@ pub fn compared(found: &Comparison) -> Page {
 }
 
 fn numbers(found: &Comparison) -> crate::markup::Element {
-    let number = |x: Option<f64>| {
-        x.map_or("-".to_owned(), |x| match x.abs() {
-            a if a == 0.0 || (1e-3..1e4).contains(&a) => format!("{x:.4}"),
-            _ => format!("{x:.1e}"),
-        })
-    };
+    let number = |x: Option<f64>| x.map_or("-".to_owned(), digits);
     let row = |o: &Outcome| {
         let s = judged(o);
         let stats = [s.map(|s| s.max_mm), s.map(|s| s.mean_mm), s.map(|s| s.sd_mm)];

@@ -22,9 +22,10 @@ pub fn diagnosed(report: &DiagnoseReport, on: &Measured, next: &next::Next) -> R
     let seen = Seen::new(*on)?;
     let steps: Vec<Step> = r.gap.iter().map(step).collect();
     let effects = [r.effects.clone(), r.suspected.clone()].concat();
+    let clean = r.verdict == Verdict::Clean;
     let mut all = vec![
         sections::gap(&steps, Some(r.noise_floor_mm), &f.cross_validation),
-        sections::effects(&r.effects, &r.suspected, &parts(&seen, &effects)),
+        sections::effects(&r.effects, &r.suspected, &parts(&seen, &effects), clean),
     ];
     let curves = if r.verdict == Verdict::Unexplained { left(&seen) } else { Vec::new() };
     all.extend(sections::left(&curves, &r.unnamed, "the model"));
