@@ -1,154 +1,25 @@
-//! Every kind of measurement in `identify`: simulated cells whose truth is known,
-//! judged by the bound of Cramer and Rao (van Trees, as the tolerances are a
-//! prior), and what mixed kinds, wrong sigmas and labels do.
+//! Every kind of measurement in `identify`, judged by what can be reached, and
+//! what mixed kinds, wrong sigmas and labels do.
 
+mod judged;
+
+use std::fs;
 use std::path::Path;
+use std::process::Command;
 
-use nalgebra::{DMatrix, DVector, Matrix6xX, Vector3};
+use judged::{Judged, cell, efficiency, read, robot};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
-use truearm_host::Result;
-use truearm_host::identify::estimate::estimate;
-use truearm_host::identify::registration::register;
-use truearm_host::identify::{
-    LambdaRule, Options, Problem, Scaling, State, Unknown, components, identify,
-};
-use truearm_host::model::{Measurements, Robot};
-use truearm_host::observations::measuring;
-use truearm_host::tikhonov::covariance;
-use truearm_simulate::instruments::{Cell, Sigmas};
+use truearm_host::diagnose::{DiagnoseOptions, diagnose};
+use truearm_host::evaluate::{Reregister, evaluate};
+use truearm_host::identify::{Identification, Options, State, identify};
+use truearm_host::model::{Measurements, Model, Robot};
 use truearm_simulate::robots::UR10_LIKE;
-use truearm_simulate::{normal, vector};
 
-const SIGMAS: Sigmas = Sigmas { length: 2e-5, angle: 1e-4, pixel: 0.1 };
 const SEEDS: u64 = 40;
-/// Poses over the workspace at which the tool is judged.
-const JUDGED: usize = 100;
-
-fn robot() -> Robot {
-    Robot::parse(Path::new("robot.toml"), UR10_LIKE).unwrap()
-}
-
-/// An arm made to the tolerances, in a cell.
-fn cell(robot: &Robot, rng: &mut ChaCha8Rng) -> Cell {
-    let links = robot.nominal().into_iter().map(|link| {
-        let nominal = link.parameters.to_array();
-        core::array::from_fn(|k| nominal[k] + 1e-3 * normal(rng))
-    });
-    let links = links.collect();
-    let kinds = robot.joints.iter().map(|j| j.link.kind).collect();
-    Cell::around((kinds, links), robot.tool + vector(rng) * 1e-3, SIGMAS, rng)
-}
-
-fn read(robot: &Robot, cell: &Cell, text: &str) -> Measurements {
-    Measurements::parse_with(Path::new("m.csv"), text, robot, &cell.stated(false)).unwrap()
-}
-
-/// The tool in the arm's frame at some poses, with the frame that is in no
-/// kind's power to tell: a rigid motion of all of them.
-struct Judged {
-    poses: Vec<Vec<f64>>,
-    real: Vec<Vector3<f64>>,
-}
-
-impl Judged {
-    fn new(cell: &Cell, rng: &mut ChaCha8Rng) -> Self {
-        let poses: Vec<_> = (0..JUDGED).map(|_| cell.pose(rng)).collect();
-        let real = poses.iter().map(|q| cell.target(q)).collect();
-        Self { poses, real }
-    }
-
-    /// What no rigid motion explains of small errors, a column each: 3 n x any.
-    fn rest(&self, errors: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut rigid = Matrix6xX::zeros(3 * self.real.len());
-        for (k, point) in self.real.iter().enumerate() {
-            for c in 0..3 {
-                let axis = Vector3::ith(c, 1.0);
-                rigid[(c, 3 * k + c)] = 1.0;
-                let moved = axis.cross(point);
-                (0..3).for_each(|r| rigid[(3 + c, 3 * k + r)] = moved[r]);
-            }
-        }
-        let rigid = DMatrix::from_fn(3 * self.real.len(), 6, |r, c| rigid[(c, r)]);
-        let fitted = rigid.clone().svd(true, true).solve(errors, 1e-12).unwrap();
-        errors - rigid * fitted
-    }
-
-    /// Root mean square error of the tool, m.
-    fn error(&self, state: &State) -> f64 {
-        let arm = truearm_host::model::arm::chain(
-            &state.links,
-            truearm::Pose::identity(),
-            state.markers[0],
-        );
-        let errors = self.poses.iter().zip(&self.real);
-        let errors: Vec<f64> = errors
-            .flat_map(|(q, real)| {
-                (arm.pose(q).translation - real).iter().copied().collect::<Vec<_>>()
-            })
-            .collect();
-        let rest = self.rest(&DMatrix::from_vec(errors.len(), 1, errors));
-        (rest.norm_squared() / JUDGED as f64).sqrt()
-    }
-
-    /// What the bound says of its square: the posterior at the truth.
-    fn bound(&self, problem: &Problem, state: &State, covariance: &DMatrix<f64>) -> f64 {
-        let arm = truearm_host::model::arm::chain(
-            &state.links,
-            truearm::Pose::identity(),
-            state.markers[0],
-        );
-        let list = problem.unknowns.list();
-        let units = problem.units();
-        let mut moved = DMatrix::zeros(3 * JUDGED, list.len());
-        for (i, q) in self.poses.iter().enumerate() {
-            let (d, _) = arm.derivatives(q, &[], &Default::default());
-            for (k, unknown) in list.iter().enumerate() {
-                let column = match unknown {
-                    Unknown::Link(joint, p) => *d.links[*joint].get(*p),
-                    Unknown::Marker(0, c) => d.tool[*c],
-                    _ => continue,
-                };
-                (0..3).for_each(|c| moved[(3 * i + c, k)] = column[c] * units[k]);
-            }
-        }
-        let rest = self.rest(&moved);
-        (&rest * covariance).component_mul(&rest).sum() / JUDGED as f64
-    }
-}
-
-/// Squares of the error and of its bound, of one arm.
-fn once(wanted: &[(&'static str, usize)], seed: u64) -> Result<[f64; 2]> {
-    let robot = robot();
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let cell = cell(&robot, &mut rng);
-    let data = read(&robot, &cell, &cell.file(wanted, &mut rng));
-    let judged = Judged::new(&cell, &mut rng);
-    let problem = Problem::new(&data, &robot, Scaling::Prior);
-    let rows = measuring(&data.rows);
-    let start = register(&data, &problem.nominal, robot.tool)?;
-    let found = estimate(&problem, LambdaRule::MaximumAPosteriori, &rows, &start, false)?;
-    let state = &found.fit.state;
-    let covariance = covariance(&found.fit.normal, problem.unknowns.free(), 1.0);
-    Ok([judged.error(state).powi(2), judged.bound(&problem, state, &covariance)])
-}
-
-/// Root mean square error over arms, in units of the bound, and two standard
-/// errors of that.
-fn efficiency(wanted: &[(&'static str, usize)]) -> [f64; 3] {
-    let all: Vec<[f64; 2]> =
-        (0..SEEDS).into_par_iter().map(|seed| once(wanted, seed).unwrap()).collect();
-    let count = SEEDS as f64;
-    let mean = |k: usize| all.iter().map(|x| x[k]).sum::<f64>() / count;
-    let ratio = mean(0) / mean(1);
-    let spread = all.iter().map(|x| (x[0] / mean(1) - ratio * x[1] / mean(1)).powi(2)).sum::<f64>();
-    let error = (spread / count).sqrt() / count.sqrt();
-    [ratio.sqrt(), error / ratio.sqrt(), mean(1).sqrt()]
-}
 
 fn reaches_its_bound(wanted: &[(&'static str, usize)]) {
-    let [ratio, two_errors, bound] = efficiency(wanted);
+    let [ratio, two_errors, bound] = efficiency(&robot(), wanted, SEEDS);
     println!("{wanted:?}: {ratio:.3} +- {two_errors:.3} of {:.4} mm", bound * 1e3);
     assert!(ratio <= 1.03 + two_errors, "{wanted:?}");
 }
@@ -185,11 +56,11 @@ fn what_turns_with_the_flange_reaches_its_bound() {
     reaches_its_bound(&[("pixel", 20)]);
 }
 
-fn found(robot: &Robot, data: &Measurements) -> truearm_host::identify::Identification {
+fn found(robot: &Robot, data: &Measurements) -> Identification {
     identify(robot, data, &Options::default(), &|_, _| ()).unwrap()
 }
 
-fn state(found: &truearm_host::identify::Identification) -> State {
+fn state(found: &Identification) -> State {
     State {
         bases: found.model.stations.iter().map(|s| s.1).collect(),
         markers: found.model.markers.iter().map(|m| m.1).collect(),
@@ -281,5 +152,97 @@ fn a_wrong_length_is_flagged() {
     assert_eq!(found.figures.outliers[0].coordinates, ["distance"]);
     assert!((found.figures.outliers[0].residual_mm[0] - 5.0).abs() < 0.3);
     assert_eq!(found.rows[100].held_out.unwrap().len(), 1);
-    let _ = (DVector::<f64>::zeros(1), components::Noise::default());
+}
+
+/// The example: no tracker, three files of a distance, touches and a plate, of
+/// which an instruments.toml knows the holes. `UPDATE_EXAMPLES=1` writes it anew.
+#[test]
+fn the_example_needs_no_tracker() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/instruments");
+    let robot = robot();
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let cell = cell(&robot, &mut rng);
+    let files = [("distances", "distance", 90), ("touches", "touch", 60), ("holes", "plate", 15)];
+    let mut texts = vec![("robot.toml".to_owned(), UR10_LIKE.to_owned())];
+    texts.push(("instruments.toml".to_owned(), cell.stated(true)));
+    for (name, kind, count) in files {
+        texts.push((format!("{name}.csv"), cell.file(&[(kind, count)], &mut rng)));
+    }
+    for (name, text) in &texts {
+        let path = folder.join(name);
+        if std::env::var_os("UPDATE_EXAMPLES").is_some() {
+            fs::write(&path, text).unwrap();
+        }
+        let there = fs::read_to_string(&path).unwrap_or_default().replace("\r\n", "\n");
+        assert!(there == *text, "{name}: run UPDATE_EXAMPLES=1 cargo test --test instruments");
+    }
+    let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
+    command.current_dir(&folder).args(["identify", "robot.toml", "--json"]);
+    files.iter().for_each(|(name, ..)| drop(command.args(["--data", &format!("{name}.csv")])));
+    let out = command.output().unwrap();
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    let kinds = report["kinds"].as_array().unwrap();
+    assert_eq!(kinds.len(), 3);
+    for kind in kinds {
+        let scale = kind["noise_scale"].as_f64().unwrap();
+        assert!((0.6..1.5).contains(&scale), "{kind}");
+        let [before, after] =
+            ["nominal_rms", "cross_validated_rms"].map(|key| kind[key].as_f64().unwrap());
+        assert!(after < 0.1 * before, "{kind}");
+    }
+}
+
+/// What a model says of its instruments is read again, and scores other rows.
+#[test]
+fn a_model_knows_its_instruments() {
+    let robot = robot();
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let cell = cell(&robot, &mut rng);
+    let kinds = [("pose", 40), ("distance", 60), ("touch", 60)];
+    let found = found(&robot, &read(&robot, &cell, &cell.file(&kinds, &mut rng)));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    fs::write(&path, found.model.to_toml()).unwrap();
+    let model = Model::read(&path).unwrap();
+    assert_eq!(model.instruments.len(), found.model.instruments.len());
+    let others = read(&robot, &cell, &cell.file(&kinds, &mut rng));
+    let scored = evaluate(&model, &others, Reregister::Nothing).unwrap();
+    for kind in &scored.kinds {
+        let [before, after] = [kind.nominal_rms.unwrap(), kind.rms.unwrap()];
+        println!("{} {}: {before:.4} nominal, {after:.4}", kind.kind, kind.unit);
+        assert!(after < 0.2 * before, "{}", kind.kind);
+    }
+}
+
+/// Verbs that take points only say which kind they do not take.
+#[test]
+fn diagnose_refuses_kinds_by_name() {
+    let robot = robot();
+    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    let cell = cell(&robot, &mut rng);
+    let data = read(&robot, &cell, &cell.file(&[("point", 30), ("touch", 3)], &mut rng));
+    let options = DiagnoseOptions::default();
+    let error = diagnose(&robot, &data, None, &options, &|_| ()).unwrap_err();
+    assert!(error.to_string().contains("kind touch, which diagnose does not take"), "{error}");
+}
+
+/// Wrong cells say where they are and what to do.
+#[test]
+fn labels_that_say_nothing_are_refused() {
+    let robot = robot();
+    let row = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,kind,plate,hole,camera,u_px,v_px,distance_mm\n\
+               0,10,20,30,40,50,";
+    for (cells, word) in [
+        ("plate,p,h,,,,", "hole \"h\" of plate \"p\" is not known"),
+        ("pixel,p,h,cam,1,2,", "camera \"cam\" is not known"),
+        ("distance,,,,,,", "empty cell"),
+        ("length,,,,,,5", "kind \"length\""),
+        ("pose,,,,,,", "a row of kind \"pose\" needs x_mm"),
+    ] {
+        let text = format!("{row}{cells}\n");
+        let error = Measurements::parse(Path::new("m.csv"), &text, &robot).unwrap_err();
+        assert!(error.to_string().contains(word), "{error}");
+        assert!(!error.help().is_empty());
+    }
 }

@@ -7,6 +7,8 @@ pub mod blind;
 pub mod check;
 pub mod coverage;
 pub mod dirty;
+#[path = "../../host-tools/tests/judged/mod.rs"]
+pub mod judged;
 #[path = "../../host-tools/tests/mistakes/mod.rs"]
 pub mod mistakes;
 pub mod planning;

@@ -5,6 +5,7 @@ use truearm_host::Result;
 use truearm_host::files::write;
 use truearm_host::methods::{self, Frames};
 use truearm_host::model::Measurements;
+use truearm_host::observations::points_only;
 use truearm_host::page::compared;
 use truearm_host::report::{CompareReport, to_json};
 
@@ -48,7 +49,10 @@ impl Compare {
         let inputs = [&self.robot, &self.data].into_iter().chain(&self.validate);
         own::folder_apart(self.out.as_deref(), &FILES, inputs)?;
         let (robot, data) = read_both(&self.robot, &self.data)?;
-        let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
+        let data = points_only(&data, "compare")?;
+        let other =
+            self.validate.as_ref().map(|p| points_only(&Measurements::read(p, &robot)?, "compare"));
+        let other = other.transpose()?;
         let anew = self.reregister.map(Into::into).unwrap_or_default();
         let frames = if self.hold_frames { Frames::Held } else { Frames::Fitted };
         let judge = other.as_ref().map(|o| (o, anew));

@@ -4,6 +4,7 @@ mod blind;
 mod check;
 mod coverage;
 mod dirty;
+mod instruments;
 mod lambda;
 mod lines;
 mod planning;
@@ -34,6 +35,8 @@ pub enum Study {
     Power(power::Options),
     /// Stated 95 % intervals: how many hold the truth?
     Coverage(coverage::Options),
+    /// What each kind of measurement is worth, and whether it reaches its bound
+    Instruments(instruments::Options),
     /// Planned poses against random ones
     Planning(planning::Options),
     /// Lines of unknown order at any number of rows: are there others than the true ones?
@@ -53,6 +56,7 @@ pub fn run(study: &Study) -> Result {
         Study::Check(options) => check::run(options),
         Study::Power(options) => power::run(options),
         Study::Coverage(options) => coverage::run(options),
+        Study::Instruments(options) => instruments::run(options),
         Study::Planning(options) => planning::run(options),
         Study::Lines(options) => lines::run(options),
         Study::Lambda(options) => lambda::run(options),
