@@ -107,7 +107,7 @@ impl Cell {
             kinds,
             links,
             tool,
-            turn: tilt(rng, 0.3),
+            turn: tilt(rng, 0.1),
             base: rigid(&vector(rng), &Vector3::from_fn(|_, _| rng.random_range(-3.0..3.0))),
             anchors: [[1.6, 0.3, -0.2], [-0.7, 1.5, 0.1], [0.2, -1.3, 0.9]]
                 .map(Vector3::from)

@@ -10,7 +10,7 @@
 //! arms; for one given arm those of the noise cover the *mean* of many
 //! identifications, which is not the truth where the data are weak.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -142,8 +142,13 @@ pub fn uncertainty(problem: &Problem, found: &Estimate, of: &Covariances) -> Unc
     let at = problem.linearise(&found.fit.state);
     let (mut squares, mut largest) = ([0.0; 2], [0.0_f64; 2]);
     let mut count: f64 = 0.0;
-    let bars = |row: &usize| of.of_predicted(&at.target(*row).1);
-    for bars in found.robust.kept.par_iter().map(bars).collect::<Vec<_>>() {
+    let targets = found.robust.kept.par_iter().map(|row| at.target(*row));
+    let (points, mut blocks): (Vec<_>, Vec<_>) = targets.collect::<Vec<_>>().into_iter().unzip();
+    if (0..problem.data.stations.len()).all(|s| problem.unknowns.station(s).is_none()) {
+        without_frame(&points, &mut blocks);
+    }
+    let bars = |block: &DMatrix<f64>| of.of_predicted(block);
+    for bars in blocks.par_iter().map(bars).collect::<Vec<_>>() {
         count += bars[0].len() as f64;
         for (k, sigma) in bars.iter().enumerate() {
             squares[k] += sigma.norm_squared();
@@ -158,6 +163,31 @@ pub fn uncertainty(problem: &Problem, found: &Estimate, of: &Covariances) -> Unc
         tool_point: PointBars { rms_mm, max_mm, noise_rms_mm, noise_max_mm },
         parameters: parameters(problem, &found.fit.state, of),
         correlations: correlated(problem, &of.total()),
+    }
+}
+
+/// Takes out of the motions of points what moves all of them as one body: where
+/// nothing is known in the station's frame, where the arm stands is no error.
+fn without_frame(points: &[Vector3<f64>], blocks: &mut [DMatrix<f64>]) {
+    let Some(columns) = blocks.first().map(DMatrix::ncols) else { return };
+    let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+    let rigid = |point: &Vector3<f64>| {
+        let mut motion = SMatrix::<f64, 3, 6>::zeros();
+        motion.fixed_columns_mut::<3>(0).copy_from(&Matrix3::identity());
+        motion.fixed_columns_mut::<3>(3).copy_from(&-(point - middle).cross_matrix());
+        motion
+    };
+    let mut normal = SMatrix::<f64, 6, 6>::zeros();
+    let mut pull = DMatrix::zeros(6, columns);
+    for (point, block) in points.iter().zip(blocks.iter()) {
+        let motion = rigid(point);
+        normal += motion.transpose() * motion;
+        pull += motion.transpose() * block;
+    }
+    let Some(inverse) = normal.try_inverse() else { return };
+    let moved = inverse * pull;
+    for (point, block) in points.iter().zip(blocks) {
+        *block -= rigid(point) * &moved;
     }
 }
 

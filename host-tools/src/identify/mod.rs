@@ -37,7 +37,7 @@ pub use summary::Findings;
 pub use unknowns::{Layout, State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unknown, Unknowns};
 
 use crate::error::{Error, Kind, Result};
-use crate::model::{Measurements, Model, Robot};
+use crate::model::{KindId, Measurements, Model, Robot, Row};
 use crate::observations::{Residual, kind, measuring};
 use estimate::{cross_validate, estimate};
 use fit::{Freedom, fit};
@@ -91,11 +91,25 @@ pub fn identify(
     options: &Options,
     progress: Progress,
 ) -> Result<Identification> {
+    let pointless = |row: &Row| row.kind != KindId::default();
+    if options.scaling == Scaling::Printed && data.rows.iter().any(pointless) {
+        return Err(Error::usage(
+            "--scaling printed weighs metres, and the file has more than points",
+            "leave it out: the prior scaling weighs every kind by its own sigma",
+        ));
+    }
     let mut problem = Problem::new(data, robot, options.scaling);
     enough(&problem, options)?;
     let start = registration::register(data, &problem.nominal, robot.tool)?;
     let rows = measuring(&data.rows);
     problem.noise = components::noise(&problem, &rows, &start)?;
+    // Where no length is held against the arm a smaller arm fits better: nothing
+    // but the tolerances holds it, at their own weight.
+    let asked = matches!(options.rule, LambdaRule::Fixed(_));
+    let rule = match components::scale_is_open(&problem) && !asked {
+        true => LambdaRule::MaximumAPosteriori,
+        false => options.rule,
+    };
     let folds = folds::random(data, &rows, folds::SEED);
     let blocks = folds::blocked(data, &rows);
     let total = 1 + folds.len() + blocks.as_ref().map_or(0, Vec::len);
@@ -105,11 +119,11 @@ pub fn identify(
         progress(now, total);
     };
 
-    let found = estimate(&problem, options.rule, &rows, &start, true)?;
+    let found = estimate(&problem, rule, &rows, &start, true)?;
     tick();
-    let held_out = cross_validate(&problem, options.rule, &folds, &found, &tick)?;
+    let held_out = cross_validate(&problem, rule, &folds, &found, &tick)?;
     let blocked = match &blocks {
-        Some(folds) => Some(cross_validate(&problem, options.rule, folds, &found, &tick)?),
+        Some(folds) => Some(cross_validate(&problem, rule, folds, &found, &tick)?),
         None => None,
     };
 
@@ -119,7 +133,7 @@ pub fn identify(
     };
     let nominal = nominal_state(&problem, &found.robust.kept, &start)?;
     Ok(Findings {
-        rule: options.rule.name(),
+        rule: rule.name(),
         robot,
         problem: &problem,
         rigid: &problem,
