@@ -21,24 +21,11 @@ impl Course {
     /// How far it has come at a row; 0 where nothing is known of it.
     #[must_use]
     pub fn at(&self, row: &Row) -> f64 {
-        self.after(self.clock(row))
-    }
-
-    /// Hours of a row, or thousands of rows before it.
-    #[must_use]
-    pub fn clock(&self, row: &Row) -> f64 {
+        let hours = row.time.unwrap_or(0.0) / 3600.0;
         match self {
-            Self::Time | Self::Settling(_) => row.time.unwrap_or(0.0) / 3600.0,
+            Self::Time => hours,
+            Self::Settling(settling) => -(-hours / settling).exp_m1(),
             Self::Rows => row.order.unwrap_or(0.0) / 1000.0,
-        }
-    }
-
-    /// How far it has come after so many hours or thousands of rows.
-    #[must_use]
-    pub fn after(&self, gone: f64) -> f64 {
-        match self {
-            Self::Time | Self::Rows => gone,
-            Self::Settling(settling) => -(-gone / settling).exp_m1(),
         }
     }
 }

@@ -201,7 +201,7 @@ impl Columns {
         match cells.optional(Some(column))? {
             Some(sigma) if !of.range.contains(&sigma) => {
                 let help = format!(
-                    "give one standard deviation in {}, {:?} to {}, such as {}",
+                    "give one positive standard deviation in {}, {:?} to {}, such as {}",
                     of.unit,
                     of.range.start(),
                     of.range.end(),
