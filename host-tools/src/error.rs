@@ -288,12 +288,14 @@ pub fn listed<T: std::fmt::Display>(names: &[T]) -> String {
 const MOST_DIGITS: usize = 24;
 /// Longer words, such as a whole line without a blank, are not read by anybody.
 const LONGEST_WORD: usize = 400;
+/// And no longer message, in characters.
+const LONGEST_MESSAGE: usize = 4000;
 
 /// A message whose numbers and words are short enough to be read: of longer ones
 /// the beginning, and how long they are.
 fn shortened(text: String) -> String {
     let long = |word: &str| word.len() > MOST_DIGITS;
-    if !text.split(char::is_whitespace).any(long) {
+    if text.len() <= LONGEST_MESSAGE && !text.split(char::is_whitespace).any(long) {
         return text;
     }
     let mut out = String::with_capacity(text.len().min(1 << 12));
@@ -309,7 +311,10 @@ fn shortened(text: String) -> String {
         };
         out += blank;
     }
-    out
+    match out.char_indices().nth(LONGEST_MESSAGE) {
+        Some((end, _)) => format!("{}... ({} characters)", &out[..end], out.chars().count()),
+        None => out,
+    }
 }
 
 /// A word without numbers of hundreds of digits.
@@ -344,6 +349,8 @@ mod tests {
         let word = format!("{} is\nno number", "x".repeat(1000));
         let said = shortened(word);
         assert!(said.ends_with("... (1000 characters) is\nno number"), "{said}");
+        let said = shortened("x ".repeat(10_000));
+        assert!(said.len() < 4100 && said.ends_with("... (20000 characters)"), "{said}");
         for plain in [
             "",
             "a\tb  c\n",

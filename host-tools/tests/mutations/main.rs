@@ -286,3 +286,53 @@ fn imports() {
         let _ = import(&files, Some(&robot), config, &ImportOptions::default());
     });
 }
+
+const INSTRUMENTS: &str = "up = [0.0, 0.0, 1.0]\n\
+    [[anchors]]\nlabel = \"a\"\nxyz_mm = [1000.0, 0.0, 100.0]\nguess = true\n\
+    [[surfaces]]\nlabel = \"s\"\nshape = \"sphere\"\npoint_mm = [500.0, 0.0, 0.0]\nradius_mm = 25.0\n\
+    [[surfaces]]\nlabel = \"t\"\nshape = \"plane\"\npoint_mm = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\n\
+    [[probes]]\nmarker = \"m\"\nradius_mm = 3.0\n\
+    [[plates]]\nlabel = \"p\"\nmounted = \"fixed\"\nxyz_mm = [300.0, 0.0, 0.0]\nrpy_deg = [0.0, 0.0, 10.0]\n\
+    [plates.holes]\nh1 = [0.0, 0.0, 0.0]\nh2 = [50.0, 0.0, 0.0]\n\
+    [[cameras]]\nlabel = \"c\"\nmounted = \"fixed\"\nfocal_px = [900.0, 900.0]\ncentre_px = [640.0, 512.0]\n\
+    distortion = [0.1, 0.0, 0.0, 0.0, 0.0]\nintrinsics = \"known\"\n\
+    [[rays]]\nmarker = \"m\"\norigin_mm = [0.0, 0.0, 50.0]\ndirection = [0.0, 0.0, 1.0]\n\
+    [[markers]]\nmarker = \"m\"\nxyz_mm = [0.0, 0.0, 100.0]\nrpy_deg = [0.0, 0.0, 0.0]\n";
+
+/// Rows of all kinds, and what they refer to.
+#[test]
+fn instruments() {
+    let robot = robot();
+    let names = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,kind,marker,x_mm,y_mm,z_mm,qx,qy,qz,qw,\
+                 distance_mm,anchor,pair,surface,plate,hole,range_mm,incl_x_deg,incl_y_deg,camera,image,\
+                 u_px,v_px,sigma_mm,sigma_deg,sigma_px\n";
+    let mut rows = names.to_owned();
+    for (i, cells) in [
+        "point,m,1,2,3,,,,,,,,,,,,,,,,,,0.1,,",
+        "pose,m,1,2,3,0,0,0,1,,,,,,,,,,,,,,0.1,0.01,",
+        "distance,m,,,,,,,,500,a,,,,,,,,,,,,0.1,,",
+        "pair,m,,,,,,,,200,,k1,,,,,,,,,,,0.1,,",
+        "pair,m,,,,,,,,200,,k1,,,,,,,,,,,0.1,,",
+        "touch,m,,,,,,,,,,,s,,,,,,,,,,0.1,,",
+        "plate,m,,,,,,,,,,,,p,h1,,,,,,,,0.1,,",
+        "range,m,,,,,,,,,,,t,,,300,,,,,,,0.1,,",
+        "inclination,,,,,,,,,,,,,,,,1.5,-2,,,,,,0.01,",
+        "pixel,,,,,,,,,,,,,p,h2,,,,c,i1,600,500,,,0.2",
+        "closure,m,,,,,,,,,,,,,,,,,,,,,0.1,,",
+    ]
+    .iter()
+    .enumerate()
+    {
+        let q: Vec<String> = (0..6).map(|j| ((i * 17 + j * 29) % 100).to_string()).collect();
+        rows += &format!("{},{cells}\n", q.join(","));
+    }
+    all("kinds.csv", rows.as_bytes(), EACH, |bytes| {
+        let Some(text) = text(bytes) else { return };
+        let _ = Measurements::parse_with(Path::new("m.csv"), &text, &robot, INSTRUMENTS);
+        let _ = Measurements::parse_with(Path::new("m.csv"), &text, &robot, "");
+    });
+    all("instruments.toml", INSTRUMENTS.as_bytes(), EACH, |bytes| {
+        let Some(text) = text(bytes) else { return };
+        let _ = Measurements::parse_with(Path::new("m.csv"), &rows, &robot, &text);
+    });
+}
