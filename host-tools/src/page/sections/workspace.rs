@@ -7,8 +7,12 @@ use crate::units::point_to_mm;
 /// Rows that the view draws, at most: evenly taken.
 const MOST: usize = 4000;
 
-/// Where the rows are, with their errors before and after.
-pub fn workspace(arrows: &[Arrow], names: [&str; 2], what: &str) -> Section {
+/// Where the rows are, with their errors before and after; nothing where none
+/// measured a point.
+pub fn workspace(arrows: &[Arrow], names: [&str; 2], what: &str) -> Option<Section> {
+    if arrows.is_empty() {
+        return None;
+    }
     let step = arrows.len().div_ceil(MOST).max(1);
     let drawn: Vec<Arrow> = arrows.iter().step_by(step).cloned().collect();
     let times = magnified(&drawn);
@@ -25,9 +29,10 @@ pub fn workspace(arrows: &[Arrow], names: [&str; 2], what: &str) -> Section {
         _ => format!("{} of {} {what}s", drawn.len(), arrows.len()),
     };
     let caption = format!("{of} in the robot's base frame, three views.{scale}");
-    Section::new("workspace", "Where in the workspace")
+    let section = Section::new("workspace", "Where in the workspace")
         .node(view(&drawn, names, what, times))
-        .figure(Figure::new("workspace", caption, projections(&drawn, names, times)))
+        .figure(Figure::new("workspace", caption, projections(&drawn, names, times)));
+    Some(section)
 }
 
 /// The view that a script of the page turns; its data are numbers only.

@@ -1,6 +1,6 @@
 use super::super::charts::Step;
 use super::super::document::{Page, Section};
-use super::super::numbers::mm;
+use super::super::numbers::{mm, period};
 use super::super::picture::{Measured, Seen, left, parts};
 use super::super::sections::{self, folded, next};
 use super::{file_name, of_figures, rows_of};
@@ -29,11 +29,8 @@ pub fn diagnosed(report: &DiagnoseReport, on: &Measured, next: &next::Next) -> R
     ];
     let curves = if r.verdict == Verdict::Unexplained { left(&seen) } else { Vec::new() };
     all.extend(sections::left(&curves, &r.unnamed, "the model"));
-    all.push(sections::workspace(
-        &on.in_robot_frame(),
-        ["before, nominal", "after, final model"],
-        "row",
-    ));
+    let names = ["before, nominal", "after, final model"];
+    all.extend(sections::workspace(&on.in_robot_frame(), names, "row"));
     all.extend(next::poses(r));
     all.extend(of_figures(f, &r.not_testable));
     all.extend(whereabouts(r));
@@ -83,12 +80,7 @@ fn verdict(r: &Outcome) -> String {
         mm(before),
         mm(after)
     );
-    let found: Vec<&Effect> = r.effects.iter().filter(|e| e.name != OUTLIERS).collect();
-    let mut names: Vec<String> = found.iter().take(NAMED).map(|e| sections::short(e)).collect();
-    if found.len() > NAMED {
-        names.push(format!("{} more", found.len() - NAMED));
-    }
-    let names = names.join("; ");
+    let names = found(&r.effects).join("; ");
     match (r.verdict, names.is_empty()) {
         (Verdict::Clean, _) => {
             format!("Clean: {fall}, and geometry alone leaves nothing but noise.")
@@ -104,6 +96,47 @@ fn verdict(r: &Outcome) -> String {
             format!("Unexplained: {fall}, but structure is left beside what was found: {names}.")
         }
     }
+}
+
+/// The effects in a few words, waves of one name together: every joint with its
+/// periods.
+fn found(effects: &[Effect]) -> Vec<String> {
+    let real = |e: &&Effect| e.name != OUTLIERS;
+    let mut names: Vec<&str> = Vec::new();
+    for e in effects.iter().filter(real) {
+        if !names.contains(&e.name) {
+            names.push(e.name);
+        }
+    }
+    let mut out: Vec<String> = Vec::new();
+    for name in names.iter().take(NAMED) {
+        let own: Vec<&Effect> = effects.iter().filter(|e| e.name == *name).collect();
+        match own.as_slice() {
+            [alone] => out.push(sections::short(alone)),
+            _ => out.push(waves(name, &own)),
+        }
+    }
+    if names.len() > NAMED {
+        out.push(format!("{} more", names.len() - NAMED));
+    }
+    out
+}
+
+/// Several effects of one name, joint by joint.
+fn waves(name: &str, own: &[&Effect]) -> String {
+    let mut joints: Vec<usize> = own.iter().flat_map(|e| e.joints.clone()).collect();
+    joints.sort_unstable();
+    joints.dedup();
+    let place = |joint: &usize| {
+        let of = own.iter().filter(|e| e.joints.contains(joint));
+        let periods: Vec<String> = of.filter_map(|e| e.order).map(period).collect();
+        match periods.is_empty() {
+            true => format!("of joint {joint}"),
+            false => format!("of joint {joint} every {}", periods.join(" and every ")),
+        }
+    };
+    let places: Vec<String> = joints.iter().map(place).collect();
+    format!("{} {}", name.replace('-', " "), places.join(", "))
 }
 
 /// Where geometry alone disagrees, in words.

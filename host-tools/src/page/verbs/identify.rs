@@ -31,10 +31,9 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
         false => format!("; the residuals are {:.1} times the stated noise", f.residual_over_sigma),
     };
     let floor = noise_floor_mm(on);
-    let mut all = vec![
-        sections::gap(&steps, Some(floor), &f.cross_validation),
-        sections::workspace(&on.in_robot_frame(), ["before, nominal", "after, identified"], "row"),
-    ];
+    let mut all = vec![sections::gap(&steps, Some(floor), &f.cross_validation)];
+    let names = ["before, nominal", "after, identified"];
+    all.extend(sections::workspace(&on.in_robot_frame(), names, "row"));
     all.extend(sections::left(&left(&seen), &[], "the geometry"));
     all.extend(of_figures(f, &[]));
     all.push(next::steps(&commands(lacking, next)));

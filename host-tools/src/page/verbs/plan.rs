@@ -136,7 +136,9 @@ fn together(told: Section, of: &Planned, warnings: &[String], verb: &str) -> Vec
             super::file_name(of.file)
         ))
         .node(typed(&[line]));
-    let mut out = vec![told, sections::workspace(&arrows, ["", ""], "pose"), joints, poses, next];
+    let mut out = vec![told];
+    out.extend(sections::workspace(&arrows, ["", ""], "pose"));
+    out.extend([joints, poses, next]);
     out.extend(sections::remarks(warnings));
     out
 }

@@ -18,9 +18,7 @@ pub fn verified(report: &VerifyReport, model: &Model, commanded: &Commanded) -> 
     let after = &report.after;
     let mut all = vec![errors(report)];
     let arrows = arrows(report, model, commanded);
-    if !arrows.is_empty() {
-        all.push(sections::workspace(&arrows, ["before", "after"], "row"));
-    }
+    all.extend(sections::workspace(&arrows, ["before", "after"], "row"));
     all.push(standard(report));
     all.extend(sections::remarks(&report.warnings));
     let before = before_rms(report);
