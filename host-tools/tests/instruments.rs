@@ -19,7 +19,11 @@ use truearm_simulate::robots::UR10_LIKE;
 const SEEDS: u64 = 40;
 
 fn reaches_its_bound(wanted: &[(&'static str, usize)]) {
-    let [ratio, two_errors, bound] = efficiency(&robot(), wanted, SEEDS);
+    over(SEEDS, wanted);
+}
+
+fn over(arms: u64, wanted: &[(&'static str, usize)]) {
+    let [ratio, two_errors, bound] = efficiency(&robot(), wanted, arms);
     println!("{wanted:?}: {ratio:.3} +- {two_errors:.3} of {:.4} mm", bound * 1e3);
     assert!(ratio <= 1.03 + two_errors, "{wanted:?}");
 }
@@ -53,7 +57,8 @@ fn holes_and_closures_reach_their_bound() {
 fn what_turns_with_the_flange_reaches_its_bound() {
     reaches_its_bound(&[("range", 150)]);
     reaches_its_bound(&[("inclination", 100), ("distance", 60)]);
-    reaches_its_bound(&[("pixel", 20)]);
+    // Poses that look at the board take the simulator long to find.
+    over(12, &[("pixel", 12)]);
 }
 
 fn found(robot: &Robot, data: &Measurements) -> Identification {
