@@ -183,9 +183,9 @@ fn the_example_needs_no_tracker() {
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
     command.current_dir(&folder).args(["identify", "robot.toml", "--json"]);
-    files.iter().for_each(|(name, ..)| {
+    for (name, ..) in files {
         command.args(["--data", &format!("{name}.csv")]);
-    });
+    }
     let out = command.output().unwrap();
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
     let report: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();

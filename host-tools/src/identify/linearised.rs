@@ -1,14 +1,14 @@
 //! A problem at a state: residuals and equations of its rows, and their sums.
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use truearm::Pose;
 
 use super::accumulate::{CHUNK, tree};
+use super::motion::Motion;
 use super::predictor::{Model, View};
 use super::problem::Problem;
 use super::unknowns::State;
+use crate::model::Values;
 use crate::model::arm::Derivatives;
-use crate::model::{Instrument, Row, Values};
 use crate::observations::{ArmPart, Body, Moving, Partials, Residual, Seen, kind};
 use crate::tikhonov::{Normal, Triangle};
 
@@ -46,130 +46,10 @@ pub type Beside<'b> = dyn Fn(usize, &Derivatives) -> Vec<Vector3<f64>> + Sync + 
 
 /// A problem at a state.
 pub struct Linearised<'a> {
-    problem: Problem<'a>,
-    model: Model,
+    pub(super) problem: Problem<'a>,
+    pub(super) model: Model,
     corrections: DVector<f64>,
-    units: DVector<f64>,
-}
-
-/// The targets' motion with the unknowns, in units, and with what is beside.
-struct Motion<'l> {
-    at: &'l Linearised<'l>,
-    beside: &'l Beside<'l>,
-}
-
-impl Motion<'_> {
-    /// How the last frame of a row turns with each unknown in its unit, rad;
-    /// terms, and what is beside, turn nothing.
-    fn turned(&self, index: usize) -> DMatrix<f64> {
-        let (row, problem) = (self.row(index), &self.at.problem);
-        let unknowns = &problem.unknowns;
-        let (d, _) = self.at.model.derivatives(row, index, &problem.conditions);
-        let beside = (self.beside)(index, &d).len();
-        let mut block = DMatrix::zeros(3, unknowns.list().len() + beside);
-        if let Some(first) = unknowns.station(row.station) {
-            (0..3).for_each(|k| block[(k, first + k)] = 1.0);
-        }
-        for (i, link) in d.turns().iter().enumerate() {
-            for (k, column) in link.iter().enumerate() {
-                block.column_mut(unknowns.free() + 5 * i + k).copy_from(column);
-            }
-        }
-        self.in_units(&mut block);
-        block
-    }
-
-    fn in_units(&self, block: &mut DMatrix<f64>) {
-        for (mut column, unit) in block.column_iter_mut().zip(&self.at.units) {
-            column *= *unit;
-        }
-    }
-
-    /// How what a part of a row pulls at moves, as many rows as it has columns.
-    fn body(&self, part: &ArmPart) -> DMatrix<f64> {
-        let mut point = self.moved(part.row).1;
-        if part.pull.ncols() == 3 {
-            return point;
-        }
-        let turned = self.turned(part.row);
-        if part.body == Body::Flange {
-            let lever = self.pose(part.row).rotation * self.marker(part.row);
-            point += lever.cross_matrix() * &turned;
-            if let Some(first) = self.at.problem.unknowns.marker(self.row(part.row).marker) {
-                point.columns_mut(first, 3).fill(0.0);
-            }
-        }
-        let mut all = DMatrix::zeros(6, point.ncols());
-        all.rows_mut(0, 3).copy_from(&point);
-        all.rows_mut(3, 3).copy_from(&turned);
-        all
-    }
-}
-
-impl Seen for Motion<'_> {
-    fn row(&self, index: usize) -> &Row {
-        &self.at.problem.data.rows[index]
-    }
-
-    fn point(&self, index: usize) -> Vector3<f64> {
-        self.at.view().point(index)
-    }
-
-    fn pose(&self, index: usize) -> Pose<f64> {
-        self.at.view().pose(index)
-    }
-
-    fn marker(&self, index: usize) -> Vector3<f64> {
-        self.at.model.marker(self.row(index))
-    }
-
-    fn instrument(&self, index: usize) -> &Instrument {
-        &self.at.model.instruments()[index]
-    }
-}
-
-impl Moving for Motion<'_> {
-    fn moved(&self, index: usize) -> (Vector3<f64>, DMatrix<f64>) {
-        let (row, problem) = (self.row(index), &self.at.problem);
-        let unknowns = &problem.unknowns;
-        let (d, terms) = self.at.model.derivatives(row, index, &problem.conditions);
-        let beside = (self.beside)(index, &d);
-        let count = unknowns.list().len();
-        let mut block = DMatrix::zeros(3, count + beside.len());
-        let mut set = |first: Option<usize>, columns: &[Vector3<f64>]| {
-            for (column, value) in first.into_iter().flat_map(|first| first..).zip(columns) {
-                block.column_mut(column).copy_from(value);
-            }
-        };
-        set(unknowns.station(row.station), &d.base);
-        set(unknowns.marker(row.marker), &d.tool);
-        if !unknowns.terms().is_empty() {
-            set(Some(unknowns.terms().start), &terms);
-        }
-        for (i, columns) in d.links.iter().enumerate() {
-            set(Some(unknowns.free() + 5 * i), &columns.to_array());
-        }
-        set(Some(count), &beside);
-        self.in_units(&mut block);
-        (d.point, block)
-    }
-
-    fn block(&self, partials: &Partials) -> DMatrix<f64> {
-        let unknowns = &self.at.problem.unknowns;
-        let mut block = DMatrix::zeros(0, 0);
-        for part in &partials.arm {
-            let moved = &part.pull * self.body(part);
-            block = if block.is_empty() { moved } else { block + moved };
-        }
-        for (instrument, pull) in &partials.instruments {
-            for (column, k) in unknowns.instrument(*instrument) {
-                let moved = pull.column(k) * self.at.units[column];
-                let mut sum = block.column_mut(column);
-                sum += moved;
-            }
-        }
-        block
-    }
+    pub(super) units: DVector<f64>,
 }
 
 impl<'a> Problem<'a> {
@@ -192,7 +72,7 @@ impl<'a> Linearised<'a> {
         }
     }
 
-    fn view(&self) -> View<'_> {
+    pub(super) fn view(&self) -> View<'_> {
         let Problem { data, conditions, .. } = &self.problem;
         View { model: &self.model, data, conditions }
     }

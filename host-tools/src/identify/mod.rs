@@ -16,6 +16,7 @@ mod guess;
 mod l_curve;
 mod lambda;
 mod linearised;
+mod motion;
 mod predictor;
 mod problem;
 pub mod redundancy;

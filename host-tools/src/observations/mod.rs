@@ -5,7 +5,9 @@
 //! columns of the file that it reads. Nothing else knows how many equations a
 //! row has. A new kind is a file here and a row of [`KINDS`].
 
+mod book;
 mod closure;
+mod column;
 mod distance;
 mod inclination;
 mod pair;
@@ -15,17 +17,19 @@ mod plate;
 mod point;
 mod pose;
 mod range;
+mod residual;
 #[cfg(test)]
 mod tests;
 mod touch;
 
-use std::ops::{Deref, Div, Mul, Sub};
-
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use truearm::Pose;
 
-use crate::model::{Form, Instrument, KindId, Measurements, Row, Values};
+use crate::model::{Instrument, KindId, Measurements, Row, Values};
+pub use book::{Book, Bound, Told, Unclear};
+pub use column::{Column, Measure};
 pub use partials::{ArmPart, Body, Partials};
+pub use residual::{Miss, Residual};
 
 /// All kinds. A row's [`KindId`] is the place of its kind here.
 pub static KINDS: &[&dyn Kind] = &[
@@ -40,42 +44,6 @@ pub static KINDS: &[&dyn Kind] = &[
     &closure::Closure,
     &pixel::Pixel,
 ];
-
-/// A column of a file.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Column {
-    /// Its name; the unit is its end: `_mm` becomes m, `_deg` rad, others stay.
-    pub name: &'static str,
-    /// No value is larger than this, SI.
-    pub most: f64,
-    /// What to do where it is missing.
-    pub missing: &'static str,
-    /// What to do where a value is larger.
-    pub wrong: &'static str,
-}
-
-impl Column {
-    /// One unit of the file in SI.
-    #[must_use]
-    pub fn unit(&self) -> f64 {
-        match self.name.rsplit_once('_') {
-            Some((_, "mm")) => 1e-3,
-            Some((_, "deg")) => 1_f64.to_radians(),
-            _ => 1.0,
-        }
-    }
-
-    /// What is wrong with a value, in words.
-    #[must_use]
-    pub fn too_large(&self, value: f64) -> String {
-        let unit = match self.name.rsplit_once('_') {
-            Some((_, "mm")) => " m away",
-            Some((_, "deg")) => " rad",
-            _ => "",
-        };
-        format!("{value}{unit}")
-    }
-}
 
 /// Where a model sees the targets of a file's rows.
 pub trait Seen {
@@ -99,71 +67,6 @@ pub trait Moving: Seen {
     /// How something with these partial derivatives moves with the same.
     fn block(&self, partials: &Partials) -> DMatrix<f64>;
 }
-
-/// What a number of a residual is measured in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Measure {
-    /// m; files say mm.
-    Length,
-    /// rad; files say degrees.
-    Angle,
-    /// px
-    Pixel,
-}
-
-impl Measure {
-    /// The unit in files.
-    #[must_use]
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::Length => "mm",
-            Self::Angle => "deg",
-            Self::Pixel => "px",
-        }
-    }
-
-    /// A value in that unit.
-    #[must_use]
-    pub fn to_file(self, value: f64) -> f64 {
-        match self {
-            Self::Length => value * 1e3,
-            Self::Angle => value.to_degrees(),
-            Self::Pixel => value,
-        }
-    }
-}
-
-/// What a row of a file says in words.
-pub struct Told<'a> {
-    /// Label of its marker.
-    pub marker: &'a str,
-    /// The cell of a column, empty where there is none.
-    pub text: &'a dyn Fn(&str) -> &'a str,
-}
-
-/// What rows of a file refer to, as it is gathered.
-pub trait Book {
-    /// An instrument of one of these forms, the first one if it is new.
-    fn instrument(&mut self, forms: &[Form], label: &str) -> usize;
-    /// One that only files of instruments make.
-    fn known(&self, form: Form, label: &str) -> Option<usize>;
-    /// Coordinates of a hole, ball or corner of a plate, m.
-    fn hole(&self, plate: &str, hole: &str) -> Option<Vector3<f64>>;
-    /// Says that nothing depends on these numbers of an instrument.
-    fn without(&mut self, instrument: usize, unneeded: &[usize]);
-}
-
-/// What a row refers to.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Bound {
-    /// Instruments, in the order in which the kind looks for them.
-    pub refers: Vec<usize>,
-    /// Numbers to stand behind those of the columns, SI.
-    pub known: Vec<f64>,
-}
-
-/// What keeps a row from being understood: a column, what is wrong, what to do.
-pub type Unclear = (&'static str, String, String);
 
 /// A kind of measurement. A row has as many equations as its kind components.
 pub trait Kind: Sync {
@@ -300,126 +203,6 @@ fn of(id: KindId) -> &'static dyn Kind {
 pub fn by_name(name: &str) -> Option<KindId> {
     let place = KINDS.iter().position(|kind| kind.name() == name)?;
     Some(KindId(place as u8))
-}
-
-/// Measured minus modelled of a row, one a component of its kind; SI.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Residual {
-    kind: KindId,
-    values: Values,
-}
-
-impl Residual {
-    /// Of a row.
-    #[must_use]
-    pub fn new(row: &Row, values: Values) -> Self {
-        Self { kind: row.kind, values }
-    }
-
-    /// Of a row where a model sees it.
-    #[must_use]
-    pub fn of(index: usize, seen: &dyn Seen) -> Self {
-        let row = seen.row(index);
-        Self::new(row, kind(row).residual(index, seen))
-    }
-
-    /// Another one of the same row.
-    #[must_use]
-    pub fn with(&self, values: Values) -> Self {
-        Self { values, ..*self }
-    }
-
-    /// How far off it is, m.
-    #[must_use]
-    pub fn norm(&self) -> f64 {
-        of(self.kind).miss(&self.values)
-    }
-
-    /// Names of the components.
-    #[must_use]
-    pub fn components(&self) -> &'static [&'static str] {
-        of(self.kind).components()
-    }
-
-    /// What a component is measured in.
-    #[must_use]
-    pub fn measure(&self, component: usize) -> Measure {
-        of(self.kind).measure(component)
-    }
-
-    /// The numbers in the units of files: mm, degrees, px.
-    #[must_use]
-    pub fn in_files(&self) -> Vec<f64> {
-        self.iter().enumerate().map(|(c, v)| self.measure(c).to_file(*v)).collect()
-    }
-
-    /// Of a kind with a point, its error.
-    #[must_use]
-    pub fn point(&self) -> Vector3<f64> {
-        self.values.point()
-    }
-
-    /// The numbers.
-    #[must_use]
-    pub fn values(&self) -> &Values {
-        &self.values
-    }
-}
-
-impl Deref for Residual {
-    type Target = [f64];
-
-    fn deref(&self) -> &[f64] {
-        &self.values
-    }
-}
-
-impl Sub for Residual {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        Self { values: self.values - other.values, ..self }
-    }
-}
-
-impl Mul<f64> for Residual {
-    type Output = Self;
-
-    fn mul(self, factor: f64) -> Self {
-        Self { values: self.values * factor, ..self }
-    }
-}
-
-impl Div<f64> for Residual {
-    type Output = Self;
-
-    fn div(self, divisor: f64) -> Self {
-        Self { values: self.values / divisor, ..self }
-    }
-}
-
-impl std::fmt::Display for Residual {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:?}", self.values)
-    }
-}
-
-/// What statistics are made of: how far off something is, m.
-pub trait Miss {
-    /// m
-    fn miss(&self) -> f64;
-}
-
-impl Miss for Residual {
-    fn miss(&self) -> f64 {
-        self.norm()
-    }
-}
-
-impl Miss for Vector3<f64> {
-    fn miss(&self) -> f64 {
-        self.norm()
-    }
 }
 
 /// How many equations a row gives: none where it is the first end of a pair.

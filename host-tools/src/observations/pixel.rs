@@ -3,7 +3,8 @@
 //! other way round; a row without a board sees the marker itself, or a point
 //! that does not move. Detection happened elsewhere: corners come as pixels.
 
-use nalgebra::{DMatrix, Matrix2x3, Vector3};
+use nalgebra::{DMatrix, Matrix2x3, Matrix3, Vector3};
+use truearm::Pose;
 
 use super::partials::any;
 use super::plate::hole;
@@ -84,30 +85,9 @@ impl Kind for Pixel {
 
     fn partials(&self, index: usize, seen: &dyn Seen) -> Partials {
         let row = seen.row(index);
-        let camera = seen.instrument(row.refers[0]);
-        let thing = row.refers.get(SEEN).map(|i| (*i, seen.instrument(*i)));
-        let pose = seen.pose(index);
-        let flange = pose.translation - pose.rotation * seen.marker(index);
-        // What is seen, in the frame of its own mounting: the last, or the station's.
-        let own = thing.map(|_| {
-            row.measured.get(2).map_or_else(Vector3::zeros, |_| {
-                Vector3::new(row.measured[2], row.measured[3], row.measured[4])
-            })
-        });
-        let mounted = match (thing, own) {
-            (Some((_, thing)), Some(own)) => thing.place.transform_point(&own),
-            _ => seen.marker(index),
-        };
-        let moves = thing.is_none_or(|(_, thing)| thing.on_flange);
-        let to_station = |p: &Vector3<f64>| pose.rotation * p + flange;
-        let to_flange = |p: &Vector3<f64>| pose.rotation.tr_mul(&(p - flange));
-        // In the frame that the camera is mounted in.
-        let there = match (camera.on_flange, moves) {
-            (true, false) => to_flange(&mounted),
-            (false, true) => to_station(&mounted),
-            _ => mounted,
-        };
-        let (local, with_there, with_frame) = camera.local(&there);
+        let sight = Sight::new(index, seen);
+        let camera = sight.camera;
+        let (local, with_there, with_frame) = camera.local(&sight.there());
         let view = project(camera, &local);
         let with_local = DMatrix::from_column_slice(2, 3, view.with_point.as_slice());
         let with_there = &with_local * with_there;
@@ -115,41 +95,91 @@ impl Kind for Pixel {
         of_camera.columns_mut(0, 6).copy_from(&(&with_local * with_frame));
         of_camera.columns_mut(6, 9).copy_from(&view.with_numbers);
         let mut instruments = vec![(row.refers[0], of_camera)];
-        // How what is seen moves there with the point in its own mounting's frame.
-        let turn = any(&pose.rotation);
-        let with_mounted = match (camera.on_flange, moves) {
-            (true, false) => &with_there * turn.transpose(),
-            (false, true) => &with_there * &turn,
-            _ => with_there.clone(),
-        };
-        if let (Some((thing_index, thing)), Some(own)) = (thing, own) {
-            let mut with_place = DMatrix::zeros(3, thing.free.len());
+        if let Some((place, thing)) = sight.thing {
+            let own = sight.own;
             let axes = thing.place.rotation;
+            let mut with_place = DMatrix::zeros(3, thing.free.len());
             with_place.columns_mut(0, 3).copy_from(&any(&(axes * -own.cross_matrix())));
             with_place.columns_mut(3, 3).copy_from(&any(&axes));
-            instruments.push((thing_index, &with_mounted * with_place));
+            instruments.push((place, &with_there * any(&sight.turn()) * with_place));
         }
+        Partials {
+            residual: Values::from_fn(2, |c| row.measured[c] - view.at[c]),
+            arm: vec![sight.pull(index, &with_there)],
+            instruments,
+        }
+    }
+}
+
+/// What a camera sees in one row, and what either hangs on.
+struct Sight<'a> {
+    camera: &'a Instrument,
+    /// The board or the point, with its place in the list; else the marker.
+    thing: Option<(usize, &'a Instrument)>,
+    /// What is seen, in the frame of the board.
+    own: Vector3<f64>,
+    /// The same in the frame that the board is mounted in.
+    mounted: Vector3<f64>,
+    /// The last frame, in the station's.
+    flange: Pose<f64>,
+}
+
+impl<'a> Sight<'a> {
+    fn new(index: usize, seen: &'a dyn Seen) -> Self {
+        let (row, pose) = (seen.row(index), seen.pose(index));
+        let thing = row.refers.get(SEEN).map(|i| (*i, seen.instrument(*i)));
+        let corner = || Vector3::new(row.measured[2], row.measured[3], row.measured[4]);
+        let own = if row.measured.len() > 2 { corner() } else { Vector3::zeros() };
+        let marker = seen.marker(index);
+        let mounted = thing.map_or(marker, |(_, thing)| thing.place.transform_point(&own));
+        let translation = pose.translation - pose.rotation * marker;
+        let flange = Pose { translation, ..pose };
+        Self { camera: seen.instrument(row.refers[0]), thing, own, mounted, flange }
+    }
+
+    /// Whether what is seen moves with the flange.
+    fn moves(&self) -> bool {
+        self.thing.is_none_or(|(_, thing)| thing.on_flange)
+    }
+
+    /// From the frame that the board is mounted in to that of the camera.
+    fn turn(&self) -> Matrix3<f64> {
+        match (self.camera.on_flange, self.moves()) {
+            (true, false) => self.flange.rotation.transpose(),
+            (false, true) => self.flange.rotation,
+            _ => Matrix3::identity(),
+        }
+    }
+
+    /// What is seen in the frame that the camera is mounted in, m.
+    fn there(&self) -> Vector3<f64> {
+        match (self.camera.on_flange, self.moves()) {
+            (true, false) => self.flange.inverse().transform_point(&self.mounted),
+            (false, true) => self.flange.transform_point(&self.mounted),
+            _ => self.mounted,
+        }
+    }
+
+    /// How the arm moves it there.
+    fn pull(&self, row: usize, with_there: &DMatrix<f64>) -> ArmPart {
         let mut pull = DMatrix::zeros(2, 6);
-        let lever = match (camera.on_flange, moves) {
+        let at = self.flange.translation;
+        let lever = match (self.camera.on_flange, self.moves()) {
             // Against the flange, which moves and turns under the camera.
-            (true, false) => Some((&with_there * turn.transpose() * -1.0, mounted - flange)),
-            (false, true) => Some((with_there.clone(), to_station(&mounted) - flange)),
+            (true, false) => Some((with_there * any(&self.turn()) * -1.0, self.mounted - at)),
+            (false, true) => Some((with_there.clone(), self.there() - at)),
             _ => None,
         };
         if let Some((with_flange, lever)) = lever {
             pull.columns_mut(0, 3).copy_from(&with_flange);
             pull.columns_mut(3, 3).copy_from(&(&with_flange * any(&lever.cross_matrix()) * -1.0));
         }
-        let body = if thing.is_none() { Body::Target } else { Body::Flange };
-        if thing.is_none() {
-            // The marker's own place already holds its lever.
-            pull.columns_mut(3, 3).fill(0.0);
+        if self.thing.is_some() {
+            return ArmPart { row, body: Body::Flange, pull };
         }
-        Partials {
-            residual: Values::from_fn(2, |c| row.measured[c] - view.at[c]),
-            arm: vec![ArmPart { row: index, body, pull }],
-            instruments,
-        }
+        // The marker's own place already holds its lever.
+        pull.columns_mut(3, 3).fill(0.0);
+        ArmPart { row, body: Body::Target, pull }
     }
 }
 
