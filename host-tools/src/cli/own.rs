@@ -61,6 +61,17 @@ pub fn pictures(report: &Path, pictures: &[PathBuf], force: bool) -> Result<()> 
     }
 }
 
+/// Whether a page may be written here: what stands there is one of truearm's.
+///
+/// # Errors
+/// A page of others.
+pub fn page_file(path: &Path, force: bool) -> Result<()> {
+    match std::fs::read(path) {
+        Ok(bytes) if !force && !bytes.starts_with(BEGIN.as_bytes()) => Err(foreign(path)),
+        _ => Ok(()),
+    }
+}
+
 /// Writes a table or a program, if it may stand there.
 ///
 /// # Errors
@@ -88,11 +99,10 @@ pub fn in_folder(folder: &Path, model: &Model, force: bool) -> Result<()> {
     if force {
         return Ok(());
     }
-    for (name, begin) in [
-        ("report.json", "{\n  \"schema\": \"truearm-"),
-        ("residuals.csv", "row,line,"),
-        ("report.html", BEGIN),
-    ] {
+    page_file(&folder.join("report.html"), force)?;
+    for (name, begin) in
+        [("report.json", "{\n  \"schema\": \"truearm-"), ("residuals.csv", "row,line,")]
+    {
         let path = folder.join(name);
         match std::fs::read(&path) {
             Ok(bytes) if !bytes.starts_with(begin.as_bytes()) => return Err(foreign(&path)),

@@ -127,6 +127,10 @@ impl Plan {
     fn write(&self, poses: &str) -> Result<()> {
         let inputs = [&self.robot].into_iter().chain(&self.discriminate);
         let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
+        if let Some(page) = &self.html {
+            own::apart([page.as_path()], inputs.iter().copied())?;
+            own::page_file(page, self.force)?;
+        }
         own::write_like(&self.out, poses, &inputs, self.force)
     }
 

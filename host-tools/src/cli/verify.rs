@@ -69,6 +69,9 @@ enum Refit {
     Base,
 }
 
+/// What is written into a folder.
+const FILES: [&str; 3] = ["report.json", "errors.csv", "report.html"];
+
 impl Verify {
     pub fn run(self) -> Result<Said> {
         if let Some(mm) = self.tolerance_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
@@ -77,7 +80,7 @@ impl Verify {
                 "give the largest error allowed in mm, such as 0.3",
             ));
         }
-        own::folder_apart(self.out.as_deref(), &["report.json", "errors.csv"], self.inputs())?;
+        own::folder_apart(self.out.as_deref(), &FILES, self.inputs())?;
         let model = Model::read(&self.model)?;
         let mut text = match &self.test_poses {
             Some(path) => self.propose(&model, path)?,
@@ -105,14 +108,15 @@ impl Verify {
         let json = to_json(&report);
         text += &if self.json { json.clone() } else { words::verification(&report) };
         if let Some(folder) = &self.out {
-            let [to_report, to_errors] = ["report.json", "errors.csv"].map(|f| folder.join(f));
+            let [to_report, to_errors, to_page] = FILES.map(|name| folder.join(name));
+            own::page_file(&to_page, self.force)?;
             let errors = errors(&data.data, &report.after);
             overwritable(&to_report, self.force)?;
             overwritable_like(&to_errors, &errors, self.force)?;
             write(&to_report, json.as_bytes())?;
             write(&to_errors, errors.as_bytes())?;
             let page = verified(&report, &model, &data);
-            write_page(&folder.join("report.html"), &page, self.figures)?;
+            write_page(&to_page, &page, self.figures)?;
         }
         let end = match report.conformity {
             None | Some(Conformity::Pass) => End::Good,

@@ -125,6 +125,21 @@ fn programs_of_templates() {
     assert_eq!(run(&folder, &over).0, 2);
 }
 
+/// Pages are known by how they begin.
+#[test]
+fn pages_of_others_stay() {
+    let folder = folder();
+    let limits = ["-9:9"; 6].join(",");
+    let line = format!("plan robot.toml --limits {limits} --candidates 60 --poses 14 --out p.csv");
+    let (status, said) = run(&folder, &format!("{line} --html robot.toml --force"));
+    assert!(status == 2 && said.contains("is read"), "{status} {said}");
+    fs::write(folder.path().join("plan.html"), "<p>mine</p>").unwrap();
+    let (status, said) = run(&folder, &format!("{line} --html plan.html"));
+    assert!(status == 1 && said.contains("plan.html"), "{status} {said}");
+    assert_eq!(run(&folder, &format!("{line} --html plan.html --force")).0, 0);
+    assert_eq!(run(&folder, &format!("{line} --html plan.html")).0, 0);
+}
+
 /// Pictures and tables of a report folder are known by the report beside them.
 #[test]
 fn reports_of_others_stay() {

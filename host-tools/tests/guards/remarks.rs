@@ -8,10 +8,7 @@ fn remarked(text: &str) -> String {
     let (header, rows) = text.split_once('\n').unwrap();
     let units: Vec<&str> = header
         .split(',')
-        .map(|name| match name.rsplit('_').next() {
-            Some(unit @ ("mm" | "deg")) => unit,
-            _ => "-",
-        })
+        .map(|name| name.rsplit('_').next().filter(|u| ["mm", "deg"].contains(u)).unwrap_or("-"))
         .collect();
     let mut out = format!("# by hand, q1_deg,x_mm\n\n{header}\n{}\n", units.join(","));
     for row in rows.lines() {

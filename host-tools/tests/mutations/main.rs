@@ -176,10 +176,10 @@ fn models() {
         let _ = Model::read_or_nominal(&file);
         let Ok(model) = Model::read(&file) else { return };
         let _ = (model.to_sound_toml(), pack(&model, None));
-        if let Ok(path) = Rows::parse(long, path, &model.robot, Wanted::Joints) {
-            if let Ok(forward) = Forward::real(&model, &View::default()) {
-                let _ = forward_csv(&path, &model.robot, &forward.all(&path.data));
-            }
+        if let Ok(path) = Rows::parse(long, path, &model.robot, Wanted::Joints)
+            && let Ok(forward) = Forward::real(&model, &View::default())
+        {
+            let _ = forward_csv(&path, &model.robot, &forward.all(&path.data));
         }
         if let Ok(arm) = Identified::of(&model, None) {
             let _ = (mdh_csv(&arm), standard_dh_csv(&standard_dh(&model, &arm)));

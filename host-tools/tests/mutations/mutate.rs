@@ -71,7 +71,7 @@ pub fn mutated(bytes: &[u8], number: u64) -> Vec<u8> {
                 let word = WORDS[rng.random_range(0..WORDS.len())];
                 out.splice(at..end, word.iter().copied());
             }
-            6 if number % 7 == 0 => out.truncate(at),
+            6 if number.is_multiple_of(7) => out.truncate(at),
             7 => number_for_a_number(&mut out, at, &mut rng),
             _ => line_for_a_line(&mut out, &mut rng),
         }
