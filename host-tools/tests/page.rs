@@ -218,7 +218,7 @@ fn foreign_pages_stay() {
     fs::create_dir(folder.path().join("out")).unwrap();
     let path = folder.path().join("out/report.html");
     fs::write(&path, "<!DOCTYPE html><p>mine</p>").unwrap();
-    run(&folder, "identify robot.toml measurements.csv --out out", 2);
+    run(&folder, "identify robot.toml measurements.csv --out out", 1);
     assert_eq!(fs::read_to_string(&path).unwrap(), "<!DOCTYPE html><p>mine</p>");
     run(&folder, "identify robot.toml measurements.csv --out out --force", 0);
     sound(&folder, "out/report.html");
