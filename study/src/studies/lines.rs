@@ -100,7 +100,7 @@ fn drawn(rng: &mut ChaCha8Rng) -> Vec<Line> {
     let orders: Vec<f64> = ORDERS.sample(rng, LINES).copied().collect();
     let one = |order: f64| {
         let size = rng.random_range(3e-5..1.2e-4);
-        (rng.random_range(0..5), order, size, rng.random_range(0.0..6.28))
+        (rng.random_range(0..5), order, size, rng.random_range(0.0..std::f64::consts::TAU))
     };
     orders.into_iter().map(one).collect()
 }
