@@ -29,12 +29,10 @@ struct Session {
     points: Vec<Vector3<f64>>,
 }
 
-fn session(
-    rows: usize,
-    seed: u64,
-    real: &dyn Fn(&[f64], &[f64]) -> Vec<f64>,
-    moved: &dyn Fn(usize) -> Vector3<f64>,
-) -> Session {
+/// Where the joints are at what is read, and what was read before.
+type Real = dyn Fn(&[f64], &[f64]) -> Vec<f64>;
+
+fn session(rows: usize, seed: u64, real: &Real, moved: &dyn Fn(usize) -> Vector3<f64>) -> Session {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let truth = Truth::draw(&arm(), 1, 1, &mut rng);
     let pose = |rng: &mut ChaCha8Rng| {
