@@ -19,11 +19,7 @@ use truearm_simulate::robots::UR10_LIKE;
 const SEEDS: u64 = 40;
 
 fn reaches_its_bound(wanted: &[(&'static str, usize)]) {
-    over(SEEDS, wanted);
-}
-
-fn over(arms: u64, wanted: &[(&'static str, usize)]) {
-    let [ratio, two_errors, bound] = efficiency(&robot(), wanted, arms);
+    let [ratio, two_errors, bound] = efficiency(&robot(), wanted, SEEDS);
     println!("{wanted:?}: {ratio:.3} +- {two_errors:.3} of {:.4} mm", bound * 1e3);
     assert!(ratio <= 1.03 + two_errors, "{wanted:?}");
 }
@@ -54,11 +50,13 @@ fn holes_and_closures_reach_their_bound() {
 }
 
 #[test]
-fn what_turns_with_the_flange_reaches_its_bound() {
+fn ranges_reach_their_bound() {
     reaches_its_bound(&[("range", 150)]);
+}
+
+#[test]
+fn inclinations_beside_lengths_reach_their_bound() {
     reaches_its_bound(&[("inclination", 100), ("distance", 60)]);
-    // Poses that look at the board take the simulator long to find.
-    over(12, &[("pixel", 12)]);
 }
 
 fn found(robot: &Robot, data: &Measurements) -> Identification {
