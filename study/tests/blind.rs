@@ -78,9 +78,10 @@ fn a_seed_is_a_set_and_every_column_varies() {
 }
 
 /// Poses that can hardly tell two effects apart: where both are told, the poses
-/// that the report proposes separate them. Where one is named alone it may be the
-/// wrong one: a gain far from the joint's zero moves the zero by more than its
-/// tolerance, which speaks for an eccentricity.
+/// that the report proposes separate all but one. Where one is named alone it may be
+/// the wrong one: a gain far from the joint's zero moves the zero by more than its
+/// tolerance, which speaks for an eccentricity. With the tolerance itself as the
+/// zero's prior two of these eight were told as ties, and two were named wrongly.
 #[test]
 fn ties_are_told_and_separated() {
     let (mut ties, mut separated, mut wrong) = (0, 0, 0);
@@ -106,5 +107,5 @@ fn ties_are_told_and_separated() {
         separated += usize::from(after.effects.len() == 1 && right(&after.effects[0]));
     }
     println!("{ties} ties, {separated} separated; {wrong} of the others named wrongly");
-    assert!(ties >= 1 && separated == ties && wrong <= 2);
+    assert!(ties >= 4 && separated + 1 >= ties && wrong <= 1);
 }

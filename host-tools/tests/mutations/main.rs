@@ -27,7 +27,7 @@ use truearm_host::paths::write::Template;
 use truearm_host::paths::{Forward, Inverse, View, forward_csv, inverse_csv};
 
 /// Broken versions of each fixture.
-const EACH: u64 = 200;
+const EACH: u64 = 1000;
 /// No broken file of a few kilobytes takes so long.
 const LONGEST: Duration = Duration::from_secs(20);
 
