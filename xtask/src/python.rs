@@ -37,7 +37,7 @@ pub fn run() -> Result {
     step("wheel", || {
         call(Command::new(&builder).args(pip).arg("maturin>=1.9,<2"))?;
         let mut wheel = Command::new(build.join("bin/maturin"));
-        wheel.current_dir(directory()).args(["build", "--release", "--locked", "--out"]);
+        wheel.current_dir(directory()).args(["build", "--release", "--out"]);
         call(wheel.arg(&wheels).arg("--target-dir").arg(target_dir()))
     })?;
     step("tests of the wheel", || {
