@@ -178,7 +178,12 @@ fn spectrum(effects: &[&Effect]) -> String {
     joints.dedup();
     let gain = effects.first().map_or(0.0, |e| e.holdout_gain);
     let name = effects.first().map_or("", |e| e.name);
-    let mut out = format!("  {name}; held-out error falls by {:.0} %\n", gain * 100.0);
+    let least = effects.iter().map(|e| e.probability).fold(1.0, f64::min);
+    let mut out = format!(
+        "  {name}; probability {}; held-out error falls by {:.0} %\n",
+        probability(least),
+        gain * 100.0
+    );
     for joint in joints {
         let mut lines: Vec<(f64, f64)> = Vec::new();
         for e in effects {
