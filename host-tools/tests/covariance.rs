@@ -9,7 +9,7 @@ use simulated::{Truth, UR10_LIKE, robot};
 use truearm::blob::Blob;
 use truearm::{Arm6, Pose, RealPosition, State};
 use truearm_host::blob::{PackOptions, pack_with};
-use truearm_host::identify::registration::rigid_transform;
+use truearm_host::identify::rigid_transform;
 use truearm_host::identify::{Options, identify};
 use truearm_host::model::arm::{RowInputs, chain};
 use truearm_host::model::{Measurements, Model};

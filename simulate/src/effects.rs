@@ -38,6 +38,8 @@ pub enum Kind {
     JointCoupling { source: usize, joint: usize },
     /// Half the gap, rad. Beyond `friction` N m gravity takes up the gap.
     Backlash { joint: usize, friction: f64 },
+    /// What is read lags behind the motion: rad.
+    ReadoutLag { joint: usize },
     /// Relative growth per K at the reference temperature; 0.2 % more each K.
     ThermalExpansion,
     /// The target re-seated before series B: m along `direction`.
@@ -69,6 +71,7 @@ impl Kind {
             Self::JointGain { .. } => "joint-gain",
             Self::JointCoupling { .. } => "joint-coupling",
             Self::Backlash { .. } => "backlash",
+            Self::ReadoutLag { .. } => "readout-lag",
             Self::ThermalExpansion => "thermal-expansion",
             Self::ToolRemount { .. } => "tool-remount",
             Self::MeasurementDrift { .. } => "measurement-drift",
@@ -90,6 +93,7 @@ impl Kind {
             | Self::JointPeriodicError { joint, .. }
             | Self::JointGain { joint }
             | Self::Backlash { joint, .. }
+            | Self::ReadoutLag { joint }
             | Self::BearingWobble { joint, .. }
             | Self::LinkBending { joint, .. }
             | Self::Memory { joint } => vec![joint + 1],
@@ -120,7 +124,7 @@ impl Kind {
             Self::EncoderEccentricity { .. } => 4e-3,
             Self::GearTransmissionError { .. } | Self::JointPeriodicError { .. } => 3e-3,
             Self::JointGain { .. } | Self::JointCoupling { .. } => 5e-3,
-            Self::Backlash { .. } | Self::BearingWobble { .. } => 3e-3,
+            Self::Backlash { .. } | Self::ReadoutLag { .. } | Self::BearingWobble { .. } => 3e-3,
             Self::ThermalExpansion => 4e-5,
             Self::ToolRemount { .. } | Self::MeasurementDrift { .. } => 2e-3,
             Self::Outliers => 3.0,
@@ -148,6 +152,9 @@ impl Defect {
             }
             Kind::JointPeriodicError { joint, order, phase } => {
                 shape.joints[joint] += size * (order * q(joint) + phase).sin();
+            }
+            Kind::ReadoutLag { joint } => {
+                shape.joints[joint] += size * f64::from(moment.directions[joint]);
             }
             Kind::JointGain { joint } => shape.joints[joint] += size * q(joint),
             Kind::JointCoupling { source, joint } => shape.joints[joint] += size * q(source),
@@ -258,6 +265,7 @@ pub fn drawn(
             let range = if loaded(joint, robot, body, poses) { 0.2..1.2 } else { 2.0..4.0 };
             Kind::Backlash { joint, friction: largest * rng.random_range(range) }
         }
+        "readout-lag" => Kind::ReadoutLag { joint },
         "thermal-expansion" => Kind::ThermalExpansion,
         "tool-remount" => Kind::ToolRemount { direction: vector(rng).normalize() },
         "measurement-drift" => Kind::MeasurementDrift {

@@ -1,7 +1,7 @@
 //! What a fit that is told of an effect has for it.
 
 use truearm::effects::Effect;
-use truearm_host::effects::Offer;
+use truearm_host::effects::{Offer, lag};
 use truearm_host::model::{Course, ModelTerm};
 use truearm_simulate::effects::Kind;
 
@@ -17,6 +17,7 @@ pub fn terms(kind: &Kind, gear_ratios: &[f64]) -> Option<Vec<ModelTerm>> {
     Some(match kind {
         Kind::ToolRemount { .. } => (0..3).map(remount).collect(),
         Kind::MeasurementDrift { .. } => (0..6).map(drift).collect(),
+        Kind::ReadoutLag { joint } => lag(*joint, 1).terms,
         Kind::Outliers => Vec::new(),
         _ => return None,
     })

@@ -9,7 +9,7 @@ use truearm::compensate::Status;
 use truearm::{Approach, Arm6, Compensator, Pose, Settings, State, Task};
 use truearm_host::blob::{PackOptions, pack_with};
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
-use truearm_host::identify::registration::rigid_transform;
+use truearm_host::identify::rigid_transform;
 use truearm_host::model::Measurements;
 use truearm_simulate::arm::Arm as Simulated;
 use truearm_simulate::at_rest;

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use truearm::Pose;
 
 use super::scene::{Scene, Sight};
-use crate::identify::registration::rigid_transform;
+use crate::identify::rigid_transform;
 use crate::identify::{State, Unknown, Unknowns};
 use crate::model::arm::{Derivatives, Kinematics, RowInputs};
 use crate::statistics::{median, robust_distance_scale};

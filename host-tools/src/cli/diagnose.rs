@@ -1,16 +1,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use truearm_host::Result;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::model::{Measurements, ModelTerm};
 use truearm_host::page::{Measured, Next, diagnosed};
 use truearm_host::report::DiagnoseReport;
-use truearm_host::{Error, Result};
 
 use super::check::{explained, remark};
-use super::identify::residuals;
 use super::page::next_line;
 use super::progress::Bar;
+use super::rows::{apart, residuals};
 use super::{Said, deliver, own, read_both, warn, words};
 
 /// Find where model and measurement disagree, name the missing effect, add it,
@@ -91,17 +91,4 @@ impl Diagnose {
         }
         Ok(said)
     }
-}
-
-/// Poses that were fitted are no hold-out, whichever flag gives them.
-pub fn apart(flag: &str, data: &Measurements, holdout: &Measurements) -> Result<()> {
-    let shared = data.shared(holdout);
-    if shared == 0 {
-        return Ok(());
-    }
-    let (file, training) = (holdout.path.display(), data.path.display());
-    Err(Error::usage(
-        format!("{flag} {file}: {shared} of {} rows are fitted in {training}", holdout.rows.len()),
-        format!("give poses that were not fitted; without {flag} cross-validation judges"),
-    ))
 }

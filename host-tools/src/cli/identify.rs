@@ -2,19 +2,17 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use truearm_host::evaluate::evaluate;
-use truearm_host::files::csv_text;
-use truearm_host::identify::{LambdaRule, Options, RowResult, Scaling, identify};
-use truearm_host::model::{Measurements, Row};
-use truearm_host::observations::Residual;
+use truearm_host::identify::{LambdaRule, Options, Scaling, identify};
+use truearm_host::model::Measurements;
 use truearm_host::page::{Measured, Next, identified};
 use truearm_host::report::IdentifyReport;
 
 use truearm_host::{Error, Result};
 
 use super::check::{explained, remark};
-use super::diagnose::apart;
 use super::evaluate::Frames;
 use super::progress::Bar;
+use super::rows::{apart, residuals};
 use super::{Said, deliver, own, read_both, warn, words};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
@@ -145,40 +143,4 @@ impl Identify {
         };
         Ok(Options { rule, scaling, allow_few_poses: self.allow_few_poses })
     }
-}
-
-/// One line a data row: residuals in mm with nominal geometry, identified, and
-/// held out.
-pub fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
-    // Of every kind that the file has, its components with their unit.
-    let named = |r: &Residual| {
-        let names = r.components().iter().enumerate();
-        names.map(|(c, name)| format!("{name}_{}", r.measure(c).unit())).collect::<Vec<String>>()
-    };
-    let mut names: Vec<String> = Vec::new();
-    for name in rows.iter().flat_map(|r| named(&r.identified)) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    let mut header: Vec<String> =
-        ["row", "line", "station", "marker", "flagged"].map(str::to_owned).to_vec();
-    for of in ["nominal_", "", "held_out_"] {
-        header.extend(names.iter().map(|name| format!("{of}d{name}")));
-    }
-    let line = |(i, (row, result)): (usize, (&Row, &RowResult))| {
-        let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
-        let mut cells = vec![(i + 1).to_string(), row.line.to_string()];
-        cells.extend([station.clone(), marker.clone(), u8::from(result.flagged).to_string()]);
-        for v in [Some(result.nominal), Some(result.identified), result.held_out] {
-            let told = |name: &String| {
-                let v = v?;
-                let place = named(&v).iter().position(|c| c == name)?;
-                Some(format!("{:.5}", v.in_files().get(place)?))
-            };
-            cells.extend(names.iter().map(|name| told(name).unwrap_or_default()));
-        }
-        cells
-    };
-    csv_text(header.iter().map(String::as_str), data.rows.iter().zip(rows).enumerate().map(line))
 }

@@ -22,6 +22,7 @@ mod page;
 mod plan;
 mod progress;
 mod robot;
+mod rows;
 mod unpack;
 mod verify;
 mod words;

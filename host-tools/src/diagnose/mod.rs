@@ -17,7 +17,7 @@ mod verdict;
 pub mod weigh;
 mod white;
 
-pub use outcome::{Alternative, Coefficient, Effect, GapRow, Outcome, Verdict};
+pub use outcome::{Alternative, Coefficient, Effect, GapRow, Outcome, Verdict, said};
 
 use truearm::effects::MAX_TERMS;
 
@@ -131,13 +131,14 @@ fn diagnosed(
         Some(_) => moments::adapted(&question, robot, &weighed.best)?,
         None => None,
     };
-    let robot = adapted.as_ref().unwrap_or(robot);
-    let reloaded = moments::loaded_by(&problem, robot);
-    let (reoffered, _) = candidates::all(&reloaded, robot);
-    if adapted.is_some() {
+    let (reloaded, reoffered);
+    if let Some(robot) = &adapted {
+        reloaded = moments::loaded_by(&problem, robot);
+        reoffered = candidates::all(&reloaded, robot).0;
         question = Question { problem: &reloaded, offered: &reoffered, ..question };
         weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
     }
+    let robot = adapted.as_ref().unwrap_or(robot);
     progress("held-out poses");
     // What is fitted and judged from here on has the noise that was found.
     let heard = data.with_noise(weighed.scale);

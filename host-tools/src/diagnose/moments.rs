@@ -5,7 +5,7 @@
 //! with them, what is left has the shape of what the masses were wrong by: a
 //! torque is linear in the first moments of all that follows the joint, so that
 //! they are unknowns of the fit like any other, held near what was assumed. Their
-//! common size stays what it was: the springs' coefficients take it up.
+//! common size is known from that alone: the springs' coefficients take it up.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use super::candidates::Candidate;
 use super::node::{Node, fitted};
 use super::question::Question;
 use crate::error::Result;
-use crate::identify::{Conditions, Problem, Unknown};
+use crate::identify::{Conditions, Problem, Surroundings, Unknown};
 use crate::model::arm::{Derivatives, RowInputs};
 use crate::model::{ModelTerm, Robot};
 
@@ -47,12 +47,13 @@ pub fn adapted(q: &Question, robot: &Robot, found: &Node) -> Result<Option<Robot
     if springs.is_empty() {
         return Ok(None);
     }
+    let assumed = robot;
     let mut robot = robot.clone();
     let mut state = found.fit.fit.state.clone();
     for _ in 0..ROUNDS {
         let problem = loaded_by(q.problem, &robot);
         let node = fitted(&Question { problem: &problem, ..*q }, springs.clone(), &state)?;
-        let step = step(&problem, &robot, &node, q.flags.lambda);
+        let step = step(&problem, [assumed, &robot], &node, q.flags.lambda);
         state = node.fit.fit.state;
         let Some(step) = step else { break };
         for (link, moment) in robot.links.iter_mut().zip(step.chunks_exact(2)) {
@@ -67,8 +68,14 @@ pub fn adapted(q: &Question, robot: &Robot, found: &Node) -> Result<Option<Robot
     Ok(Some(robot))
 }
 
-/// What to add to the moments about x and y of each link, kg m.
-fn step(problem: &Problem, robot: &Robot, node: &Node, lambda: f64) -> Option<Vec<f64>> {
+/// What to add to the moments about x and y of each link, kg m, that are held near
+/// those of the first robot.
+fn step(
+    problem: &Problem,
+    [assumed, robot]: [&Robot; 2],
+    node: &Node,
+    lambda: f64,
+) -> Option<Vec<f64>> {
     let terms: Vec<Term<f64>> = node.fit.fit.state.terms.iter().filter_map(of_arm).collect();
     let problem = problem.with_terms(node.fit.fit.state.terms.len());
     let turned = turned(&problem, robot);
@@ -91,18 +98,18 @@ fn step(problem: &Problem, robot: &Robot, node: &Node, lambda: f64) -> Option<Ve
     let mut g = DVector::<f64>::zeros(all);
     for row in &node.fit.kept {
         let e = at.equations_beside(*row, &beside);
-        // Moments are in SI, and so is their residual: only the equations are scaled.
-        let rhs = DVector::from_iterator(e.rhs.len(), e.rhs.iter().copied());
         h += e.block.tr_mul(&e.block);
-        g += e.block.tr_mul(&rhs);
+        g += e.block.tr_mul(&DVector::from_column_slice(&e.rhs));
     }
-    let size: f64 = robot.links.iter().map(|l| l.mass * l.com.norm()).sum();
-    for k in 0..all {
-        h[(k, k)] += match unknowns.get(k) {
-            Some(Unknown::Link(..)) => lambda,
-            Some(_) => HELD,
-            None => (SHARE * size).powi(-2),
-        };
+    let size: f64 = assumed.links.iter().map(|l| l.mass * l.com.norm()).sum();
+    let precision = (SHARE * size).powi(-2);
+    for k in 0..p {
+        h[(k, k)] += if matches!(unknowns[k], Unknown::Link(..)) { lambda } else { HELD };
+    }
+    for k in 0..turned.len() {
+        let of = |robot: &Robot| robot.links[k / 2].mass * robot.links[k / 2].com[k % 2];
+        h[(p + k, p + k)] += precision;
+        g[p + k] -= precision * (of(robot) - of(assumed));
     }
     let solved = h.cholesky()?.solve(&g);
     Some(solved.rows(p, turned.len()).iter().copied().collect())
@@ -110,15 +117,14 @@ fn step(problem: &Problem, robot: &Robot, node: &Node, lambda: f64) -> Option<Ve
 
 /// What every row is like with one more kg m about x and y of each link.
 fn turned(problem: &Problem, robot: &Robot) -> Vec<Vec<RowInputs>> {
-    let mut out = Vec::new();
-    for link in 0..robot.links.len() {
-        for axis in 0..2 {
-            let mut other = robot.clone();
-            other.links[link].com[axis] += 1.0 / other.links[link].mass;
-            out.push(Conditions::new(problem.data, &other).rows);
-        }
-    }
-    out
+    let of = |k: usize| {
+        let mut other = robot.clone();
+        let link = &mut other.links[k / 2];
+        link.com[k % 2] += 1.0 / link.mass;
+        let loads = Surroundings::new(&other);
+        problem.data.rows.iter().map(|row| loads.inputs(row, &row.q)).collect()
+    };
+    (0..2 * robot.links.len()).map(of).collect()
 }
 
 fn of_arm(term: &ModelTerm) -> Option<Term<f64>> {

@@ -1,7 +1,7 @@
 //! Whether anything but noise is left.
 
 use super::node::{Node, crowded};
-use super::outcome::Verdict;
+use super::outcome::{Verdict, said};
 use super::policy::POLICY;
 use super::weigh::Weighed;
 use super::white;
@@ -14,7 +14,7 @@ use crate::identify::Problem;
 pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, Vec<String>) {
     let nameless = weighed.nameless.iter().filter(|(_, p)| *p >= POLICY.worth_saying);
     let mut left: Vec<String> =
-        nameless.map(|(what, p)| format!("{} (probability {})", what.words(), told(*p))).collect();
+        nameless.map(|(what, p)| format!("{} (probability {})", what.words(), said(*p))).collect();
     let alike = white::left(problem, best).filter(|a| a.deviations > POLICY.white);
     left.extend(alike.map(|a| a.words()));
     let verdict = if !left.is_empty() || crowded(best) {
@@ -25,9 +25,4 @@ pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, V
         Verdict::Explained
     };
     (verdict, left)
-}
-
-/// Never said to be certain.
-fn told(p: f64) -> String {
-    if p > 0.99 { "> 0.99".to_owned() } else { format!("{p:.2}") }
 }

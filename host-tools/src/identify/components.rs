@@ -4,19 +4,16 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::noise::{Group, Noise, groups};
 use super::problem::{Problem, Scaling};
 use super::robust::{Flags, robust_fit};
 use super::unknowns::State;
 use super::{RowResult, figures::KindFigures};
 use crate::error::Result;
 use crate::model::{KindId, Measurements, Row};
-use crate::observations::{KINDS, Measure, Residual, equations_of, kind};
+use crate::observations::{KINDS, Residual, equations_of, kind};
 use crate::tikhonov::covariance;
 
-/// Measures in the order of [`Noise`].
-const MEASURES: [Measure; 3] = [Measure::Length, Measure::Angle, Measure::Pixel];
-/// Most kinds.
-const KINDS_AT_MOST: usize = 12;
 /// Rounds of estimates, and the change of a scale that ends them.
 const ROUNDS: usize = 12;
 const SETTLED: f64 = 0.01;
@@ -25,61 +22,6 @@ const SETTLED: f64 = 0.01;
 const BELIEVED: f64 = 2.0;
 /// Scales beyond this, either way, are another mistake.
 const BOUNDS: [f64; 2] = [0.02, 50.0];
-
-/// By how much the noise of each component of each kind is larger than stated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise([[f64; 3]; KINDS_AT_MOST]);
-
-impl Default for Noise {
-    fn default() -> Self {
-        Self([[1.0; 3]; KINDS_AT_MOST])
-    }
-}
-
-impl Noise {
-    /// Of a component of a row's kind.
-    #[must_use]
-    pub fn of(&self, kind: KindId, measure: Measure) -> f64 {
-        let place = MEASURES.iter().position(|m| *m == measure).unwrap_or(0);
-        self.0[usize::from(kind.0)][place]
-    }
-
-    /// The largest of those that a file has.
-    #[must_use]
-    pub fn largest(&self, data: &Measurements) -> f64 {
-        groups(data).into_iter().map(|g| self.of(g.kind, g.measure)).fold(0.0, f64::max)
-    }
-
-    fn scale_mut(&mut self, group: Group) -> &mut f64 {
-        let place = MEASURES.iter().position(|m| *m == group.measure).unwrap_or(0);
-        &mut self.0[usize::from(group.kind.0)][place]
-    }
-}
-
-/// Components of one kind in one unit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Group {
-    kind: KindId,
-    measure: Measure,
-}
-
-impl Group {
-    /// Components of a row that belong to it.
-    fn components(self, row: &Row) -> impl Iterator<Item = usize> {
-        let count = if row.kind == self.kind { equations_of(row) } else { 0 };
-        (0..count).filter(move |c| KINDS[usize::from(self.kind.0)].measure(*c) == self.measure)
-    }
-}
-
-/// Those that a file has, in the order of the table.
-fn groups(data: &Measurements) -> Vec<Group> {
-    let mut kinds: Vec<KindId> = data.rows.iter().map(|row| row.kind).collect();
-    kinds.sort_unstable();
-    kinds.dedup();
-    let of = |kind: KindId| MEASURES.map(|measure| Group { kind, measure });
-    let has = |g: &Group| data.rows.iter().any(|row| g.components(row).next().is_some());
-    kinds.into_iter().flat_map(of).filter(has).collect()
-}
 
 /// The noise of every kind where there are several; of one kind alone the fit
 /// scales its own.

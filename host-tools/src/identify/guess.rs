@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Unit, Vector3};
 use truearm::Pose;
 
-use super::registration::rigid_transform;
+use super::rigid::rigid_transform;
 use super::unknowns::State;
 use crate::model::{Form, Instrument, Measurements, Row};
 use crate::observations::kind;

@@ -3,12 +3,11 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::accumulate::{CHUNK, tree};
-use super::motion::Motion;
+use super::motion::{Beside, Motion};
 use super::predictor::{Model, View};
 use super::problem::Problem;
 use super::unknowns::State;
 use crate::model::Values;
-use crate::model::arm::Derivatives;
 use crate::observations::{ArmPart, Body, Moving, Partials, Residual, Seen, kind};
 use crate::tikhonov::{Normal, Triangle};
 
@@ -40,16 +39,12 @@ impl Equations {
     }
 }
 
-/// Points that move with something beside the unknowns: as many columns for
-/// every row, SI.
-pub type Beside<'b> = dyn Fn(usize, &Derivatives) -> Vec<Vector3<f64>> + Sync + 'b;
-
 /// A problem at a state.
 pub struct Linearised<'a> {
-    pub(super) problem: Problem<'a>,
-    pub(super) model: Model,
+    problem: Problem<'a>,
+    model: Model,
     corrections: DVector<f64>,
-    pub(super) units: DVector<f64>,
+    units: DVector<f64>,
 }
 
 impl<'a> Problem<'a> {
@@ -72,9 +67,13 @@ impl<'a> Linearised<'a> {
         }
     }
 
-    pub(super) fn view(&self) -> View<'_> {
+    fn view(&self) -> View<'_> {
         let Problem { data, conditions, .. } = &self.problem;
         View { model: &self.model, data, conditions }
+    }
+
+    fn motion<'l>(&'l self, beside: &'l Beside<'l>) -> Motion<'l> {
+        Motion { problem: &self.problem, model: &self.model, units: &self.units, beside }
     }
 
     /// Measured minus modelled of a row, SI.
@@ -99,7 +98,7 @@ impl<'a> Linearised<'a> {
     #[must_use]
     pub fn equations_beside(&self, index: usize, beside: &Beside) -> Equations {
         let row = &self.problem.data.rows[index];
-        let motion = Motion { at: self, beside };
+        let motion = self.motion(beside);
         let (residual, mut block) = kind(row).linearised(index, &motion);
         let scale = self.problem.scale(index);
         for mut column in block.column_iter_mut() {
@@ -114,14 +113,14 @@ impl<'a> Linearised<'a> {
     /// in its unit, m: 3 x unknowns.
     #[must_use]
     pub fn target(&self, index: usize) -> (Vector3<f64>, DMatrix<f64>) {
-        Motion { at: self, beside: &|_, _| Vec::new() }.moved(index)
+        self.motion(&|_, _| Vec::new()).moved(index)
     }
 
     /// How the frame of what a row measures with is turned by each unknown in its
     /// unit, rad: that of its marker or camera where it has one, else the last.
     #[must_use]
     pub fn turn(&self, index: usize) -> DMatrix<f64> {
-        let motion = Motion { at: self, beside: &|_, _| Vec::new() };
+        let motion = self.motion(&|_, _| Vec::new());
         let row = motion.row(index);
         let mut pull = DMatrix::zeros(3, 6);
         pull.view_mut((0, 3), (3, 3)).fill_with_identity();

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use nalgebra::DVector;
 use truearm::{Link, MdhParameters};
 
-use super::components::Noise;
 use super::conditions::Conditions;
+use super::noise::Noise;
 use super::unknowns::{Layout, State, Unknown, Unknowns};
 use crate::model::{Measurements, Robot, Values};
 use crate::observations::{self, kind};

@@ -11,7 +11,7 @@ use super::problem::link_corrections;
 use super::uncertainty::{factor, of_arm};
 use super::{
     Identification, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE, components, redundancy,
-    registration, robust,
+    rigid_transform, robust,
 };
 use crate::model::arm::chain;
 use crate::model::{ErrorCurve, Model, Provenance, Robot};
@@ -258,6 +258,6 @@ fn robot_frame(problem: &Problem, found: &Estimate) -> Pose<f64> {
         rows.map(|r| chains[r.marker].pose(&r.q).translation).collect()
     };
     let weights = vec![1.0; found.robust.kept.len()];
-    registration::rigid_transform(&points(&state.links), &points(&problem.nominal), &weights)
+    rigid_transform(&points(&state.links), &points(&problem.nominal), &weights)
         .unwrap_or_else(Pose::identity)
 }

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::marks::{number, shape};
+use super::strokes::{dashes, number, shape, text};
 use super::{Mark, Panel};
-use crate::markup::{Element, Node, element};
+use crate::markup::{Node, element};
 
 /// Width of a character over the size of the font, about.
 const WIDE: f64 = 0.56;
@@ -150,11 +150,6 @@ impl Layout {
     }
 }
 
-/// A text of a drawing.
-pub(super) fn text(x: f64, y: f64, text: &str) -> Element {
-    element("text").with("x", number(x)).with("y", number(y)).text(text)
-}
-
 /// A name in the legend with what its marks look like.
 fn key(panel: &Panel, which: usize, x: f64, y: f64) -> Vec<Node> {
     let (series, ink) = (&panel.series[which], panel.inks()[which].place());
@@ -175,11 +170,6 @@ fn key(panel: &Panel, which: usize, x: f64, y: f64) -> Vec<Node> {
         Mark::Points | Mark::Intervals | Mark::Bars => mark("shape", shape(ink, x + 8.0, y - 4.5)),
     };
     vec![group.child(drawn).into(), text(x + 22.0, y, &series.name).into()]
-}
-
-/// Dashes of lines of an ink.
-pub(super) fn dashes(ink: usize) -> &'static str {
-    ["none", "7 3", "2 3", "9 3 2 3", "none", "4 2", "none", "7 3", "none", "2 3"][ink % 10]
 }
 
 /// Where the names of the series stand, in rows; and where they end.

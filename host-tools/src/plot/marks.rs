@@ -1,6 +1,7 @@
 //! What series look like.
 
-use super::frame::{Layout, dashes, text};
+use super::frame::Layout;
+use super::strokes::{dashes, number, shape, text};
 use super::{Ink, Mark, Panel, Series};
 use crate::markup::{Element, Node, element};
 
@@ -8,9 +9,6 @@ use crate::markup::{Element, Node, element};
 const MANY: usize = 300;
 /// Share of its slot that a group of marks takes.
 const WIDTH: f64 = 0.84;
-/// Colours for the shapes of which there are fewer.
-const SHAPES: usize = 5;
-
 /// A series in its panel.
 pub(super) struct Place<'a> {
     pub layout: &'a Layout,
@@ -188,22 +186,4 @@ fn band(seen: &[Seen]) -> Element {
         d.push('Z');
     }
     element("path").with("class", "band").with("d", d)
-}
-
-/// The shape of an ink about a point.
-pub(super) fn shape(ink: usize, x: f64, y: f64) -> String {
-    let at = |dx: f64, dy: f64| format!("{} {}", number(x + dx), number(y + dy));
-    match ink % SHAPES {
-        0 => format!("M{}a3 3 0 1 0 6 0a3 3 0 1 0 -6 0z", at(-3.0, 0.0)),
-        1 => format!("M{}h5.4v5.4h-5.4z", at(-2.7, -2.7)),
-        2 => format!("M{}l3.6 6.4h-7.2z", at(0.0, -3.8)),
-        3 => format!("M{}l3.8 3.8l-3.8 3.8l-3.8 -3.8z", at(0.0, -3.8)),
-        _ => format!("M{}l3.6 -6.4h-7.2z", at(0.0, 3.8)),
-    }
-}
-
-/// A coordinate of a drawing.
-pub(super) fn number(value: f64) -> String {
-    let tenths = (value * 10.0).round() / 10.0 + 0.0;
-    format!("{tenths}")
 }

@@ -8,6 +8,7 @@ mod axis;
 mod frame;
 mod marks;
 mod series;
+mod strokes;
 mod style;
 
 pub use axis::Axis;

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use truearm::Pose;
 
 use crate::error::{Error, Kind, Place, Result};
-use crate::identify::registration::rigid_transform;
+use crate::identify::rigid_transform;
 use crate::identify::{Conditions, Predictor, State};
 use crate::model::ModelTerm;
 use crate::model::arm::chain;

@@ -3,13 +3,15 @@
 mod beyond;
 mod motion;
 mod moved;
+mod parameters;
 
 use schemars::JsonSchema;
 use serde::Serialize;
 use truearm::blob::Blob;
 
 pub use motion::Motion;
-use moved::{Moved, parameters};
+use moved::Moved;
+use parameters::parameters;
 
 use super::describe::{rms, term_columns};
 use crate::error::{Error, Kind, Result};

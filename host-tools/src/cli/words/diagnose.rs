@@ -1,5 +1,5 @@
 use truearm_host::diagnose::policy::POLICY;
-use truearm_host::diagnose::{Alternative, Effect, Outcome, Verdict};
+use truearm_host::diagnose::{Alternative, Effect, Outcome, Verdict, said};
 use truearm_host::effects::OUTLIERS;
 use truearm_host::model::CURVE;
 use truearm_host::table::Table;
@@ -156,7 +156,7 @@ fn effect(e: &Effect, suspected: bool) -> String {
     if !values.is_empty() {
         out += &format!(": {}", values.join(", "));
     }
-    out += &format!("; probability {}", probability(e.probability));
+    out += &format!("; probability {}", said(e.probability));
     if suspected && e.probability >= SURE {
         out += ", but the halves of the poses disagree";
     }
@@ -164,11 +164,6 @@ fn effect(e: &Effect, suspected: bool) -> String {
         out += &format!("; held-out error falls by {:.0} %", e.holdout_gain * 100.0);
     }
     out
-}
-
-/// Never said to be certain.
-fn probability(p: f64) -> String {
-    if p > 0.99 { "> 0.99".to_owned() } else { format!("{p:.2}") }
 }
 
 /// Many orders of one periodic effect: a line a joint, amplitudes in mrad.
@@ -181,7 +176,7 @@ fn spectrum(effects: &[&Effect]) -> String {
     let least = effects.iter().map(|e| e.probability).fold(1.0, f64::min);
     let mut out = format!(
         "  {name}; probability {}; held-out error falls by {:.0} %\n",
-        probability(least),
+        said(least),
         gain * 100.0
     );
     for joint in joints {

@@ -50,7 +50,7 @@ const REFUSALS: usize = 4;
 /// # Errors
 /// When a fit does not converge.
 pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> {
-    let start = Start { node: root.clone(), curves: Vec::new(), tables: Vec::new(), scale: 0.0 };
+    let start = Start::at(root);
     let plain = search(q, start, FIRST, progress)?;
     let curves = plain.curves_wanted(q, q.problem);
     if curves.is_empty() {
@@ -61,7 +61,8 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
         };
         return found.judged(q);
     }
-    let start = Start { node: root.clone(), curves, tables: Vec::new(), scale: plain.found.scale };
+    let (scale, refused) = (plain.found.scale, plain.refused);
+    let start = Start { curves, scale, refused, ..Start::at(root) };
     let first = search(q, start, FIRST, progress)?;
     // At the noise that is left now, lengths and sizes are told better.
     let bent = with_curves(q.problem, &first.tables);
@@ -79,6 +80,21 @@ struct Start {
     tables: Vec<ErrorCurve>,
     /// Noise over the stated sigma, 0 where it is not known yet.
     scale: f64,
+    /// What physics refused.
+    refused: Vec<Candidate>,
+}
+
+impl Start {
+    /// At a fit of which nothing else is known.
+    fn at(root: &Node) -> Self {
+        Self {
+            node: root.clone(),
+            curves: Vec::new(),
+            tables: Vec::new(),
+            scale: 0.0,
+            refused: Vec::new(),
+        }
+    }
 }
 
 /// Where it ends: what was weighed in the last round, and the fit of what it found.
@@ -93,6 +109,7 @@ struct Searched {
     possible: Vec<Possible>,
     weights: Weights,
     found: Explanation,
+    refused: Vec<Candidate>,
 }
 
 /// A problem whose joints err by these curves.
@@ -107,10 +124,9 @@ pub fn with_curves<'a>(problem: &Problem<'a>, tables: &[ErrorCurve]) -> Problem<
 
 /// Rounds of linearising, weighing and fitting until nothing changes.
 fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Result<Searched> {
-    let Start { mut node, curves, mut tables, mut scale } = start;
+    let Start { mut node, curves, mut tables, mut scale, mut refused } = start;
     let lambda = q.flags.lambda;
     let mut held = lines_of(&node.added);
-    let mut refused: Vec<Candidate> = Vec::new();
     let mut round = 0;
     loop {
         round += 1;
@@ -164,6 +180,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
                 possible,
                 weights,
                 found,
+                refused,
             });
         }
     }
@@ -177,6 +194,7 @@ impl Searched {
             curves: self.curves.clone(),
             tables: self.tables.clone(),
             scale: self.found.scale,
+            refused: self.refused.clone(),
         }
     }
 

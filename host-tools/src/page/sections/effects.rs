@@ -7,7 +7,7 @@ use super::super::numbers::runs;
 use super::super::numbers::{cycles, period};
 use super::super::picture::Part;
 use super::{details, list, table};
-use crate::diagnose::{Coefficient, Effect};
+use crate::diagnose::{Coefficient, Effect, said};
 use crate::effects::OUTLIERS;
 use crate::model::CURVE;
 use crate::units::{MICRO, MILLI};
@@ -151,8 +151,7 @@ fn caption(p: &Part) -> String {
 
 /// Lines of the table.
 fn rows(e: &Effect) -> Vec<Vec<String>> {
-    let p =
-        if e.probability > 0.99 { "> 0.99".to_owned() } else { format!("{:.2}", e.probability) };
+    let p = said(e.probability);
     let gain = format!("{:.0} %", 100.0 * e.holdout_gain);
     let name = match e.order {
         Some(n) => format!("{}, {}", e.name, cycles(n)),

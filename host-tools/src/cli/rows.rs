@@ -1,0 +1,56 @@
+//! Measured rows as verbs take and give them.
+
+use truearm_host::files::csv_text;
+use truearm_host::identify::RowResult;
+use truearm_host::model::{Measurements, Row};
+use truearm_host::observations::Residual;
+use truearm_host::{Error, Result};
+
+/// Poses that were fitted are no hold-out, whichever flag gives them.
+pub fn apart(flag: &str, data: &Measurements, holdout: &Measurements) -> Result<()> {
+    let shared = data.shared(holdout);
+    if shared == 0 {
+        return Ok(());
+    }
+    let (file, training) = (holdout.path.display(), data.path.display());
+    Err(Error::usage(
+        format!("{flag} {file}: {shared} of {} rows are fitted in {training}", holdout.rows.len()),
+        format!("give poses that were not fitted; without {flag} cross-validation judges"),
+    ))
+}
+
+/// One line a data row: residuals in mm with nominal geometry, identified, and
+/// held out.
+pub fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
+    // Of every kind that the file has, its components with their unit.
+    let named = |r: &Residual| {
+        let names = r.components().iter().enumerate();
+        names.map(|(c, name)| format!("{name}_{}", r.measure(c).unit())).collect::<Vec<String>>()
+    };
+    let mut names: Vec<String> = Vec::new();
+    for name in rows.iter().flat_map(|r| named(&r.identified)) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let mut header: Vec<String> =
+        ["row", "line", "station", "marker", "flagged"].map(str::to_owned).to_vec();
+    for of in ["nominal_", "", "held_out_"] {
+        header.extend(names.iter().map(|name| format!("{of}d{name}")));
+    }
+    let line = |(i, (row, result)): (usize, (&Row, &RowResult))| {
+        let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
+        let mut cells = vec![(i + 1).to_string(), row.line.to_string()];
+        cells.extend([station.clone(), marker.clone(), u8::from(result.flagged).to_string()]);
+        for v in [Some(result.nominal), Some(result.identified), result.held_out] {
+            let told = |name: &String| {
+                let v = v?;
+                let place = named(&v).iter().position(|c| c == name)?;
+                Some(format!("{:.5}", v.in_files().get(place)?))
+            };
+            cells.extend(names.iter().map(|name| told(name).unwrap_or_default()));
+        }
+        cells
+    };
+    csv_text(header.iter().map(String::as_str), data.rows.iter().zip(rows).enumerate().map(line))
+}

@@ -1,0 +1,63 @@
+//! How much noisier each kind of measurement is than stated.
+
+use crate::model::{KindId, Measurements, Row};
+use crate::observations::{KINDS, Measure, equations_of};
+
+/// Measures in the order of [`Noise`].
+const MEASURES: [Measure; 3] = [Measure::Length, Measure::Angle, Measure::Pixel];
+/// Most kinds.
+const KINDS_AT_MOST: usize = 12;
+/// By how much the noise of each component of each kind is larger than stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise([[f64; 3]; KINDS_AT_MOST]);
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self([[1.0; 3]; KINDS_AT_MOST])
+    }
+}
+
+impl Noise {
+    /// Of a component of a row's kind.
+    #[must_use]
+    pub fn of(&self, kind: KindId, measure: Measure) -> f64 {
+        let place = MEASURES.iter().position(|m| *m == measure).unwrap_or(0);
+        self.0[usize::from(kind.0)][place]
+    }
+
+    /// The largest of those that a file has.
+    #[must_use]
+    pub fn largest(&self, data: &Measurements) -> f64 {
+        groups(data).into_iter().map(|g| self.of(g.kind, g.measure)).fold(0.0, f64::max)
+    }
+
+    pub(super) fn scale_mut(&mut self, group: Group) -> &mut f64 {
+        let place = MEASURES.iter().position(|m| *m == group.measure).unwrap_or(0);
+        &mut self.0[usize::from(group.kind.0)][place]
+    }
+}
+
+/// Components of one kind in one unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Group {
+    pub kind: KindId,
+    pub measure: Measure,
+}
+
+impl Group {
+    /// Components of a row that belong to it.
+    pub fn components(self, row: &Row) -> impl Iterator<Item = usize> {
+        let count = if row.kind == self.kind { equations_of(row) } else { 0 };
+        (0..count).filter(move |c| KINDS[usize::from(self.kind.0)].measure(*c) == self.measure)
+    }
+}
+
+/// Those that a file has, in the order of the table.
+pub(super) fn groups(data: &Measurements) -> Vec<Group> {
+    let mut kinds: Vec<KindId> = data.rows.iter().map(|row| row.kind).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let of = |kind: KindId| MEASURES.map(|measure| Group { kind, measure });
+    let has = |g: &Group| data.rows.iter().any(|row| g.components(row).next().is_some());
+    kinds.into_iter().flat_map(of).filter(has).collect()
+}

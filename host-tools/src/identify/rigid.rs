@@ -1,0 +1,35 @@
+//! The rigid motion that best carries points onto others.
+
+use nalgebra::{Matrix3, Vector3};
+use truearm::Pose;
+
+/// Rigid transform that carries `from` onto `to`: minimises
+/// `sum w |R from + t - to|^2` (paper Eq. 17). `None` when the points lie on a
+/// line or in one place, so that the rotation is undetermined.
+#[must_use]
+pub fn rigid_transform(
+    from: &[Vector3<f64>],
+    to: &[Vector3<f64>],
+    weights: &[f64],
+) -> Option<Pose<f64>> {
+    let total: f64 = weights.iter().sum();
+    let mean = |points: &[Vector3<f64>]| {
+        points.iter().zip(weights).map(|(p, w)| p * *w).sum::<Vector3<f64>>() / total
+    };
+    let (centre_from, centre_to) = (mean(from), mean(to));
+    let mut h = Matrix3::zeros();
+    for ((a, b), w) in from.iter().zip(to).zip(weights) {
+        h += (b - centre_to) * (a - centre_from).transpose() * *w;
+    }
+    let svd = h.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let spread = svd.singular_values[1] / svd.singular_values[0];
+    if spread.is_nan() || spread < 1e-9 {
+        return None;
+    }
+    // A reflection fits planar or noisy points as well; it is no motion.
+    let mut sign = Matrix3::identity();
+    sign[(2, 2)] = (u * v_t).determinant().signum();
+    let rotation = u * sign * v_t;
+    Some(Pose { rotation, translation: centre_to - rotation * centre_from })
+}
