@@ -8,6 +8,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use simulated::{Truth, UR10_LIKE, csv_of, robot, vector};
 use truearm_host::diagnose::{DiagnoseOptions, Outcome, diagnose};
+use truearm_host::error::Kind;
+use truearm_host::evaluate::{Reregister, evaluate};
 use truearm_host::model::{Measurements, Robot};
 
 const SIGMA: f64 = 3e-5;
@@ -146,6 +148,32 @@ fn torques_that_were_read_stand_in_for_masses() {
     assert_eq!(names(&outcome), [("joint-compliance", vec![2])]);
     let value = outcome.effects[0].coefficients[0].value;
     assert!((value - 4e-6).abs() < 2e-7, "{value}");
+}
+
+/// Springs that read torques showed say nothing of rows that read none.
+#[test]
+fn a_model_of_read_torques_refuses_rows_without() {
+    let bent = |q: &[f64], _: &[f64]| {
+        let mut q = q.to_vec();
+        q[1] -= 4e-6 * held(&q)[1];
+        q
+    };
+    let session = session(60, 8, &bent, &still);
+    let header = "torque1_nm,torque2_nm,torque3_nm,torque4_nm,torque5_nm,torque6_nm";
+    let cells = |k: usize| held(&session.poses[k]).map(|t| format!("{t:.4}")).join(",");
+    let parsed = |text: &str| Measurements::parse("m.csv".as_ref(), text, &arm()).unwrap();
+    let (told, silent) =
+        (parsed(&with(&session, header, cells)), parsed(&with(&session, "", |_| String::new())));
+    let found = |holdout| {
+        diagnose(&arm(), &told, holdout, &DiagnoseOptions::default(), &|_| {}).map(|d| d.model)
+    };
+    let model = found(Some(&told)).unwrap();
+    let left = evaluate(&model, &told, Reregister::Nothing).unwrap().stats.rms_mm;
+    assert!(left < 2.0 * SIGMA * 1e3, "{left}");
+    let refused = evaluate(&model, &silent, Reregister::Nothing).unwrap_err();
+    assert_eq!(refused.kind(), Kind::NoTorques, "{refused}");
+    let refused = found(Some(&silent)).unwrap_err();
+    assert_eq!(refused.kind(), Kind::NoTorques, "{refused}");
 }
 
 /// Five joints say what they hold, the sixth does not.

@@ -68,14 +68,7 @@ impl<'a> Blob<'a> {
         let truncated = |needed| DecodeError::Truncated { needed, got: bytes.len() };
         let header: &[u8; HEADER] = bytes.first_chunk().ok_or(truncated(HEADER))?;
         let [m0, m1, m2, m3, l0, l1, joints, terms, s0, s1, s2, s3, ..] = *header;
-        if [m0, m1, m2, m3] != MAGIC {
-            return Err(DecodeError::NotABlob);
-        }
-        match u16::from_le_bytes([l0, l1]) {
-            LAYOUT => (),
-            layout if layout < LAYOUT => return Err(DecodeError::DraftLayout(layout)),
-            layout => return Err(DecodeError::NewerLayout(layout)),
-        }
+        check_layout([m0, m1, m2, m3], u16::from_le_bytes([l0, l1]))?;
         // Damage first, so that nothing damaged looks like something to come.
         let stored = u32::from_le_bytes([s0, s1, s2, s3]);
         let size = (stored as usize).max(HEADER + CHECKSUM);
@@ -124,6 +117,18 @@ impl<'a> Blob<'a> {
         let cut = |size| DecodeError::Length { stored, expected: without_curves + size };
         let curves = curves::check(curves, |joint| turns(records, joint), cut)?;
         Ok(Self { header, records, terms: term_records, factor, curves, tag, signed })
+    }
+}
+
+/// Whether it is a blob of this layout.
+fn check_layout(magic: [u8; 4], layout: u16) -> Result<(), DecodeError> {
+    if magic != MAGIC {
+        return Err(DecodeError::NotABlob);
+    }
+    match layout {
+        LAYOUT => Ok(()),
+        layout if layout < LAYOUT => Err(DecodeError::DraftLayout(layout)),
+        layout => Err(DecodeError::NewerLayout(layout)),
     }
 }
 

@@ -71,16 +71,7 @@ pub fn encode_with<T: Scalar, const N: usize>(
     if p.sequence == u32::MAX {
         return Err(EncodeError::LastSequence);
     }
-    let mut flags = if p.orientation_identified { FLAG_ORIENTATION } else { 0 };
-    if p.masses.is_some() {
-        flags |= FLAG_MASSES;
-    }
-    if factor.is_some() {
-        flags |= FLAG_COVARIANCE;
-    }
-    if !p.curves.is_empty() {
-        flags |= FLAG_CURVES;
-    }
+    let flags = flags_of(p, factor.is_some());
     let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
     let masses = p.masses.unwrap_or(Masses {
         gravity: none,
@@ -110,6 +101,17 @@ pub fn encode_with<T: Scalar, const N: usize>(
     put(Some(tail), &checksum(body).to_le_bytes());
     Blob::check(out)?;
     Ok(needed)
+}
+
+/// What a blob of these parameters holds.
+fn flags_of<T: Scalar, const N: usize>(p: &ArmParameters<T, N>, covariance: bool) -> u8 {
+    let held = [
+        (p.orientation_identified, FLAG_ORIENTATION),
+        (p.masses.is_some(), FLAG_MASSES),
+        (covariance, FLAG_COVARIANCE),
+        (!p.curves.is_empty(), FLAG_CURVES),
+    ];
+    held.iter().filter(|(is, _)| *is).fold(0, |flags, (_, flag)| flags | flag)
 }
 
 fn put(place: Option<&mut [u8]>, bytes: &[u8]) {

@@ -5,10 +5,10 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use truearm::Pose;
 
+use super::chains::{Chains, PLAIN};
 use super::scene::{Scene, Sight};
-use crate::identify::rigid_transform;
-use crate::identify::{State, Unknown, Unknowns};
-use crate::model::arm::{Derivatives, Kinematics, RowInputs};
+use crate::identify::{State, Unknown, Unknowns, rigid_transform};
+use crate::model::arm::Derivatives;
 use crate::statistics::{median, robust_distance_scale};
 
 /// Nominal parameters are held within so many tolerances (1 mm, 1 mrad): arms
@@ -270,32 +270,5 @@ fn column(unknown: Unknown, sight: &Sight, d: &Derivatives) -> Option<Vector3<f6
         Unknown::Marker(m, k) => (m == sight.marker).then(|| d.tool[k]),
         Unknown::Link(joint, parameter) => Some(*d.links[joint].get(parameter)),
         Unknown::Term(_) | Unknown::Instrument(..) => None,
-    }
-}
-
-/// Of terms a gross mistake knows nothing.
-const PLAIN: RowInputs = RowInputs {
-    torque: Vec::new(),
-    moment: [0.0; 2],
-    approach: Vec::new(),
-    warmth: 0.0,
-    curves: Vec::new(),
-};
-
-/// Chains of all stations and markers.
-struct Chains {
-    all: Vec<Box<dyn Kinematics>>,
-    markers: usize,
-}
-
-impl Chains {
-    fn new(state: &State) -> Self {
-        let markers = state.markers.len();
-        let pairs = (0..state.bases.len()).flat_map(|s| (0..markers).map(move |m| (s, m)));
-        Self { all: pairs.map(|(s, m)| state.chain(s, m)).collect(), markers }
-    }
-
-    fn of(&self, station: usize, marker: usize) -> &dyn Kinematics {
-        self.all[station * self.markers + marker].as_ref()
     }
 }

@@ -8,6 +8,7 @@
 //! said.
 
 mod absorbed;
+mod chains;
 mod change;
 mod fit;
 mod hypotheses;

@@ -11,6 +11,7 @@ mod node;
 mod outcome;
 pub mod policy;
 pub mod question;
+mod remarks;
 mod show;
 mod tell;
 mod verdict;
@@ -19,16 +20,14 @@ mod white;
 
 pub use outcome::{Alternative, Coefficient, Effect, GapRow, Outcome, Verdict, said};
 
-use truearm::effects::MAX_TERMS;
-
-use crate::error::{Kind, Result};
+use crate::error::{Error, Kind, Result};
 use crate::identify::estimate::Estimate;
 use crate::identify::registration::register;
 use crate::identify::robust::{Crowd, Flags};
 use crate::identify::{
     Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
-use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Robot};
+use crate::model::{ErrorCurve, Measurements, Model, Robot};
 use crate::observations::{Residual, kind, points_only};
 use crate::statistics::Stats;
 use node::Node;
@@ -86,6 +85,9 @@ pub fn diagnose(
     let data = &points_only(data, "diagnose")?;
     let holdout = holdout.map(|h| points_only(h, "diagnose")).transpose()?;
     let holdout = holdout.as_ref();
+    if let Some(held) = holdout {
+        same_torques(robot, data, held)?;
+    }
     let with = |crowd| diagnosed(robot, data, holdout, options, crowd, progress);
     match with(Crowd::Refused) {
         Err(error) if error.kind() == Kind::Contradiction => with(Crowd::Described),
@@ -127,10 +129,8 @@ fn diagnosed(
     progress("weighing effects");
     let mut weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
     // Masses that were assumed gave a first answer: moments that suit it give another.
-    let adapted = match assumed {
-        Some(_) => moments::adapted(&question, robot, &weighed.best)?,
-        None => None,
-    };
+    let adapted = assumed.as_ref().map(|_| moments::adapted(&question, robot, &weighed.best));
+    let adapted = adapted.transpose()?.flatten();
     let (reloaded, reoffered);
     if let Some(robot) = &adapted {
         reloaded = moments::loaded_by(&problem, robot);
@@ -154,6 +154,26 @@ fn diagnosed(
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
     let show = Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot };
     shown(&show, Found { weighed, best, root, start, not_testable })
+}
+
+/// Torques that were read count in place of computed ones: in both files or in none.
+fn same_torques(robot: &Robot, data: &Measurements, holdout: &Measurements) -> Result<()> {
+    let read = |m: &Measurements| m.rows.iter().all(|row| !row.torques.is_empty());
+    let alone = match (read(data), read(holdout)) {
+        (true, false) => holdout,
+        (false, true) => data,
+        _ => return Ok(()),
+    };
+    let weighed = robot.gravity.is_some() && !robot.links.is_empty();
+    if weighed {
+        return Ok(());
+    }
+    Err(Error::data(
+        Kind::NoTorques,
+        format!("{}: no columns torque1_nm.., which the other file has", alone.path.display()),
+        "springs that one file's torques show say nothing of rows without: give both files the \
+         columns, or the robot gravity and [[links]]",
+    ))
 }
 
 /// What was found.
@@ -182,9 +202,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
     let findings = findings(show, &terms, &best, nominal, held_out)?;
     let mut identified = findings.summarise();
-    identified.figures.warnings.extend(too_many(&best));
-    identified.figures.warnings.extend(repeated(problem.data));
-    identified.figures.warnings.extend(guessed(problem.data, &best));
+    identified.figures.warnings.extend(remarks::all(problem.data, &best));
     let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed);
     let outcome = Outcome {
         figures: identified.figures,
@@ -256,42 +274,6 @@ fn findings<'a>(
             "{} folds of poses, flags redone in each, terms held",
             q.folds.len()
         ),
-    })
-}
-
-/// A remark where rows were written more than once.
-fn repeated(data: &Measurements) -> Option<String> {
-    let again = data.rows.len() - data.distinct().len();
-    (again > 0).then(|| {
-        format!("{}: {again} rows repeat others in every cell and count once", data.path.display())
-    })
-}
-
-/// A remark where sides of approach that no column says are in the model.
-fn guessed(data: &Measurements, best: &Node) -> Option<String> {
-    let depends = |term: &ModelTerm| match term {
-        ModelTerm::Arm(term) => term.effect.needs_approach(),
-        ModelTerm::Lag { .. } => true,
-        ModelTerm::Drift { .. } | ModelTerm::Remount { .. } => false,
-    };
-    let any = best.fit.fit.state.terms.iter().any(depends);
-    (data.directions_from_order && any).then(|| {
-        format!(
-            "{}: no columns dir1..: the sides from which joints came to rest are taken from the \
-             order of the rows",
-            data.path.display()
-        )
-    })
-}
-
-/// A remark where a controller has no room for the model.
-fn too_many(best: &Node) -> Option<String> {
-    let terms = candidates::arm_terms(&best.added);
-    (terms > MAX_TERMS).then(|| {
-        format!(
-            "{terms} terms of the arm where a controller takes {MAX_TERMS}: --most-terms \
-             {MAX_TERMS} gives the best model that can be packed"
-        )
     })
 }
 

@@ -8,7 +8,7 @@ use super::pairs;
 use super::source::Source;
 use crate::error::{Error, Result, listed};
 use crate::model::near::Reach;
-use crate::model::{Measurements, Robot};
+use crate::model::{Measurements, Robot, Row};
 
 /// Rows whose joints agree within this are one pose, rad (0.01 degrees).
 const SAME_ANGLE: f64 = 0.01 * std::f64::consts::PI / 180.0;
@@ -89,19 +89,10 @@ impl Measurements {
             return Err(source.whole("no data rows", "add measurements"));
         }
         labels.refuse_twins(&source)?;
-        let mut data = Self {
-            path: path.to_owned(),
-            rows,
-            stations: labels.stations,
-            markers: labels.markers,
-            poses: 0,
-            extra_columns: columns.extra.iter().map(|c| names[*c].clone()).collect(),
-            directions_from_order: false,
-            instruments: Vec::new(),
-            known_markers: Vec::new(),
-            base: robot.base.pose(),
-            warnings: Vec::new(),
-        };
+        let extra = columns.extra.iter().map(|c| names[*c].clone()).collect();
+        let mut data = Self { extra_columns: extra, ..Self::bare(path, rows, robot) };
+        data.stations = labels.stations;
+        data.markers = labels.markers;
         if !columns.of_poses() && data.rows.iter().any(|row| row.orientation.is_some()) {
             data.warnings.push(format!(
                 "{}: orientations are not used: state how good they are, measurement_sigma_deg in \
@@ -116,6 +107,23 @@ impl Measurements {
             data.number(robot);
         }
         Ok(data)
+    }
+
+    /// Rows of which nothing else is known.
+    fn bare(path: &Path, rows: Vec<Row>, robot: &Robot) -> Self {
+        Self {
+            path: path.to_owned(),
+            rows,
+            stations: Vec::new(),
+            markers: Vec::new(),
+            poses: 0,
+            extra_columns: Vec::new(),
+            directions_from_order: false,
+            instruments: Vec::new(),
+            known_markers: Vec::new(),
+            base: robot.base.pose(),
+            warnings: Vec::new(),
+        }
     }
 
     /// Where no column says from which side joints came to rest, the order of the

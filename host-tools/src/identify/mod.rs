@@ -132,11 +132,6 @@ pub fn identify(
         Some(folds) => Some(cross_validate(&problem, rule, folds, &found, &tick)?),
         None => None,
     };
-
-    let cross_validation = match folds.len() {
-        n if n == data.poses => format!("leave-one-out over {n} poses"),
-        n => format!("{n} random folds of poses"),
-    };
     let nominal = nominal_state(&problem, &found.robust.kept, &start)?;
     Ok(Findings {
         rule: rule.name(),
@@ -148,9 +143,17 @@ pub fn identify(
         found,
         held_out,
         blocked,
-        cross_validation,
+        cross_validation: folds_in_words(folds.len(), data.poses),
     }
     .summarise())
+}
+
+/// How it was cross-validated.
+fn folds_in_words(folds: usize, poses: usize) -> String {
+    match folds {
+        n if n == poses => format!("leave-one-out over {n} poses"),
+        n => format!("{n} random folds of poses"),
+    }
 }
 
 /// Base and tool registered with nominal links.

@@ -5,15 +5,14 @@ use crate::observations::{KINDS, Measure, equations_of};
 
 /// Measures in the order of [`Noise`].
 const MEASURES: [Measure; 3] = [Measure::Length, Measure::Angle, Measure::Pixel];
-/// Most kinds.
-const KINDS_AT_MOST: usize = 12;
+
 /// By how much the noise of each component of each kind is larger than stated.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise([[f64; 3]; KINDS_AT_MOST]);
+pub struct Noise([[f64; 3]; KINDS.len()]);
 
 impl Default for Noise {
     fn default() -> Self {
-        Self([[1.0; 3]; KINDS_AT_MOST])
+        Self([[1.0; 3]; KINDS.len()])
     }
 }
 

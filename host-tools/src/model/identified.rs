@@ -3,7 +3,8 @@ use serde::{Deserialize, Serialize};
 use truearm::{MdhParameters, Pose};
 
 use super::robot::Robot;
-use crate::model::{ErrorCurve, Instrument, ModelTerm};
+use crate::error::{Error, Kind, Result};
+use crate::model::{ErrorCurve, Instrument, Measurements, ModelTerm};
 
 /// An identified arm: what `identify` writes, `evaluate` scores, `pack` flashes.
 /// SI units.
@@ -75,6 +76,30 @@ pub struct Provenance {
 }
 
 impl Model {
+    /// Whether a row's gravity torques are known where the model's springs and gaps
+    /// need them: from masses, or as every row has read them.
+    ///
+    /// # Errors
+    /// [`Kind::NoTorques`], naming the file of the rows.
+    pub fn loaded(&self, data: &Measurements) -> Result<()> {
+        let needed = |t: &ModelTerm| matches!(t, ModelTerm::Arm(term) if term.needs_load());
+        let weighed = self.robot.gravity.is_some() && !self.robot.links.is_empty();
+        let read = data.rows.iter().all(|row| !row.torques.is_empty());
+        if weighed || read || !self.terms.iter().any(needed) {
+            return Ok(());
+        }
+        Err(Error::data(
+            Kind::NoTorques,
+            format!(
+                "{}: the model's springs were identified from torques that were read, and these rows \
+                 have none",
+                data.path.display()
+            ),
+            "give every row the columns torque1_nm.., or the model's robot gravity and [[links]] \
+             and identify anew",
+        ))
+    }
+
     /// An arm as its drawing has it: no corrections, stations or markers.
     #[must_use]
     pub fn nominal(robot: Robot) -> Self {

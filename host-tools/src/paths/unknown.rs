@@ -21,5 +21,12 @@ pub fn unknown(model: &Model, path: &Path) -> Vec<String> {
             model.robot.reference_temperature
         ));
     }
+    if model.loaded(&path.data).is_err() {
+        out.push(
+            "the model's springs were identified from torques that were read, and it has no masses \
+             to compute them from: its joints are taken as unloaded"
+                .to_owned(),
+        );
+    }
     out
 }

@@ -146,8 +146,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         progress();
         scale = found.scale;
         let members: Vec<&Candidate> = listed(&possible, &found.best.members);
-        let same = members.len() == node.added.len()
-            && members.iter().all(|m| node.added.iter().any(|a| a.terms == m.terms));
+        let same = are(&members, &node.added);
         let added: Vec<Candidate> = members.into_iter().cloned().collect();
         held = lines_of(&added);
         let geometry = whole.geometry(&precision, scale);
@@ -168,7 +167,6 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
             node = fitted(&bent, kept, &state)?;
         }
         if !again && (same || round >= ROUNDS) {
-            let curves = curves.clone();
             drop(sheet);
             return Ok(Searched {
                 best: node,
@@ -260,6 +258,11 @@ fn candidates(
         out.push(numbers.nameless(nameless, tried));
     }
     out
+}
+
+/// Whether these are what a fitted model has.
+fn are(members: &[&Candidate], added: &[Candidate]) -> bool {
+    members.len() == added.len() && members.iter().all(|m| added.iter().any(|a| a.terms == m.terms))
 }
 
 /// Which of the candidates a fitted model has.

@@ -1,0 +1,136 @@
+//! Scoring a model on other data, in the frames of its training or, when asked
+//! for, in frames fitted to that data.
+
+mod frames;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::error::{Error, Kind, Result};
+use crate::identify::components::{KindScore, scores};
+use crate::identify::{Conditions, Predictor, State, View};
+use crate::model::{Measurements, Model};
+use crate::observations::Residual;
+use crate::statistics::{Stats, own_evidence};
+pub use frames::state_on;
+use frames::{registered, with_bases};
+
+/// A file of poses that were not fitted, scored.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Validation {
+    /// The file.
+    pub file: String,
+    /// Rows scored.
+    pub rows: usize,
+    /// `none`, `base` or `base+tool`: what was fitted on this file.
+    pub reregistered: &'static str,
+    /// Rows left out on their own evidence (beyond 10 robust standard
+    /// deviations, at most 1 % of the rows), counted from 1.
+    pub left_out: Vec<usize>,
+    /// Errors of the rows.
+    #[serde(flatten)]
+    pub stats: Stats,
+    /// The same with the rows left out.
+    pub all_rows: Stats,
+    /// RMS with the nominal geometry in the same frames (its own registration
+    /// where the file was registered anew), mm.
+    pub nominal_rms_mm: f64,
+    /// RMS if a base were fitted on this file; `null` where it was.
+    pub base_refitted_rms_mm: Option<f64>,
+    /// Kinds of measurements, each in its own units.
+    pub kinds: Vec<KindScore>,
+    /// Joints with values outside the identified range, counted from 1.
+    pub joints_not_covered: Vec<usize>,
+}
+
+/// What may be fitted on the scored file itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reregister {
+    /// Nothing: its stations and markers are those of the training.
+    #[default]
+    Nothing,
+    /// Each station's base; markers are those of the training.
+    Base,
+    /// Each station's base and each marker.
+    BaseAndTool,
+}
+
+impl Reregister {
+    /// As in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "none",
+            Self::Base => "base",
+            Self::BaseAndTool => "base+tool",
+        }
+    }
+}
+
+/// A reading beyond the covered range by less than this is inside, rad or m.
+const MARGIN: f64 = 0.01;
+
+/// Scores a model.
+///
+/// # Errors
+/// A station or marker the training did not have, naming `--reregister`; springs and
+/// no torques.
+pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Result<Validation> {
+    model.loaded(data)?;
+    let conditions = Conditions::of_model(data, model);
+    let rigid = Conditions::new(data, &model.robot);
+    let state = state_on(model, data, frames)?;
+    let residuals = residuals(data, &conditions, &state);
+    let left_out = own_evidence(&residuals);
+    let kept: Vec<_> =
+        (0..residuals.len()).filter(|i| !left_out.contains(i)).map(|i| residuals[i]).collect();
+    let stats = |r: &[Residual]| {
+        let measured: Vec<Residual> = r.iter().copied().filter(|r| !r.is_empty()).collect();
+        Stats::of(&measured)
+            .ok_or_else(|| Error::data(Kind::NoRows, "no rows to score", "give a file with rows"))
+    };
+    let rms_without = |state: &State, conditions: &Conditions| -> Result<f64> {
+        let all = self::residuals(data, conditions, state);
+        let kept: Vec<_> =
+            (0..all.len()).filter(|i| !left_out.contains(i)).map(|i| all[i]).collect();
+        Ok(stats(&kept)?.rms_mm)
+    };
+    let nominal = registered(model, data, rigid.clone(), model.robot.nominal(), Vec::new())?;
+    let base_refitted = match frames {
+        Reregister::Nothing => {
+            let refitted = with_bases(data, &conditions, model, state.markers.clone());
+            // Too few rows to fit a base are no reason not to score them.
+            refitted.ok().map(|s| rms_without(&s, &conditions)).transpose()?
+        }
+        _ => None,
+    };
+    Ok(Validation {
+        file: data.path.display().to_string(),
+        rows: data.rows.len(),
+        reregistered: frames.name(),
+        left_out: left_out.iter().map(|i| i + 1).collect(),
+        stats: stats(&kept)?,
+        all_rows: stats(&residuals)?,
+        nominal_rms_mm: rms_without(&nominal, &rigid)?,
+        base_refitted_rms_mm: base_refitted,
+        kinds: scores(data, &self::residuals(data, &rigid, &nominal), &residuals),
+        joints_not_covered: not_covered(model, data),
+    })
+}
+
+/// Measured minus predicted of every row, SI.
+#[must_use]
+pub fn residuals(data: &Measurements, conditions: &Conditions, state: &State) -> Vec<Residual> {
+    let view = View { model: &Predictor::new(state), data, conditions };
+    (0..data.rows.len()).map(|row| Residual::of(row, &view)).collect()
+}
+
+/// Joints, counted from 1, with readings outside the range of the identification.
+#[must_use]
+pub fn not_covered(model: &Model, data: &Measurements) -> Vec<usize> {
+    let outside = |j: &usize| {
+        let Some([low, high]) = model.covered[*j] else { return true };
+        data.rows.iter().any(|r| r.q[*j] < low - MARGIN || r.q[*j] > high + MARGIN)
+    };
+    (0..model.covered.len()).filter(outside).map(|j| j + 1).collect()
+}

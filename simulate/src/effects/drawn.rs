@@ -1,0 +1,108 @@
+//! Where an effect sits and how it is turned, at random.
+
+use nalgebra::Vector3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use truearm::JointKind;
+
+use super::Kind;
+use crate::body::{Body, Moment, loaded};
+use crate::{Robot, vector};
+
+/// A kind by its name, at a random place.
+///
+/// # Panics
+/// With a name that is not one.
+pub fn drawn(
+    name: &str,
+    robot: &Robot,
+    body: &Body,
+    poses: &[Moment],
+    rng: &mut ChaCha8Rng,
+) -> Kind {
+    let revolute: Vec<usize> =
+        (0..body.kinds.len()).filter(|j| body.kinds[*j] == JointKind::Revolute).collect();
+    let joint = revolute[rng.random_range(0..revolute.len())];
+    let phase = rng.random_range(0.0..std::f64::consts::TAU);
+    match name {
+        "joint-compliance" | "joint-stiffening" => {
+            let loaded: Vec<usize> =
+                revolute.into_iter().filter(|j| loaded(*j, robot, body, poses)).collect();
+            spring(name, loaded[rng.random_range(0..loaded.len())])
+        }
+        "base-compliance" => Kind::BaseCompliance { ratio: rng.random_range(0.5..2.0) },
+        "encoder-eccentricity" => Kind::EncoderEccentricity { joint, phase },
+        "gear-transmission-error" => {
+            Kind::GearTransmissionError { joint, phases: [phase, phase * 3.7] }
+        }
+        "joint-gain" => Kind::JointGain { joint },
+        "joint-coupling" => loop {
+            let source = revolute[rng.random_range(0..revolute.len())];
+            if source != joint {
+                return Kind::JointCoupling { source, joint };
+            }
+        },
+        "backlash" => {
+            let largest = poses.iter().map(|m| body.torque(m, joint).abs()).fold(0.0_f64, f64::max);
+            // Friction is made for the load; what an unloaded joint carries by
+            // accident never overcomes it.
+            let range = if loaded(joint, robot, body, poses) { 0.2..1.2 } else { 2.0..4.0 };
+            Kind::Backlash { joint, friction: largest * rng.random_range(range) }
+        }
+        "readout-lag" => Kind::ReadoutLag { joint },
+        "thermal-expansion" => Kind::ThermalExpansion,
+        "tool-remount" => Kind::ToolRemount { direction: vector(rng).normalize() },
+        "measurement-drift" => Kind::MeasurementDrift {
+            shift: vector(rng).normalize(),
+            turn: Vector3::normalize(&vector(rng)),
+        },
+        "joint-periodic-error" => {
+            let ratio = robot.joints[joint].gear_ratio.unwrap_or(0.0);
+            Kind::JointPeriodicError { joint, order: order(ratio, rng), phase }
+        }
+        "outliers" => Kind::Outliers,
+        // Once a turn would be an axis out of square: geometry.
+        "bearing wobble" => wobble(&revolute, phase, rng),
+        "quadratic link bending" => bending(robot, rng),
+        "memory of the last pose" => Kind::Memory { joint },
+        other => panic!("{other} is no effect"),
+    }
+}
+
+/// A joint's spring, linear or not.
+fn spring(name: &str, joint: usize) -> Kind {
+    match name {
+        "joint-stiffening" => Kind::JointStiffening { joint },
+        _ => Kind::JointCompliance { joint },
+    }
+}
+
+/// Cycles a turn, whole or not, not where a gear that errs once an input turn
+/// would be.
+fn order(ratio: f64, rng: &mut ChaCha8Rng) -> f64 {
+    loop {
+        let order: f64 = rng.random_range(3.0..60.0);
+        let order = if rng.random_bool(0.5) { order.round() } else { order };
+        if (order - ratio).abs() > 2.0 {
+            return order;
+        }
+    }
+}
+
+/// A link that bends; about the next joint's own axis it would be that joint's
+/// stiffening.
+fn bending(robot: &Robot, rng: &mut ChaCha8Rng) -> Kind {
+    loop {
+        let (joint, axis) = (rng.random_range(1..4), rng.random_range(0..2));
+        if axis == 0 || robot.joints[joint + 1].link[0].sin().abs() < 0.5 {
+            return Kind::LinkBending { joint, axis };
+        }
+    }
+}
+
+/// Not at the last axis: it moves a single marker as an eccentric encoder does,
+/// and no data of one marker could tell them apart.
+fn wobble(revolute: &[usize], phase: f64, rng: &mut ChaCha8Rng) -> Kind {
+    let joint = revolute[rng.random_range(0..revolute.len() - 1)];
+    Kind::BearingWobble { joint, order: f64::from(rng.random_range(2..=4)), phase }
+}
