@@ -30,6 +30,7 @@ use crate::identify::{
 use crate::model::{ErrorCurve, Measurements, Model, Robot};
 use crate::observations::{Residual, kind, points_only};
 use crate::statistics::Stats;
+use moments::Moments;
 use node::Node;
 use policy::POLICY;
 use question::Question;
@@ -113,6 +114,8 @@ fn diagnosed(
     let start = register(data, &problem.nominal, robot.tool)?;
     let (offered, not_testable) = candidates::all(&problem, robot);
     let folds = folds::random(data, &rows, folds::SEED);
+    // Torques that were read need no masses.
+    let moments = (!read).then(|| Moments::of(robot, assumed.is_some())).flatten();
     let mut question = Question {
         problem: &problem,
         offered: &offered,
@@ -120,6 +123,7 @@ fn diagnosed(
         flags: Flags { lambda: 1.0, gross: POLICY.gross, crowd },
         rows: &rows,
         folds: &folds,
+        moments: moments.as_ref(),
         most_terms: options.most_terms,
     };
     progress("geometry");
@@ -127,18 +131,9 @@ fn diagnosed(
     question.flags.lambda = believable_lambda(&problem, &first);
     let root = node::geometry(&question, &first.fit.fit.state)?;
     progress("weighing effects");
-    let mut weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
-    // Masses that were assumed gave a first answer: moments that suit it give another.
-    let adapted = assumed.as_ref().map(|_| moments::adapted(&question, robot, &weighed.best));
-    let adapted = adapted.transpose()?.flatten();
-    let (reloaded, reoffered);
-    if let Some(robot) = &adapted {
-        reloaded = moments::loaded_by(&problem, robot);
-        reoffered = candidates::all(&reloaded, robot).0;
-        question = Question { problem: &reloaded, offered: &reoffered, ..question };
-        weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
-    }
-    let robot = adapted.as_ref().unwrap_or(robot);
+    let weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
+    let loaded = weighed.moments.as_ref().and_then(Moments::robot);
+    let robot = loaded.as_ref().unwrap_or(robot);
     progress("held-out poses");
     // What is fitted and judged from here on has the noise that was found.
     let heard = data.with_noise(weighed.scale);

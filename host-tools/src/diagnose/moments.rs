@@ -1,131 +1,158 @@
-//! Gravity torques of an arm that nobody weighed: the first moments of its links,
-//! found together with the springs that they bend.
+//! Gravity torques of an arm whose masses nobody knows exactly: the first moments
+//! of its links, found together with the springs that they bend.
 //!
-//! Assumed masses give torques of about the right shape. Where springs were found
-//! with them, what is left has the shape of what the masses were wrong by: a
-//! torque is linear in the first moments of all that follows the joint, so that
-//! they are unknowns of the fit like any other, held near what was assumed. Their
-//! common size is known from that alone: the springs' coefficients take it up.
+//! A torque is linear in the masses and first moments of all that follows the joint.
+//! Where springs are in a model, they are unknowns like those of geometry, held
+//! near what was stated, or assumed: what springs of the right joints leave with
+//! masses that are a tenth off would otherwise get names of its own. Their common
+//! size is known from the prior alone: the springs' coefficients take it up.
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::Vector3;
 use truearm::effects::{Effect, Term};
 
-use super::candidates::Candidate;
-use super::node::{Node, fitted};
-use super::question::Question;
-use crate::error::Result;
-use crate::identify::{Conditions, Problem, Surroundings, Unknown};
+use crate::diagnose::policy::POLICY;
+use crate::identify::{Problem, State, Surroundings};
 use crate::model::arm::{Derivatives, RowInputs};
-use crate::model::{ModelTerm, Robot};
+use crate::model::{LinkMass, ModelTerm, Robot};
 
-/// Rounds of fitting springs and moments in turn.
-const ROUNDS: usize = 4;
-/// Prior of a moment about what was assumed, over the sum of all of them: at 1 an
-/// eccentricity of joint 2 took up what was left of a shipped set's moments.
-const SHARE: f64 = 2.0;
-/// Precision that keeps unknowns without a prior where they are, in units.
-const HELD: f64 = 1e-8;
-
-/// The same problem with the loads of a robot.
-#[must_use]
-pub fn loaded_by<'a>(problem: &Problem<'a>, robot: &Robot) -> Problem<'a> {
-    let conditions = Arc::new(Conditions::new(problem.data, robot));
-    Problem { conditions, ..problem.clone() }
+/// Masses and moments about x and y of each link, and how well they are known.
+#[derive(Debug, Clone)]
+pub struct Moments {
+    /// As stated or assumed.
+    stated: Robot,
+    /// Nothing but the direction of gravity was stated.
+    assumed: bool,
+    /// Standard deviation of each, [`OF_A_LINK`] a link: kg m about x, about y, kg.
+    units: Vec<f64>,
+    /// What was found beyond what was stated, in units.
+    found: Vec<f64>,
 }
 
-/// The robot with the moments of its links fitted beside the springs of a model;
-/// `None` where the model has none.
-///
-/// # Errors
-/// When a fit does not converge.
-pub fn adapted(q: &Question, robot: &Robot, found: &Node) -> Result<Option<Robot>> {
-    let springs = |c: &&Candidate| {
-        [Effect::JointCompliance, Effect::BaseCompliance].iter().any(|e| e.name() == c.name())
-    };
-    let springs: Vec<Candidate> = found.added.iter().filter(springs).cloned().collect();
-    if springs.is_empty() {
-        return Ok(None);
+/// Unknowns of a link.
+const OF_A_LINK: usize = 3;
+/// No mass is found to be less than this share of what was stated.
+const LEAST_MASS: f64 = 0.1;
+
+impl Moments {
+    /// Of a robot with masses, stated or only assumed; `None` without.
+    #[must_use]
+    pub fn of(robot: &Robot, assumed: bool) -> Option<Self> {
+        let moment = |l: &LinkMass| l.mass * l.com.norm();
+        let all: f64 = robot.links.iter().map(moment).sum();
+        let unit = |link: &LinkMass| match assumed {
+            // What is common to all is the spring's.
+            true => [POLICY.assumed_moments * all, POLICY.assumed_moments * all, 0.0],
+            false => [moment(link), moment(link), link.mass].map(|x| POLICY.stated_masses * x),
+        };
+        let units: Vec<f64> = robot.links.iter().flat_map(unit).collect();
+        let known = robot.gravity.is_some() && all > 0.0;
+        let found = vec![0.0; units.len()];
+        known.then(|| Self { stated: robot.clone(), assumed, units, found })
     }
-    let assumed = robot;
-    let mut robot = robot.clone();
-    let mut state = found.fit.fit.state.clone();
-    for _ in 0..ROUNDS {
-        let problem = loaded_by(q.problem, &robot);
-        let node = fitted(&Question { problem: &problem, ..*q }, springs.clone(), &state)?;
-        let step = step(&problem, [assumed, &robot], &node, q.flags.lambda);
-        state = node.fit.fit.state;
-        let Some(step) = step else { break };
-        for (link, moment) in robot.links.iter_mut().zip(step.chunks_exact(2)) {
-            link.com.x += moment[0] / link.mass;
-            link.com.y += moment[1] / link.mass;
+
+    /// Whether masses were only assumed.
+    #[must_use]
+    pub fn are_assumed(&self) -> bool {
+        self.assumed
+    }
+
+    /// The robot with the moments that were found; `None` where they are as stated.
+    #[must_use]
+    pub fn robot(&self) -> Option<Robot> {
+        if self.found.iter().all(|m| *m == 0.0) {
+            return None;
         }
+        let mut robot = self.with(&self.found);
+        robot.warnings.push(format!(
+            "{}: the masses of its links were fitted beside the springs",
+            robot.path.display()
+        ));
+        Some(robot)
     }
-    robot.warnings.push(format!(
-        "{}: the first moments of its links were fitted beside the springs",
-        robot.path.display()
-    ));
-    Ok(Some(robot))
+
+    fn with(&self, found: &[f64]) -> Robot {
+        let mut robot = self.stated.clone();
+        let more: Vec<f64> = found.iter().zip(&self.units).map(|(m, unit)| m * unit).collect();
+        for (link, more) in robot.links.iter_mut().zip(more.chunks_exact(OF_A_LINK)) {
+            if link.mass > 0.0 {
+                link.mass = (link.mass + more[2]).max(LEAST_MASS * link.mass);
+                link.com.x += more[0] / link.mass;
+                link.com.y += more[1] / link.mass;
+            }
+        }
+        robot
+    }
+
+    /// A problem at the loads that were found.
+    #[must_use]
+    pub fn loaded<'a>(&self, problem: &Problem<'a>) -> Problem<'a> {
+        let Some(robot) = self.robot() else { return problem.clone() };
+        let conditions = (*problem.conditions).clone().with_loads(problem.data, &robot);
+        Problem { conditions: Arc::new(conditions), ..problem.clone() }
+    }
+
+    /// How the moments bend the springs of a state; `None` where it has none.
+    #[must_use]
+    pub fn bending(&self, state: &State) -> Option<Bending> {
+        let linear = |t: &Term<f64>| {
+            matches!(t.effect, Effect::JointCompliance | Effect::BaseCompliance)
+                && t.coefficient != 0.0
+        };
+        let springs: Vec<_> = state.terms.iter().filter_map(of_arm).filter(linear).collect();
+        if springs.is_empty() {
+            return None;
+        }
+        let more = |k: usize| {
+            let mut units = self.found.clone();
+            units[k] += 1.0;
+            Surroundings::new(&self.with(&units))
+        };
+        let loads = (0..self.found.len()).map(more).collect();
+        Some(Bending { springs, loads, found: self.found.clone() })
+    }
+
+    /// With what was found in units, nothing where no spring bends; whether any
+    /// moved by a tenth of its unit.
+    pub fn find(&mut self, found: &[f64]) -> bool {
+        let found = if found.is_empty() { vec![0.0; self.found.len()] } else { found.to_vec() };
+        let old = std::mem::replace(&mut self.found, found);
+        old.iter().zip(&self.found).any(|(old, new)| (old - new).abs() > 0.1)
+    }
 }
 
-/// What to add to the moments about x and y of each link, kg m, that are held near
-/// those of the first robot.
-fn step(
-    problem: &Problem,
-    [assumed, robot]: [&Robot; 2],
-    node: &Node,
-    lambda: f64,
-) -> Option<Vec<f64>> {
-    let terms: Vec<Term<f64>> = node.fit.fit.state.terms.iter().filter_map(of_arm).collect();
-    let problem = problem.with_terms(node.fit.fit.state.terms.len());
-    let turned = turned(&problem, robot);
-    let at = problem.linearise(&node.fit.fit.state);
-    let beside = |row: usize, d: &Derivatives| {
-        let q = &problem.data.rows[row].q;
-        let here = &problem.conditions.rows[row];
-        let column = |there: &Vec<RowInputs>| {
+/// How a state's springs bend with the moments.
+pub struct Bending {
+    springs: Vec<Term<f64>>,
+    /// With one more unit of each.
+    loads: Vec<Surroundings>,
+    /// What the state has, in units.
+    found: Vec<f64>,
+}
+
+impl Bending {
+    /// What the state has of each moment, in units.
+    #[must_use]
+    pub fn found(&self) -> &[f64] {
+        &self.found
+    }
+
+    /// How the target of a row moves with a unit of each moment, m.
+    #[must_use]
+    pub fn columns(&self, problem: &Problem, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
+        let row = &problem.data.rows[index];
+        let here = &problem.conditions.rows[index];
+        let column = |loads: &Surroundings| {
+            let there: RowInputs = loads.inputs(row, &row.q);
             let of = |term: &Term<f64>| {
-                let by = there[row].basis(q, term) - here.basis(q, term);
+                let by = there.basis(&row.q, term) - here.basis(&row.q, term);
                 d.column(term, by, &problem.nominal) * term.coefficient
             };
-            terms.iter().map(of).sum()
+            self.springs.iter().map(of).sum()
         };
-        turned.iter().map(column).collect()
-    };
-    let unknowns = problem.unknowns.list();
-    let (p, all) = (unknowns.len(), unknowns.len() + turned.len());
-    let mut h = DMatrix::<f64>::zeros(all, all);
-    let mut g = DVector::<f64>::zeros(all);
-    for row in &node.fit.kept {
-        let e = at.equations_beside(*row, &beside);
-        h += e.block.tr_mul(&e.block);
-        g += e.block.tr_mul(&DVector::from_column_slice(&e.rhs));
+        self.loads.iter().map(column).collect()
     }
-    let size: f64 = assumed.links.iter().map(|l| l.mass * l.com.norm()).sum();
-    let precision = (SHARE * size).powi(-2);
-    for k in 0..p {
-        h[(k, k)] += if matches!(unknowns[k], Unknown::Link(..)) { lambda } else { HELD };
-    }
-    for k in 0..turned.len() {
-        let of = |robot: &Robot| robot.links[k / 2].mass * robot.links[k / 2].com[k % 2];
-        h[(p + k, p + k)] += precision;
-        g[p + k] -= precision * (of(robot) - of(assumed));
-    }
-    let solved = h.cholesky()?.solve(&g);
-    Some(solved.rows(p, turned.len()).iter().copied().collect())
-}
-
-/// What every row is like with one more kg m about x and y of each link.
-fn turned(problem: &Problem, robot: &Robot) -> Vec<Vec<RowInputs>> {
-    let of = |k: usize| {
-        let mut other = robot.clone();
-        let link = &mut other.links[k / 2];
-        link.com[k % 2] += 1.0 / link.mass;
-        let loads = Surroundings::new(&other);
-        problem.data.rows.iter().map(|row| loads.inputs(row, &row.q)).collect()
-    };
-    (0..2 * robot.links.len()).map(of).collect()
 }
 
 fn of_arm(term: &ModelTerm) -> Option<Term<f64>> {

@@ -1,6 +1,7 @@
 //! What a diagnosis asks.
 
 use super::candidates::Candidate;
+use super::moments::Moments;
 use crate::identify::Problem;
 use crate::identify::folds::Fold;
 use crate::identify::robust::Flags;
@@ -20,6 +21,8 @@ pub struct Question<'a> {
     pub rows: &'a [usize],
     /// Folds of the nested cross-validation.
     pub folds: &'a [Fold],
+    /// First moments of the links, where gravity bends springs.
+    pub moments: Option<&'a Moments>,
     /// Most terms of the arm that the model may have.
     pub most_terms: usize,
 }

@@ -122,6 +122,17 @@ impl Conditions {
         Self::new(data, &model.robot).with_curves(data, &model.curves)
     }
 
+    /// The same with gravity at the masses of another robot.
+    #[must_use]
+    pub fn with_loads(mut self, data: &Measurements, robot: &Robot) -> Self {
+        let surroundings = Surroundings::new(robot);
+        for (inputs, row) in self.rows.iter_mut().zip(&data.rows) {
+            let RowInputs { torque, moment, .. } = surroundings.inputs(row, &row.q);
+            (inputs.torque, inputs.moment) = (torque, moment);
+        }
+        self
+    }
+
     /// The same with these curves, at the joint values of these measurements.
     #[must_use]
     pub fn with_curves(mut self, data: &Measurements, curves: &[ErrorCurve]) -> Self {

@@ -2,6 +2,7 @@
 
 use super::nameless::Nameless;
 use crate::diagnose::candidates::Candidate;
+use crate::diagnose::moments::Moments;
 use crate::diagnose::node::Node;
 use crate::model::ErrorCurve;
 use crate::observations::Residual;
@@ -37,6 +38,8 @@ pub struct Weighed {
     pub scale: f64,
     /// Held-out residuals, everything decided anew in each fold.
     pub nested: Vec<Option<Residual>>,
+    /// Moments of the links that go with its springs.
+    pub moments: Option<Moments>,
     /// Error curves of joints, and what each is worth.
     pub curves: Vec<Curved>,
     /// Where there are curves: the way from curves alone to the best model.

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::possible::{Possible, columns_of};
 use super::sheet::{Sheet, Solution};
 use crate::diagnose::question::Question;
-use crate::evidence::{Coefficient, Effort, Explanation, Geometry, Gram, Subsets};
+use crate::evidence::{Coefficient, Effort, Explanation, Geometry, Gram, Subset, Subsets};
 use crate::model::ErrorCurve;
 
 /// How far the search goes: arms with random-like gear curves take many lines.
@@ -52,7 +52,19 @@ impl Explained<'_, '_> {
     /// The most probable model's coefficients as those of all columns.
     #[must_use]
     pub fn solution(&self, gram: &Gram, geometry: &Geometry, found: &Explanation) -> Solution {
-        let each = found.best.members.iter().zip(&found.coefficients);
+        self.of_subset(gram, geometry, &found.best, &found.coefficients)
+    }
+
+    /// The coefficients of a subset as those of all columns.
+    #[must_use]
+    pub fn of_subset(
+        &self,
+        gram: &Gram,
+        geometry: &Geometry,
+        subset: &Subset,
+        coefficients: &[Vec<Coefficient>],
+    ) -> Solution {
+        let each = subset.members.iter().zip(coefficients);
         let values = each.map(|(m, c)| (*m, c.iter().map(|c| c.value).collect()));
         self.spread(gram, geometry, values.collect())
     }

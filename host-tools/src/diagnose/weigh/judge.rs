@@ -57,6 +57,7 @@ pub fn answer(
         rivals: rivals(of, found),
         scale: found.scale,
         nested,
+        moments: None,
         curves: Vec::new(),
         stages: Vec::new(),
     }

@@ -16,11 +16,13 @@ mod possible;
 pub mod scan;
 mod sheet;
 pub mod slips;
+mod sprung;
 mod weights;
 
 use std::sync::Arc;
 
 use super::candidates::Candidate;
+use super::moments::Moments;
 use super::node::{Node, fitted};
 use super::policy::POLICY;
 use super::question::Question;
@@ -37,6 +39,7 @@ use parts::{Parts, joined};
 use possible::{Numbers, Possible, listed, revolute};
 use sheet::Sheet;
 pub use sheet::Weights;
+use sprung::sprung;
 
 /// Rounds of linearising and weighing.
 const ROUNDS: usize = 4;
@@ -50,9 +53,13 @@ const REFUSALS: usize = 4;
 /// # Errors
 /// When a fit does not converge.
 pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> {
-    let start = Start::at(root);
-    let plain = search(q, start, FIRST, progress)?;
-    let curves = plain.curves_wanted(q, q.problem);
+    let mut plain = search(q, Start::at(q, root), FIRST, progress)?;
+    let found = (&plain.best.added[..], &plain.best.fit.fit.state);
+    if let Some((node, moments)) = sprung(q, found, &plain.weights, plain.found.scale)? {
+        let start = Start { moments: Some(moments), ..Start::at(q, &node) };
+        plain = search(q, start, FIRST, progress)?;
+    }
+    let curves = plain.curves_wanted(q, &bent(q.problem, plain.moments.as_ref(), &[]));
     if curves.is_empty() {
         let found = match plain.found.best.members.len() < FIRST.members {
             true => plain,
@@ -62,11 +69,12 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
         return found.judged(q);
     }
     let (scale, refused) = (plain.found.scale, plain.refused);
-    let start = Start { curves, scale, refused, ..Start::at(root) };
+    let moments = plain.moments.clone();
+    let start = Start { curves, scale, refused, moments, ..Start::at(q, root) };
     let first = search(q, start, FIRST, progress)?;
     // At the noise that is left now, lengths and sizes are told better.
-    let bent = with_curves(q.problem, &first.tables);
-    let curves = first.curves_wanted(q, &bent);
+    let problem = bent(q.problem, first.moments.as_ref(), &first.tables);
+    let curves = first.curves_wanted(q, &problem);
     let mut again = Start { curves, ..first.again() };
     // A curve that is no longer wanted must not stay in what is predicted.
     again.tables.retain(|t| again.curves.iter().any(|c| c.joint == usize::from(t.joint())));
@@ -82,17 +90,19 @@ struct Start {
     scale: f64,
     /// What physics refused.
     refused: Vec<Candidate>,
+    moments: Option<Moments>,
 }
 
 impl Start {
     /// At a fit of which nothing else is known.
-    fn at(root: &Node) -> Self {
+    fn at(q: &Question, root: &Node) -> Self {
         Self {
             node: root.clone(),
             curves: Vec::new(),
             tables: Vec::new(),
             scale: 0.0,
             refused: Vec::new(),
+            moments: q.moments.cloned(),
         }
     }
 }
@@ -102,9 +112,11 @@ struct Searched {
     best: Node,
     curves: Vec<Curve>,
     tables: Vec<ErrorCurve>,
-    /// State and tables that it was weighed at.
+    moments: Option<Moments>,
+    /// State, tables and moments that it was weighed at.
     state: State,
     held: Vec<ErrorCurve>,
+    held_moments: Option<Moments>,
     rows: Vec<usize>,
     possible: Vec<Possible>,
     weights: Weights,
@@ -122,22 +134,33 @@ pub fn with_curves<'a>(problem: &Problem<'a>, tables: &[ErrorCurve]) -> Problem<
     Problem { conditions: Arc::new(conditions), ..problem.clone() }
 }
 
+/// The same at the loads that were found.
+fn bent<'a>(
+    problem: &Problem<'a>,
+    moments: Option<&Moments>,
+    tables: &[ErrorCurve],
+) -> Problem<'a> {
+    let loaded = moments.map(|m| m.loaded(problem));
+    with_curves(loaded.as_ref().unwrap_or(problem), tables)
+}
+
 /// Rounds of linearising, weighing and fitting until nothing changes.
 fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Result<Searched> {
-    let Start { mut node, curves, mut tables, mut scale, mut refused } = start;
+    let Start { mut node, curves, mut tables, mut scale, mut refused, mut moments } = start;
     let lambda = q.flags.lambda;
     let mut held = lines_of(&node.added);
     let mut round = 0;
     loop {
         round += 1;
-        let problem = with_curves(q.problem, &tables);
+        let problem = bent(q.problem, moments.as_ref(), &tables);
         let asked = Question { problem: &problem, ..*q };
         let (state, rows) = (node.fit.fit.state.clone(), node.fit.kept.clone());
         let weights = weights::after(&problem, &node);
         let mut possible = candidates(&asked, &node, &weights, (lambda, scale), (&held, &refused));
         let barred = |p: &Possible| p.is(&refused) || lags::is_refused(p, &refused);
         possible.retain(|p| !barred(p) && !p.is_within(&curves));
-        let sheet = Sheet::new(&problem, &state, &possible, &weights, &curves);
+        let bending = moments.as_ref().and_then(|m| m.bending(&state));
+        let sheet = Sheet::new(&problem, &state, &possible, &weights, &curves).bending(bending);
         let precision = sheet.precision(lambda);
         let whole = sheet.gram(&rows);
         let entries: Vec<_> = possible.iter().map(|p| p.entry.clone()).collect();
@@ -152,11 +175,14 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let geometry = whole.geometry(&precision, scale);
         let explained = Explained { q, possible: &possible, sheet: &sheet, precision: &precision };
         let solution = explained.solution(&whole, &geometry, &found);
-        let before = std::mem::replace(&mut tables, sheet.tables(&solution, &geometry));
-        let problem = with_curves(q.problem, &tables);
-        let bent = Question { problem: &problem, ..*q };
-        if !(same && curves.is_empty()) {
-            node = fitted(&bent, added, &state)?;
+        let held_tables = std::mem::replace(&mut tables, sheet.tables(&solution, &geometry));
+        let held_moments = moments.clone();
+        let found_moments = sheet.moments(&solution);
+        let moved = moments.as_mut().is_some_and(|moments| moments.find(found_moments));
+        let problem = bent(q.problem, moments.as_ref(), &tables);
+        let asked = Question { problem: &problem, ..*q };
+        if !same || !curves.is_empty() || !found_moments.is_empty() {
+            node = fitted(&asked, added, &state)?;
         }
         let bad = node.implausible();
         let again = !bad.is_empty() && round < ROUNDS + REFUSALS;
@@ -164,16 +190,18 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
             let kept = node.added.iter().filter(|c| !bad.contains(c)).cloned().collect();
             found.leave_out(|m| possible[m].is(&bad));
             refused.extend(bad);
-            node = fitted(&bent, kept, &state)?;
+            node = fitted(&asked, kept, &state)?;
         }
-        if !again && (same || round >= ROUNDS) {
+        if !again && (same && !moved || round >= ROUNDS) {
             drop(sheet);
             return Ok(Searched {
                 best: node,
                 curves,
                 tables,
+                moments,
                 state,
-                held: before,
+                held: held_tables,
+                held_moments,
                 rows,
                 possible,
                 weights,
@@ -193,6 +221,7 @@ impl Searched {
             tables: self.tables.clone(),
             scale: self.found.scale,
             refused: self.refused.clone(),
+            moments: self.moments.clone(),
         }
     }
 
@@ -207,9 +236,11 @@ impl Searched {
 
     /// The answer.
     fn judged(self, q: &Question) -> Result<Weighed> {
-        let problem = with_curves(q.problem, &self.held);
+        let problem = bent(q.problem, self.held_moments.as_ref(), &self.held);
         let asked = Question { problem: &problem, ..*q };
-        let sheet = Sheet::new(&problem, &self.state, &self.possible, &self.weights, &self.curves);
+        let bending = self.held_moments.as_ref().and_then(|m| m.bending(&self.state));
+        let sheet = Sheet::new(&problem, &self.state, &self.possible, &self.weights, &self.curves)
+            .bending(bending);
         let precision = sheet.precision(q.flags.lambda);
         let parts = Parts::new(&asked, &self.rows);
         let grams = sheet.grams(&parts.rows);
@@ -220,11 +251,12 @@ impl Searched {
         let best = match within.len() == self.best.added.len() {
             true => self.best,
             false => {
-                let problem = with_curves(q.problem, &self.tables);
+                let problem = bent(q.problem, self.moments.as_ref(), &self.tables);
                 fitted(&Question { problem: &problem, ..*q }, within, &self.state)?
             }
         };
         let mut answer = judge::answer(&all, best, &self.found, &parts, &grams);
+        answer.moments = self.moments;
         if !self.curves.is_empty() {
             let from = curved::From { all: &all, found: &self.found, parts: &parts, grams: &grams };
             answer.stages = curved::stages(&from);

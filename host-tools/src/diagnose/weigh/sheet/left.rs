@@ -17,13 +17,14 @@ impl Sheet<'_> {
 
     fn left_of(&self, index: usize, solution: &Solution) -> Residual {
         let used = |i: usize, d: &Derivatives| {
-            let mut all = self.of_joints(d);
+            let mut all = self.of_geometry(i, d);
             all.push(self.shift(i, d, solution));
             all
         };
         let e = self.at.equations_beside(index, &used);
         let p = self.unknowns();
         let mut imitated = e.block.columns(0, p) * solution.geometry.rows(0, p);
+        imitated -= self.of_moments(&e);
         imitated -= e.block.column(p + self.curves.len());
         let mut first = p;
         for (i, curve) in self.curves.iter().enumerate() {

@@ -10,11 +10,12 @@ use truearm::LinkParameter;
 
 use super::curves::{self, Curve};
 use super::possible::{Possible, columns_of};
+use crate::diagnose::moments::Bending;
 use crate::diagnose::policy::POLICY;
 use crate::evidence::poses::{whiten, within};
 use crate::evidence::{self, Gram};
 use crate::identify::accumulate::tree;
-use crate::identify::{Linearised, Problem, State, Unknown};
+use crate::identify::{Equations, Linearised, Problem, State, Unknown};
 use crate::model::arm::Derivatives;
 use crate::model::{ErrorCurve, Values};
 
@@ -43,6 +44,8 @@ pub struct Sheet<'a> {
     held: DVector<f64>,
     weights: &'a Weights,
     curves: &'a [Curve],
+    /// What the moments of links bend, a part of geometry.
+    bending: Option<Bending>,
     /// Curves are candidates of their own, behind the others, instead of geometry.
     apart: bool,
 }
@@ -84,8 +87,15 @@ impl<'a> Sheet<'a> {
             possible,
             weights,
             curves,
+            bending: None,
             apart: false,
         }
+    }
+
+    /// The same where moments of links bend springs.
+    #[must_use]
+    pub fn bending(self, bending: Option<Bending>) -> Self {
+        Self { bending, ..self }
     }
 
     /// The same with the columns of its curves behind those of the candidates.
@@ -94,9 +104,21 @@ impl<'a> Sheet<'a> {
         Self { apart: true, ..self }
     }
 
-    /// Unknowns of geometry without curves.
+    /// Unknowns of geometry without curves: those of the problem, then moments.
     fn unknowns(&self) -> usize {
-        self.problem.unknowns.list().len()
+        self.problem.unknowns.list().len() + self.held_moments().len()
+    }
+
+    /// Moments of the state, in units; none where nothing bends.
+    fn held_moments(&self) -> &[f64] {
+        self.bending.as_ref().map_or(&[], Bending::found)
+    }
+
+    /// The moments of a solution, in units.
+    #[must_use]
+    pub fn moments<'s>(&self, solution: &'s Solution) -> &'s [f64] {
+        let own = self.problem.unknowns.list().len()..self.unknowns();
+        &solution.geometry.as_slice()[own]
     }
 
     /// Diagonal of geometry's prior: tolerances of links, 10 m of a base, 1 m of
@@ -114,9 +136,10 @@ impl<'a> Sheet<'a> {
             }
         };
         let rigid = unknowns.list().iter().enumerate().map(of);
+        let moments = self.held_moments().iter().map(|_| 1.0);
         let curves = self.curves.iter().filter(|_| !self.apart);
         let curves = curves.flat_map(|c| c.prior.variances()).map(|v| 1.0 / v);
-        let all: Vec<f64> = rigid.chain(curves).collect();
+        let all: Vec<f64> = rigid.chain(moments).chain(curves).collect();
         DVector::from_vec(all)
     }
 
@@ -199,7 +222,7 @@ impl<'a> Sheet<'a> {
     /// `[G, Z, y]` of a row, its curves where they belong, and its residual.
     fn part(&self, index: usize) -> (DMatrix<f64>, Values) {
         let e = self.at.equations_beside(index, &|i, d| {
-            let mut all = self.of_joints(d);
+            let mut all = self.of_geometry(i, d);
             all.extend(self.beside(i, d));
             all
         });
@@ -209,7 +232,7 @@ impl<'a> Sheet<'a> {
         let mut part = DMatrix::zeros(e.block.nrows(), p + k + curves + 1);
         part.columns_mut(0, p).copy_from(&e.block.columns(0, p));
         part.columns_mut(candidates, k).copy_from(&e.block.columns(p + c, k));
-        let mut y = e.block.columns(p + c, k) * &self.held;
+        let mut y = e.block.columns(p + c, k) * &self.held + self.of_moments(&e);
         let row = &self.problem.data.rows[index];
         for (i, curve) in self.curves.iter().enumerate() {
             let column = e.block.column(p + i);
@@ -231,10 +254,19 @@ impl<'a> Sheet<'a> {
         curves.get(curve.joint).copied().unwrap_or(0.0)
     }
 
-    /// Columns of the joints that have a curve.
-    fn of_joints(&self, d: &Derivatives) -> Vec<Vector3<f64>> {
+    /// What the moments of the state do in a row's equations.
+    fn of_moments(&self, e: &Equations) -> DVector<f64> {
+        let held = DVector::from_column_slice(self.held_moments());
+        e.block.columns(self.unknowns() - held.len(), held.len()) * held
+    }
+
+    /// Columns of moments, then of the joints that have a curve.
+    fn of_geometry(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
         let of = |c: &Curve| *d.links[c.joint].joint(self.problem.nominal[c.joint].kind);
-        self.curves.iter().map(of).collect()
+        let bending = self.bending.as_ref();
+        let mut all = bending.map_or(Vec::new(), |b| b.columns(self.problem, index, d));
+        all.extend(self.curves.iter().map(of));
+        all
     }
 
     /// Unknowns of geometry, curves among them, and columns of candidates.
