@@ -95,7 +95,10 @@ fn the_host_predicts_with_the_curves() {
     let with = evaluate(&model, &data, Reregister::Nothing).unwrap();
     let without = evaluate(&Model { curves: Vec::new(), ..model }, &data, Reregister::Nothing);
     let without = without.unwrap();
-    assert!(with.stats.mean_mm > without.stats.mean_mm + 0.05, "{with:?} {without:?}");
+    assert!(
+        with.stats.unwrap().mean_mm > without.stats.unwrap().mean_mm + 0.05,
+        "{with:?} {without:?}"
+    );
     assert_eq!(with.nominal_rms_mm, without.nominal_rms_mm);
 }
 

@@ -186,7 +186,7 @@ fn remarks(model: &Model) -> Vec<String> {
         lines.push(format!("tool: marker \"{first}\", the first of {}", model.markers.len()));
     }
     if !model.unidentifiable.is_empty() {
-        let what = "directions the data did not determine, left at or near nominal:";
+        let what = "directions the data did not determine, held by nothing but the tolerances and the tool of the robot file:";
         lines.push(what.to_owned());
         lines.extend(model.unidentifiable.iter().map(|line| format!("  {line}")));
     }

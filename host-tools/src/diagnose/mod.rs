@@ -112,6 +112,7 @@ fn diagnosed(
     // A row that was written twice was measured once.
     let rows = data.distinct();
     let start = register(data, &problem.nominal, robot.tool)?;
+    let problem = problem.about(&start);
     let (offered, not_testable) = candidates::all(&problem, robot);
     let folds = folds::random(data, &rows, folds::SEED);
     // Torques that were read need no masses.
@@ -137,7 +138,7 @@ fn diagnosed(
     progress("held-out poses");
     // What is fitted and judged from here on has the noise that was found.
     let heard = data.with_noise(weighed.scale);
-    let rigid = Problem::new(&heard, robot, Scaling::Prior);
+    let rigid = Problem::new(&heard, robot, Scaling::Prior).about(&start);
     let root = node::geometry(&Question { problem: &rigid, ..question }, &root.fit.fit.state)?;
     let tables: Vec<ErrorCurve> = weighed.curves.iter().map(|c| c.table.clone()).collect();
     let problem = with_curves(&rigid, &tables);

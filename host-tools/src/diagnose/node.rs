@@ -6,7 +6,7 @@ use super::question::Question;
 use crate::effects;
 use crate::error::Result;
 use crate::identify::robust::{RobustFit, robust_fit, robust_fit_near};
-use crate::identify::{Problem, State};
+use crate::identify::{Conditions, Problem, State};
 use crate::model::ModelTerm;
 
 /// A fitted explanation.
@@ -26,20 +26,28 @@ pub struct Node {
 
 impl Node {
     /// The additions of which a term has an impossible sign or size.
-    pub fn implausible(&self) -> Vec<Candidate> {
+    pub fn implausible(&self, conditions: &Conditions) -> Vec<Candidate> {
+        let either = conditions.torques_of_either_sign;
         let mut terms = self.fit.fit.state.terms.iter();
         let mut bad = |c: &&Candidate| {
             // Every term is taken, or the next addition would see this one's.
-            c.terms.iter().filter_map(|_| terms.next()).filter(|t| !plausible(t)).count() > 0
+            c.terms.iter().filter_map(|_| terms.next()).filter(|t| !plausible(t, either)).count()
+                > 0
         };
         self.added.iter().filter(|c| bad(c)).cloned().collect()
     }
 }
 
-/// A sign and size that the physics of its effect allows.
-fn plausible(term: &ModelTerm) -> bool {
+/// A sign and size that the physics of its effect allows, where torques may count
+/// either way one of both signs.
+fn plausible(term: &ModelTerm, either: bool) -> bool {
     let family = effects::family(term.effect_name());
-    family.is_none_or(|family| family.plausible.contains(&term.coefficient()))
+    let loaded = matches!(term, ModelTerm::Arm(own) if own.needs_load());
+    family.is_none_or(|family| {
+        let range = &family.plausible;
+        range.contains(&term.coefficient())
+            || either && loaded && range.contains(&-term.coefficient())
+    })
 }
 
 /// Fits geometry alone, from a registered arm.

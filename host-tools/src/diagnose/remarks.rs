@@ -1,6 +1,6 @@
 //! What a reader of the model should know of how it came about.
 
-use truearm::effects::MAX_TERMS;
+use truearm::effects::{Effect, MAX_TERMS};
 
 use super::candidates;
 use super::node::Node;
@@ -8,14 +8,20 @@ use crate::model::{Measurements, ModelTerm};
 
 /// All of them.
 pub fn all(data: &Measurements, best: &Node) -> impl Iterator<Item = String> {
-    [too_many(best), repeated(data), guessed(data, best)].into_iter().flatten()
+    [too_many(best), guessed(data, best), loads(data, best)].into_iter().flatten()
 }
 
-/// A remark where rows were written more than once.
-fn repeated(data: &Measurements) -> Option<String> {
-    let again = data.rows.len() - data.distinct().len();
-    (again > 0).then(|| {
-        format!("{}: {again} rows repeat others in every cell and count once", data.path.display())
+/// A remark where springs give way against the torques of the file.
+fn loads(data: &Measurements, best: &Node) -> Option<String> {
+    let spring =
+        |t: &ModelTerm| matches!(t, ModelTerm::Arm(t) if t.effect == Effect::JointCompliance);
+    let mut springs = best.fit.fit.state.terms.iter().filter(|t| spring(t));
+    springs.any(|t| t.coefficient() < 0.0).then(|| {
+        format!(
+            "{}: springs of negative coefficients: its torques are those that load the joints, not \
+             those that the joints hold",
+            data.path.display()
+        )
     })
 }
 

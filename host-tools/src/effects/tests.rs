@@ -54,6 +54,7 @@ fn conditions(known: bool) -> Conditions {
         rows: Vec::new(),
         masses: known,
         torques: false,
+        torques_of_either_sign: false,
         temperature: known,
         direction: known,
         direction_from_order: false,

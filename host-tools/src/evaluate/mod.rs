@@ -27,14 +27,14 @@ pub struct Validation {
     /// Rows left out on their own evidence (beyond 10 robust standard
     /// deviations, at most 1 % of the rows), counted from 1.
     pub left_out: Vec<usize>,
-    /// Errors of the rows.
+    /// Errors of the rows; nothing where no row says how far off something is.
     #[serde(flatten)]
-    pub stats: Stats,
+    pub stats: Option<Stats>,
     /// The same with the rows left out.
-    pub all_rows: Stats,
+    pub all_rows: Option<Stats>,
     /// RMS with the nominal geometry in the same frames (its own registration
     /// where the file was registered anew), mm.
-    pub nominal_rms_mm: f64,
+    pub nominal_rms_mm: Option<f64>,
     /// RMS if a base were fitted on this file; `null` where it was.
     pub base_refitted_rms_mm: Option<f64>,
     /// Kinds of measurements, each in its own units.
@@ -84,23 +84,24 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
     let left_out = own_evidence(&residuals);
     let kept: Vec<_> =
         (0..residuals.len()).filter(|i| !left_out.contains(i)).map(|i| residuals[i]).collect();
+    if residuals.iter().all(|r| r.is_empty()) {
+        return Err(Error::data(Kind::NoRows, "no rows to score", "give a file with rows"));
+    }
     let stats = |r: &[Residual]| {
-        let measured: Vec<Residual> = r.iter().copied().filter(|r| !r.is_empty()).collect();
-        Stats::of(&measured)
-            .ok_or_else(|| Error::data(Kind::NoRows, "no rows to score", "give a file with rows"))
+        Stats::of(&r.iter().copied().filter(Residual::is_length).collect::<Vec<_>>())
     };
-    let rms_without = |state: &State, conditions: &Conditions| -> Result<f64> {
+    let rms_without = |state: &State, conditions: &Conditions| -> Option<f64> {
         let all = self::residuals(data, conditions, state);
         let kept: Vec<_> =
             (0..all.len()).filter(|i| !left_out.contains(i)).map(|i| all[i]).collect();
-        Ok(stats(&kept)?.rms_mm)
+        Some(stats(&kept)?.rms_mm)
     };
     let nominal = registered(model, data, rigid.clone(), model.robot.nominal(), Vec::new())?;
     let base_refitted = match frames {
         Reregister::Nothing => {
             let refitted = with_bases(data, &conditions, model, state.markers.clone());
             // Too few rows to fit a base are no reason not to score them.
-            refitted.ok().map(|s| rms_without(&s, &conditions)).transpose()?
+            refitted.ok().and_then(|s| rms_without(&s, &conditions))
         }
         _ => None,
     };
@@ -109,9 +110,9 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
         rows: data.rows.len(),
         reregistered: frames.name(),
         left_out: left_out.iter().map(|i| i + 1).collect(),
-        stats: stats(&kept)?,
-        all_rows: stats(&residuals)?,
-        nominal_rms_mm: rms_without(&nominal, &rigid)?,
+        stats: stats(&kept),
+        all_rows: stats(&residuals),
+        nominal_rms_mm: rms_without(&nominal, &rigid),
         base_refitted_rms_mm: base_refitted,
         kinds: scores(data, &self::residuals(data, &rigid, &nominal), &residuals),
         joints_not_covered: not_covered(model, data),

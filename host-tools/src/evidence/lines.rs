@@ -109,6 +109,12 @@ impl Orders {
         out
     }
 
+    /// Orders that are tried.
+    #[must_use]
+    pub fn range(&self) -> std::ops::RangeInclusive<f64> {
+        LOWEST..=self.order(self.count)
+    }
+
     /// Logarithm of the prior odds of a variant at one of `joints` joints.
     #[must_use]
     pub fn log_odds(&self, joints: usize, order: f64) -> f64 {

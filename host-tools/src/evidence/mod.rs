@@ -32,6 +32,7 @@
 //! ```
 
 mod addition;
+mod aliases;
 mod candidate;
 mod curve;
 mod gram;
@@ -51,6 +52,7 @@ mod triangular;
 
 use nalgebra::DVector;
 
+pub use aliases::Aliases;
 pub use candidate::Candidate;
 pub use gram::{Geometry, Gram, Projected};
 pub use noise::NU;

@@ -120,19 +120,25 @@ impl Source<'_> {
             None => self.whole(e.message(), help),
         };
         let deserializer = toml::Deserializer::parse(self.text).map_err(|e| fail(e, help))?;
-        let mut unknown = Vec::new();
+        let (mut unknown, mut slips) = (Vec::new(), Vec::new());
         let read = serde_ignored::deserialize(deserializer, |key| {
             // Spans are kept in a struct of their own, which no user wrote.
             let key = key.to_string().replace(".$__serde_spanned_private_value", "");
-            let like = resembling(key.rsplit('.').next().unwrap_or(&key), KEYS.iter().copied());
-            let like = like.map_or(String::new(), |like| format!("; is `{like}` meant?"));
-            unknown.push(format!("unknown key `{key}` ignored{like}"));
+            let name = key.rsplit('.').next().unwrap_or(&key);
+            // A key that is right elsewhere is no slip.
+            let like = resembling(name, KEYS.iter().copied()).filter(|like| *like != name);
+            let remark = match like {
+                Some(like) => format!("unknown key `{key}` ignored; is `{like}` meant?"),
+                None => format!("unknown key `{key}` ignored"),
+            };
+            slips.extend(like.map(|_| remark.clone()));
+            unknown.push(remark);
         });
         warnings.extend(unknown.iter().map(|line| format!("{}: {line}", self.path.display())));
         // A key that is missing may be there under another name.
-        read.map_err(|e| match &unknown[..] {
+        read.map_err(|e| match &slips[..] {
             [] => fail(e, help),
-            _ => fail(e, &format!("{}; {help}", unknown.join("; "))),
+            _ => fail(e, &format!("{}; {help}", slips.join("; "))),
         })
     }
 

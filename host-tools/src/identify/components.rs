@@ -6,10 +6,10 @@ use serde::Serialize;
 
 use super::noise::{Group, Noise, groups};
 use super::problem::{Problem, Scaling};
-use super::robust::{Flags, robust_fit};
+use super::robust::{Flags, Outlier, robust_fit};
 use super::unknowns::State;
 use super::{RowResult, figures::KindFigures};
-use crate::error::Result;
+use crate::error::{Error, Kind, Result};
 use crate::model::{KindId, Measurements, Row};
 use crate::observations::{KINDS, Residual, equations_of, kind};
 use crate::tikhonov::covariance;
@@ -130,6 +130,39 @@ pub fn scores(data: &Measurements, nominal: &[Residual], found: &[Residual]) -> 
     groups(data).into_iter().map(score).collect()
 }
 
+/// Most rows of a kind that are gross errors one by one; of more it is the kind that
+/// contradicts the others, or what it was measured with.
+const MOST_LOST: f64 = 0.5;
+/// Fewer rows of a kind may all be gross errors.
+const FEW: usize = 3;
+
+/// That no kind is lost row by row.
+///
+/// # Errors
+/// [`Kind::Contradiction`], naming the kind.
+pub fn none_is_lost(data: &Measurements, outliers: &[Outlier]) -> Result<()> {
+    for group in groups(data) {
+        let of = |row: usize| data.rows[row].kind == group.kind;
+        let all = (0..data.rows.len())
+            .filter(|row| of(*row))
+            .filter(|row| equations_of(&data.rows[*row]) > 0);
+        let (all, lost) = (all.count(), outliers.iter().filter(|o| of(o.row)).count());
+        if all > FEW && lost as f64 > MOST_LOST * all as f64 {
+            let name = KINDS[usize::from(group.kind.0)].name();
+            return Err(Error::data(
+                Kind::Contradiction,
+                format!(
+                    "{}: {lost} of {all} rows of kind {name} contradict the rest",
+                    data.path.display()
+                ),
+                "so many are no gross errors: check the units and coordinates in instruments.toml \
+                 (inches are 25.4 mm), and the labels of the rows",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// What is said of a file that holds no length against the arm.
 pub const SCALE_OPEN: &str = "the overall scale: all lengths of the arm, and of where what it touches \
                               stands, times one number move no measured value; a plate of known \
@@ -141,8 +174,18 @@ pub fn scale_is_open(problem: &Problem) -> bool {
     let data = problem.data;
     let tells = |row: &Row| equations_of(row) > 0 && kind(row).tells_scale(row, &data.instruments);
     let slides = problem.nominal.iter().any(|link| link.kind == truearm::JointKind::Prismatic);
-    !slides && data.known_markers.iter().all(Option::is_none) && !data.rows.iter().any(tells)
+    // Where all axes are parallel a slide measures along them and nothing across.
+    let across = problem.nominal.iter().skip(1).any(|link| {
+        let p = &link.parameters;
+        p.alpha.sin().hypot(p.beta.sin()) > PARALLEL
+    });
+    !(slides && across)
+        && data.known_markers.iter().all(Option::is_none)
+        && !data.rows.iter().any(tells)
 }
+
+/// Sine of a twist below which two axes are parallel as drawn.
+const PARALLEL: f64 = 1e-6;
 
 /// What the kinds of a file leave undetermined, in words; nothing is said where
 /// there are points.

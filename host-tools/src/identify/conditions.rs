@@ -15,6 +15,9 @@ pub struct Conditions {
     pub masses: bool,
     /// Torques of the joints were read.
     pub torques: bool,
+    /// They may be what joints hold or what loads them: gravity's direction is not
+    /// known.
+    pub torques_of_either_sign: bool,
     /// Some row has a temperature, and they differ.
     pub temperature: bool,
     /// Some row has approach sides.
@@ -106,6 +109,7 @@ impl Conditions {
             rows,
             masses: surroundings.masses.is_some(),
             torques,
+            torques_of_either_sign: torques && robot.gravity.is_none(),
             temperature: differ(|r| r.temperature),
             direction: data.rows.iter().any(|r| r.directions.iter().any(|d| *d != 0)),
             direction_from_order: data.directions_from_order,

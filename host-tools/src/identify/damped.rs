@@ -8,7 +8,7 @@ use super::problem::Problem;
 use super::unknowns::State;
 use crate::error::{Error, Kind, Result};
 use crate::model::Values;
-use crate::tikhonov::Normal;
+use crate::tikhonov::{HELD, Normal};
 
 /// Which unknowns a fit moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +48,8 @@ const ANOTHER_ARM: f64 = 300.0;
 struct Place {
     state: State,
     normal: Normal,
+    /// With what holds the targets.
+    held: Normal,
     x: DVector<f64>,
     cost: f64,
 }
@@ -66,18 +68,21 @@ pub fn damped(
     let place = |state: State| {
         let at = problem.linearise(&state);
         let (normal, x) = (at.normal(rows, weights), at.corrections().clone());
-        let cost = cost(&normal, &x, problem.unknowns.free(), freedom);
-        Place { state, normal, x, cost }
+        let held = normal.clone().plus(&Normal::new(&problem.of_targets(&state)));
+        let cost = cost(&held, &x, problem.unknowns.free(), freedom);
+        Place { state, normal, held, x, cost }
     };
     let mut now = place(start.clone());
     let [mut damping, less, more, most] = DAMPING;
     for steps in 0..MOST_STEPS {
         let step = step(problem, &now, freedom, damping);
-        let si = problem.linearise(&now.state).to_si(&step);
-        let trial = (si.amax() <= LARGEST)
-            .then(|| place(now.state.stepped(&problem.unknowns, &si)))
-            .filter(|trial| trial.cost <= now.cost);
-        let Some(trial) = trial else {
+        let trial = step.and_then(|step| {
+            let si = problem.linearise(&now.state).to_si(&step);
+            let near = si.amax() <= LARGEST;
+            let trial = near.then(|| place(now.state.stepped(&problem.unknowns, &si)))?;
+            (trial.cost <= now.cost).then_some((step, trial))
+        });
+        let Some((step, trial)) = trial else {
             damping *= more;
             if damping > most {
                 return ended(problem, now, steps);
@@ -85,7 +90,7 @@ pub fn damped(
             continue;
         };
         damping *= less;
-        let moved = (&step.transpose() * now.normal.h() * &step)[0];
+        let moved = (&step.transpose() * now.held.h() * &step)[0];
         let fell = now.cost - trial.cost;
         let settled =
             fell <= LESS * now.cost && moved <= MOVES * MOVES * now.normal.equations() as f64;
@@ -119,27 +124,25 @@ fn cost(normal: &Normal, x: &DVector<f64>, free: usize, freedom: Freedom) -> f64
     square + penalty
 }
 
-/// A damped step, in units.
-fn step(problem: &Problem, place: &Place, freedom: Freedom, damping: f64) -> DVector<f64> {
+/// A damped step, in units; `None` where rounding leaves the equations indefinite.
+fn step(problem: &Problem, place: &Place, freedom: Freedom, damping: f64) -> Option<DVector<f64>> {
     let free = problem.unknowns.free();
     let (n, lambda) = match freedom {
         Freedom::All(lambda) => (place.x.len(), lambda),
         Freedom::Frames => (free, 0.0),
     };
-    let h = place.normal.h();
-    let mut right = place.normal.g() - h * &place.x;
+    let h = place.held.h();
+    let least = HELD * h.diagonal().max().max(f64::MIN_POSITIVE);
+    let mut right = place.held.g() - h * &place.x;
     let mut a: DMatrix<f64> = h.view((0, 0), (n, n)).into_owned();
     for k in 0..n {
         if k >= free {
             a[(k, k)] += lambda;
             right[k] -= lambda * place.x[k];
         }
-        let own = a[(k, k)].max(f64::MIN_POSITIVE);
-        a[(k, k)] = own * (1.0 + damping);
+        a[(k, k)] += least + damping * a[(k, k)].max(least);
     }
     let mut step = DVector::zeros(place.x.len());
-    if let Some(factor) = a.cholesky() {
-        step.rows_mut(0, n).copy_from(&factor.solve(&right.rows(0, n).into_owned()));
-    }
-    step
+    step.rows_mut(0, n).copy_from(&a.cholesky()?.solve(&right.rows(0, n).into_owned()));
+    Some(step)
 }

@@ -1,7 +1,7 @@
 //! Gauss-Newton: linearise, solve the regularised problem, repeat until the
 //! step no longer matters. (The paper stops after the first step.)
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::damped::damped;
 use super::linearised::Linearised;
@@ -9,7 +9,7 @@ use super::problem::{Problem, Scaling};
 use super::unknowns::State;
 use crate::error::Result;
 use crate::model::Values;
-use crate::tikhonov::{Factorised, Normal};
+use crate::tikhonov::{Factorised, Normal, Triangle};
 
 /// A step below this many tolerances (a picometre, a nanoradian) is no step.
 const CONVERGED: f64 = 1e-6;
@@ -46,7 +46,8 @@ pub fn fit(
     };
     for steps in 0..PLAIN_STEPS {
         let at = problem.linearise(&state);
-        let (step, normal) = step(problem, &at, rows, weights, freedom);
+        let targets = problem.of_targets(&state);
+        let (step, normal) = step(problem, (&at, &targets), rows, weights, freedom);
         let size = step.amax();
         if size < floor || (steps > 3 && size < 100.0 * floor && size >= 0.5 * last) {
             return Ok(Fit { state, normal, steps });
@@ -66,7 +67,7 @@ pub fn fit(
 /// small, or rounding shows, the step comes from a triangle.
 fn step(
     problem: &Problem,
-    at: &Linearised,
+    (at, targets): (&Linearised, &DMatrix<f64>),
     rows: &[usize],
     weights: Option<&[Values]>,
     freedom: Freedom,
@@ -79,21 +80,27 @@ fn step(
     };
     if safe {
         let normal = at.normal(rows, weights);
+        let held = normal.clone().plus(&Normal::new(targets));
         let step = match freedom {
             // The right-hand side counts corrections from nominal; free
             // unknowns have none.
-            Freedom::All(lambda) => normal.solve(free, lambda).map(|solution| solution - x),
-            Freedom::Frames => normal.solve_free(free, x),
+            Freedom::All(lambda) => held.solve(free, lambda).map(|solution| solution - x),
+            Freedom::Frames => held.solve_free(free, x),
         };
         if let Some(step) = step {
             return (step, normal);
         }
     }
     let triangle = at.triangle(rows, weights);
-    let factorised = Factorised::new(&triangle, free);
+    let held = match targets.is_empty() {
+        true => Factorised::new(&triangle, free),
+        false => {
+            Factorised::new(&Triangle::join([&triangle, &Triangle::new(targets)].into_iter()), free)
+        }
+    };
     let step = match freedom {
-        Freedom::All(lambda) => factorised.solve(lambda) - x,
-        Freedom::Frames => factorised.solve_free(x),
+        Freedom::All(lambda) => held.solve(lambda) - x,
+        Freedom::Frames => held.solve_free(x),
     };
     (step, Normal::from(&triangle))
 }

@@ -104,10 +104,11 @@ pub fn identify(
             "leave it out: the prior scaling weighs every kind by its own sigma",
         ));
     }
-    let mut problem = Problem::new(data, robot, options.scaling);
+    let problem = Problem::new(data, robot, options.scaling);
     enough(&problem, options)?;
     let start = registration::register(data, &problem.nominal, robot.tool)?;
-    let rows = measuring(&data.rows);
+    let mut problem = problem.about(&start);
+    let rows = problem.counted();
     problem.noise = components::noise(&problem, &rows, &start)?;
     // Where no length is held against the arm a smaller arm fits better: nothing
     // but the tolerances holds it, at their own weight.
@@ -126,6 +127,7 @@ pub fn identify(
     };
 
     let found = estimate(&problem, rule, &rows, &start, true)?;
+    components::none_is_lost(data, &found.robust.outliers)?;
     tick();
     let held_out = cross_validate(&problem, rule, &folds, &found, &tick)?;
     let blocked = match &blocks {

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector, Vector3};
 use truearm::{Link, MdhParameters};
 
 use super::conditions::Conditions;
 use super::noise::Noise;
 use super::unknowns::{Layout, State, Unknown, Unknowns};
 use crate::model::{Measurements, Robot, Values};
-use crate::observations::{self, kind};
+use crate::observations::{self, equations_of, kind};
 
 /// What lambda weighs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -37,7 +37,14 @@ pub struct Problem<'a> {
     pub scaling: Scaling,
     /// By how much each kind is noisier than stated.
     pub noise: Noise,
+    /// Where the targets sit by registration, m; empty where nothing holds them.
+    pub targets: Vec<Vector3<f64>>,
 }
+
+/// Standard deviation of where a target sits about its registration, m: what rows
+/// determine at all they determine far better, and along what they do not a target
+/// stays at the tool of the robot file.
+const TARGET: f64 = 0.1;
 
 impl<'a> Problem<'a> {
     /// Of all rows of `data`, geometry only.
@@ -46,7 +53,40 @@ impl<'a> Problem<'a> {
         let nominal = robot.nominal();
         let conditions = Arc::new(Conditions::new(data, robot));
         let unknowns = Unknowns::of(&Layout::of(data), 0, nominal.len());
-        Self { data, conditions, nominal, unknowns, scaling, noise: Noise::default() }
+        let (noise, targets) = (Noise::default(), Vec::new());
+        Self { data, conditions, nominal, unknowns, scaling, noise, targets }
+    }
+
+    /// The same with targets about where a state has them.
+    #[must_use]
+    pub fn about(self, start: &State) -> Self {
+        Self { targets: start.markers.clone(), ..self }
+    }
+
+    /// Rows that measure something, once where they were written several times:
+    /// nothing is measured twice to the last digit.
+    #[must_use]
+    pub fn counted(&self) -> Vec<usize> {
+        let mut rows = self.data.distinct();
+        rows.retain(|row| equations_of(&self.data.rows[*row]) > 0);
+        rows
+    }
+
+    /// Equations `[A, b]` that hold the targets of a state about their registration.
+    #[must_use]
+    pub fn of_targets(&self, state: &State) -> DMatrix<f64> {
+        let columns = self.unknowns.list().len();
+        let mut rows = DMatrix::zeros(3 * self.targets.len(), columns + 1);
+        for (m, target) in self.targets.iter().enumerate() {
+            let Some(first) = self.unknowns.marker(m) else { continue };
+            let off = target - state.markers[m];
+            for k in 0..3 {
+                let unit = self.unit(Unknown::Marker(m, k));
+                rows[(3 * m + k, first + k)] = unit / TARGET;
+                rows[(3 * m + k, columns)] = off[k] / TARGET;
+            }
+        }
+        rows
     }
 
     /// The same with so many terms.

@@ -62,7 +62,7 @@ impl Findings<'_> {
             redundancy.rank -= 1;
             redundancy.redundant.push(components::SCALE_OPEN.to_owned());
         }
-        let own = |cv: &[Option<Residual>]| Stats::of(&judged(results, cv));
+        let own = |cv: &[Option<Residual>]| lengths(judged(results, cv).into_iter());
         let flags: Vec<FlaggedRow> = found.robust.outliers.iter().map(flagged_row).collect();
         Figures {
             robot: robot.name.clone(),
@@ -90,11 +90,11 @@ impl Findings<'_> {
             cross_validated: own(held_out),
             cross_validation: self.cross_validation.clone(),
             cross_validated_blocked: self.blocked.as_ref().and_then(|b| own(b)),
-            rows_not_cross_validated: held_out.iter().filter(|r| r.is_none()).count(),
+            rows_not_cross_validated: without(held_out, &problem.counted()),
             all_rows: AllRows {
                 nominal: stats(results, true, |r| r.nominal),
                 identified: stats(results, true, |r| r.identified),
-                cross_validated: Stats::of(&held_out.iter().flatten().copied().collect::<Vec<_>>()),
+                cross_validated: lengths(held_out.iter().flatten().copied()),
             },
             outlier_rows: flags.iter().map(|f| f.row).collect(),
             outliers: flags,
@@ -111,7 +111,16 @@ impl Findings<'_> {
     fn warnings(&self) -> Vec<String> {
         let data = self.problem.data;
         let mut warnings = [self.robot.warnings.clone(), data.warnings.clone()].concat();
-        if 2 * data.poses < data.rows.len() && data.markers.len() * data.stations.len() == 1 {
+        let again = data.rows.len() - data.distinct().len();
+        if again > 0 {
+            warnings.push(format!(
+                "{}: {again} rows repeat others in every cell and count once",
+                data.path.display()
+            ));
+        }
+        // Corners of one image are no repeats.
+        let points = data.rows.iter().filter(|row| kind(row).point(row).is_some()).count();
+        if 2 * data.poses < points && data.markers.len() * data.stations.len() == 1 {
             warnings.push(format!(
                 "{}: {} rows but only {} distinct poses; repeats average noise, they do not identify",
                 data.path.display(),
@@ -191,8 +200,17 @@ impl Findings<'_> {
 }
 
 fn stats(results: &[RowResult], all: bool, of: fn(&RowResult) -> Residual) -> Option<Stats> {
-    let used = results.iter().filter(|r| all || !r.flagged).map(of).filter(|r| !r.is_empty());
-    Stats::of(&used.collect::<Vec<_>>())
+    lengths(results.iter().filter(|r| all || !r.flagged).map(of))
+}
+
+/// Rows that were left without a prediction.
+fn without(held_out: &[Option<Residual>], rows: &[usize]) -> usize {
+    rows.iter().filter(|row| held_out[**row].is_none()).count()
+}
+
+/// Of those that say how far off something is.
+fn lengths(residuals: impl Iterator<Item = Residual>) -> Option<Stats> {
+    Stats::of(&residuals.filter(Residual::is_length).collect::<Vec<_>>())
 }
 
 fn provenance(figures: &Figures) -> Provenance {

@@ -58,6 +58,12 @@ impl Residual {
         self.iter().enumerate().map(|(c, v)| self.measure(c).to_file(*v)).collect()
     }
 
+    /// Whether it says how far off something is: angles and pixels do not.
+    #[must_use]
+    pub fn is_length(&self) -> bool {
+        (0..self.len()).any(|c| self.measure(c) == Measure::Length)
+    }
+
     /// Of a kind with a point, its error.
     #[must_use]
     pub fn point(&self) -> Vector3<f64> {

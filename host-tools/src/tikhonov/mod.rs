@@ -12,7 +12,7 @@ mod rules;
 mod triangle;
 
 pub use factorised::Factorised;
-pub use normal::Normal;
+pub use normal::{HELD, Normal};
 pub use triangle::Triangle;
 
 use nalgebra::{DMatrix, DVector};

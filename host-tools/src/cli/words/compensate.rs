@@ -17,7 +17,7 @@ pub fn compensation(report: &CompensateReport) -> String {
     let mut table = Errors::new();
     table.row("as commanded, by the model", report.before.as_ref());
     table.row("corrected", report.left.as_ref());
-    out += &table.0.to_string();
+    out += &table.text();
     out += &format!(
         "orientation: off by at most {:.4} degrees as commanded, {:.4} corrected\n",
         report.turns.before_max_deg, report.turns.left_max_deg

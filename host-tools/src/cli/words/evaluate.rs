@@ -7,11 +7,11 @@ pub fn validation(v: &Validation) -> String {
     let mut out = format!("{}: {} rows\n", v.file, v.rows);
     let mut table = Errors::new();
     table.rms("nominal, registered on this file", v.nominal_rms_mm);
-    table.row("identified", Some(&v.stats));
+    table.row("identified", v.stats.as_ref());
     if !v.left_out.is_empty() {
-        table.row("identified, all rows", Some(&v.all_rows));
+        table.row("identified, all rows", v.all_rows.as_ref());
     }
-    out += &table.0.to_string();
+    out += &table.text();
     for k in v.kinds.iter().filter(|k| k.kind != "point") {
         let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.4} {}", k.unit));
         let (before, after) = (number(k.nominal_rms), number(k.rms));
@@ -24,7 +24,9 @@ pub fn validation(v: &Validation) -> String {
     if v.reregistered != "none" {
         out += &format!("{} fitted on this file itself, as asked\n", v.reregistered);
     }
-    if let Some(base) = v.base_refitted_rms_mm.filter(|b| *b < 0.5 * v.stats.rms_mm) {
+    if let Some(base) =
+        v.base_refitted_rms_mm.filter(|b| v.stats.is_some_and(|s| *b < 0.5 * s.rms_mm))
+    {
         out += &format!(
             "most of this error is the frame: with a base fitted on this file it is {base:.4} mm \
              (has the tracker moved? --reregister base)\n"

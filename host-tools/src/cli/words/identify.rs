@@ -78,8 +78,8 @@ fn errors(report: &IdentifyReport) -> String {
     if !r.outliers.is_empty() {
         table.row("cross-validated, all rows", r.all_rows.cross_validated.as_ref());
     }
-    table.row("validation", report.validation.as_ref().map(|v| &v.stats));
-    table.0.to_string()
+    table.row("validation", report.validation.as_ref().and_then(|v| v.stats.as_ref()));
+    table.text()
 }
 
 /// Each kind in its own unit, where there is more than points.

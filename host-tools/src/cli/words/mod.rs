@@ -25,23 +25,36 @@ use truearm_host::statistics::Stats;
 use truearm_host::table::Table;
 
 /// Errors of points, a line a model.
-struct Errors(Table);
+struct Errors(Option<Table>);
 
 impl Errors {
     fn new() -> Self {
-        Self(Table::new(["position error, mm", "mean", "RMS", "max", "SD"]))
+        Self(None)
+    }
+
+    /// With its head from the first line on.
+    fn table(&mut self) -> &mut Table {
+        let head = ["position error, mm", "mean", "RMS", "max", "SD"];
+        self.0.get_or_insert_with(|| Table::new(head))
+    }
+
+    /// Its text; none where no row says how far off something is.
+    fn text(&self) -> String {
+        self.0.as_ref().map_or(String::new(), Table::to_string)
     }
 
     /// A line, if there is what it is about.
     fn row(&mut self, name: &str, stats: Option<&Stats>) {
         if let Some(s) = stats {
-            self.0.numbers(name, [s.mean_mm, s.rms_mm, s.max_mm, s.sd_mm]);
+            self.table().numbers(name, [s.mean_mm, s.rms_mm, s.max_mm, s.sd_mm]);
         }
     }
 
     /// A line of which only the root mean square is known.
-    fn rms(&mut self, name: &str, rms_mm: f64) {
-        self.0.row([name.to_owned(), String::new(), format!("{rms_mm:.4}")]);
+    fn rms(&mut self, name: &str, rms_mm: Option<f64>) {
+        if let Some(rms) = rms_mm {
+            self.table().row([name.to_owned(), String::new(), format!("{rms:.4}")]);
+        }
     }
 }
 

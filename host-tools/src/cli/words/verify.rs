@@ -16,7 +16,7 @@ pub fn verification(report: &VerifyReport) -> String {
         }
     }
     table.row("after", Some(&after.errors));
-    out += &table.0.to_string();
+    out += &table.text();
     out += &format!(
         "positioning accuracy AP (ISO 9283): mean {:.4} mm, largest {:.4} mm of {} poses\n",
         after.accuracy.mean_mm, after.accuracy.max_mm, after.accuracy.poses

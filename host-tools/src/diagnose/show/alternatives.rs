@@ -30,7 +30,7 @@ pub fn alternatives(
         }
         // What cannot be fitted is no explanation.
         let Ok(node) = fitted(q, added.clone(), &best.fit.fit.state) else { continue };
-        if !node.implausible().is_empty() {
+        if !node.implausible(&q.problem.conditions).is_empty() {
             continue;
         }
         let poses = separating(q, robot, &best.fit.fit.state, &node.fit.fit.state);

@@ -41,6 +41,7 @@ pub fn of_claim(
     let with = found.posterior.models.iter().find(|(members, _)| members.iter().any(holds));
     let Some((members, _)) = with else { return ([0.0; 2], false) };
     let without: Vec<usize> = members.iter().copied().filter(|m| !holds(m)).collect();
+    let of_time = of.possible.iter().zip(0..).any(|(p, m)| holds(&m) && p.is_of_time());
     let mut gains = [[0.0; 2]; 2];
     let mut agree = true;
     for (kind, halves) in halves.iter().enumerate() {
@@ -67,7 +68,10 @@ pub fn of_claim(
                 (a.value - b.value).powi(2) / variance.max(f64::MIN_POSITIVE)
             })
             .sum();
-        agree &= chi_square(apart, coefficients[0].len()) > POLICY.halves_disagree;
+        // How a base moves with time is another thing at the begin of a session than
+        // at its end, unless the course is known exactly.
+        let alike = chi_square(apart, coefficients[0].len()) > POLICY.halves_disagree;
+        agree &= alike || kind == 1 && of_time;
         // A series or a temperature may be in one half of the time only.
         agree &= kind == 1 || gains[kind][0] + gains[kind][1] > 0.0;
     }

@@ -8,6 +8,7 @@ use super::possible::{Numbers, Possible, variants};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::policy::POLICY;
 use crate::effects::Offer;
+use crate::evidence::Aliases;
 use crate::evidence::lines::{JointColumn, Line, Orders, strengths};
 use crate::identify::State;
 
@@ -62,12 +63,18 @@ pub fn offered(
     });
     let found: Vec<_> = found.collect();
     let mut out = Vec::new();
-    for (joint, orders, lines) in found {
+    for ((joint, orders, lines), (_, column)) in found.into_iter().zip(columns) {
+        let aliases = Aliases::of(&column.q, *orders.range().end());
+        let kept: Vec<f64> = lines.iter().map(|(line, _)| line.order).collect();
         for (part, (_, variants)) in lines.into_iter().enumerate() {
+            // Orders that no data tell apart: one stands for all, with their prior.
+            let alike = kept.iter().filter(|k| aliases.alike(kept[part], **k, orders.step)).count();
             for order in variants {
+                let share = aliases.count(order, &orders.range()) as f64 / alike as f64;
                 let offer = Offer::of_arm(Effect::JointPeriodicError, &[joint], &[order], 1);
                 let candidate = Candidate::from(offer);
-                out.push(numbers.line(candidate, part + 1, columns.len(), &orders, order));
+                let log_odds = orders.log_odds(columns.len(), order) + share.max(1.0).ln();
+                out.push(numbers.line(candidate, part + 1, log_odds));
             }
         }
     }

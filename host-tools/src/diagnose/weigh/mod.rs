@@ -184,7 +184,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         if !same || !curves.is_empty() || !found_moments.is_empty() {
             node = fitted(&asked, added, &state)?;
         }
-        let bad = node.implausible();
+        let bad = node.implausible(&problem.conditions);
         let again = !bad.is_empty() && round < ROUNDS + REFUSALS;
         if !bad.is_empty() {
             let kept = node.added.iter().filter(|c| !bad.contains(c)).cloned().collect();

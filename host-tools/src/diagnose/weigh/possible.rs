@@ -62,6 +62,13 @@ impl Possible {
         })
     }
 
+    /// Whether it is a course in time.
+    #[must_use]
+    pub fn is_of_time(&self) -> bool {
+        matches!(&self.what, What::Effect(own)
+            if own.terms.iter().any(|t| matches!(t, ModelTerm::Drift { .. })))
+    }
+
     /// Its terms with coefficient zero, `None` for each column that is no term.
     pub fn coefficients_zero(&self) -> Vec<Option<ModelTerm>> {
         match &self.what {
@@ -143,17 +150,10 @@ impl Numbers {
     }
 
     /// The `part`-th line of a joint, at one of its possible orders.
-    pub fn line(
-        &mut self,
-        candidate: Candidate,
-        part: usize,
-        joints: usize,
-        orders: &lines::Orders,
-        order: f64,
-    ) -> Possible {
+    pub fn line(&mut self, candidate: Candidate, part: usize, log_odds: f64) -> Possible {
         let mut out = self.offered(candidate);
         out.entry.part = part;
-        out.entry.log_odds = orders.log_odds(joints, order);
+        out.entry.log_odds = log_odds;
         out
     }
 

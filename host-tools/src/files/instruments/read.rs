@@ -43,6 +43,13 @@ impl Gathered {
         let mut book = Self::default();
         let file: InstrumentsFile = source.toml(HELP, &mut book.warnings)?;
         let reader = Reader { source };
+        reader.once("anchor", &file.anchors, |a| &a.label)?;
+        reader.once("surface", &file.surfaces, |s| &s.label)?;
+        reader.once("probe", &file.probes, |p| &p.marker)?;
+        reader.once("plate", &file.plates, |p| &p.label)?;
+        reader.once("camera", &file.cameras, |c| &c.label)?;
+        reader.once("ray", &file.rays, |r| &r.marker)?;
+        reader.once("marker", &file.markers, |m| &m.marker)?;
         for anchor in &file.anchors {
             let a = anchor.get_ref();
             let place = Pose { translation: reader.point(&a.xyz_mm)?, ..Pose::identity() };
@@ -54,7 +61,7 @@ impl Gathered {
         }
         for probe in &file.probes {
             let p = probe.get_ref();
-            let radius = reader.length(&p.radius_mm)?;
+            let radius = reader.radius(&p.radius_mm)?;
             let numbers = vec![radius];
             let probe = Instrument { numbers, ..Instrument::unknown(Form::Probe, &p.marker) };
             book.list.push(stated(probe, Pose::identity(), p.guess));
@@ -96,9 +103,28 @@ impl Reader<'_> {
         Ok(point_from_mm(*file.get_ref()))
     }
 
-    fn length(&self, file: &Spanned<f64>) -> Result<f64> {
+    fn radius(&self, file: &Spanned<f64>) -> Result<f64> {
         self.finite(file.span(), &[*file.get_ref()])?;
+        if *file.get_ref() < 0.0 {
+            let help = "give the radius in mm; 0 of a point";
+            return Err(self.source.at(file.span(), "a negative radius", help));
+        }
         Ok(from_mm(*file.get_ref()))
+    }
+
+    /// A label names one thing: of two tables the rows would mean one.
+    fn once<T>(&self, what: &str, all: &[Spanned<T>], label: fn(&T) -> &String) -> Result<()> {
+        let mut known: Vec<&String> = Vec::new();
+        for table in all {
+            let own = label(table.get_ref());
+            if known.contains(&own) {
+                let message = format!("{what} \"{own}\" is stated twice");
+                let help = "give it one table; of a plate all holes in one";
+                return Err(self.source.at(table.span(), message, help));
+            }
+            known.push(own);
+        }
+        Ok(())
     }
 
     fn finite(&self, span: std::ops::Range<usize>, values: &[f64]) -> Result<()> {
@@ -163,7 +189,7 @@ impl Reader<'_> {
             out = stated(out, Pose { rotation, translation }, file.guess);
         }
         if let (Some(radius), true) = (&file.radius_mm, form.has_lengths()) {
-            out.numbers[0] = self.length(radius)?;
+            out.numbers[0] = self.radius(radius)?;
             out.free[6] = file.guess;
         }
         Ok(out)

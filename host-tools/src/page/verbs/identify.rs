@@ -5,6 +5,7 @@ use super::super::picture::{Measured, Seen, left};
 use super::super::sections::{self, next};
 use super::{file_name, noise_floor_mm, of_figures, rows_of};
 use crate::error::Result;
+use crate::identify::KindFigures;
 use crate::report::IdentifyReport;
 use crate::statistics::Stats;
 
@@ -20,8 +21,7 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
     let seen = Seen::new(*on)?;
     let steps = steps(report);
     let lacking = f.residual_over_sigma > LACKING;
-    let (before, after) = (steps[0].fitted.unwrap_or(0.0), steps[1].held_out.or(steps[1].fitted));
-    let after = after.unwrap_or(0.0);
+    let after = steps[1].held_out.or(steps[1].fitted).unwrap_or(0.0);
     let rest = match lacking {
         true => format!(
             "; the residuals are {:.1} times the stated noise, so this model lacks something that \
@@ -38,24 +38,41 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
     all.extend(of_figures(f, &[]));
     all.push(next::steps(&commands(lacking, next)));
     all.extend(sections::remarks(&f.warnings));
-    Ok(Page {
-        title: format!("{}: identified from {}", f.robot, file_name(&f.data)),
-        verdict: format!(
-            "The arm misses by {} as drawn and by {} with the identified geometry (RMS{}){rest}.",
-            mm(before),
-            mm(after),
-            if steps[1].held_out.is_some() { ", poses held out" } else { "" }
-        ),
-        mood: if lacking { "doubt" } else { "good" },
-        numbers: vec![
+    let mut numbers = vec![rows_of(f), ("rows left out".to_owned(), f.outliers.len().to_string())];
+    if let Some(before) = steps[0].fitted {
+        let lengths = [
             ("error before, RMS".to_owned(), mm(before)),
             ("error after, held out, RMS".to_owned(), mm(after)),
             ("noise alone, RMS".to_owned(), mm(floor)),
-            rows_of(f),
-            ("rows left out".to_owned(), f.outliers.len().to_string()),
-        ],
+        ];
+        numbers.splice(0..0, lengths);
+    }
+    Ok(Page {
+        title: format!("{}: identified from {}", f.robot, file_name(&f.data)),
+        verdict: match steps[0].fitted {
+            Some(before) => format!(
+                "The arm misses by {} as drawn and by {} with the identified geometry (RMS{}){rest}.",
+                mm(before),
+                mm(after),
+                if steps[1].held_out.is_some() { ", poses held out" } else { "" }
+            ),
+            None => format!("{}{rest}.", in_own_units(&f.kinds)),
+        },
+        mood: if lacking { "doubt" } else { "good" },
+        numbers,
         sections: all,
     })
+}
+
+/// What is off where no row says how far, each kind in its own unit.
+fn in_own_units(kinds: &[KindFigures]) -> String {
+    let own = |k: &KindFigures| {
+        let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.3} {}", k.unit));
+        let after = k.cross_validated_rms.or(k.identified_rms);
+        format!("{} {} as drawn, {} identified", k.kind, number(k.nominal_rms), number(after))
+    };
+    let all: Vec<String> = kinds.iter().map(own).collect();
+    format!("RMS of what was measured: {}", all.join("; "))
 }
 
 /// From the drawing to the identified arm.
@@ -67,13 +84,13 @@ fn steps(report: &IdentifyReport) -> [Step; 2] {
             name: "nominal".to_owned(),
             fitted: rms(f.nominal),
             held_out: None,
-            other: v.map(|v| v.nominal_rms_mm),
+            other: v.and_then(|v| v.nominal_rms_mm),
         },
         Step {
             name: "geometry identified".to_owned(),
             fitted: rms(f.identified),
             held_out: rms(f.cross_validated),
-            other: v.map(|v| v.stats.rms_mm),
+            other: rms(v.and_then(|v| v.stats)),
         },
     ]
 }
