@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use truearm_host::diagnose::{DiagnoseOptions, diagnose};
+use truearm_host::diagnose::{DiagnoseOptions, Effect, Outcome, Verdict, diagnose};
 use truearm_host::model::{Measurements, Robot};
 
 type Names = BTreeSet<(String, Vec<usize>)>;
@@ -85,12 +85,13 @@ fn a_model_has_no_more_terms_than_asked_for() {
         let options = DiagnoseOptions { most_terms, ..DiagnoseOptions::default() };
         let found = diagnose(&robot, &data, None, &options, &|_| ()).unwrap();
         let gap = found.outcome.gap.iter().filter_map(|row| row.cross_validated_rms_mm);
-        (found.model.terms.len(), gap.collect::<Vec<f64>>())
+        (found.model.terms.len(), gap.collect::<Vec<f64>>(), found.outcome.verdict)
     };
-    let (all, _) = report(128);
+    let (all, ..) = report(128);
     assert!(all > 2, "{all}");
     for most in [0, 1, 2] {
-        let (terms, gap) = report(most);
+        let (terms, gap, verdict) = report(most);
+        assert_ne!(verdict, Verdict::Clean, "{most}");
         assert!(terms <= most, "{terms} terms where {most} were asked for");
         assert!(most == 0 || gap[gap.len() - 1] < gap[0], "{gap:?}");
     }
@@ -121,8 +122,8 @@ fn springs_are_named_without_masses() {
             diagnose(&robot, &data, Some(&holdout), &options, &|_| ()).unwrap().outcome
         };
         let (with, without) = (report(true), report(false));
-        let each = |effects: &[truearm_host::diagnose::Effect]| -> Vec<(&'static str, Vec<usize>)> {
-            let single = |e: &truearm_host::diagnose::Effect| match e.joints.is_empty() {
+        let each = |effects: &[Effect]| -> Vec<(&'static str, Vec<usize>)> {
+            let single = |e: &Effect| match e.joints.is_empty() {
                 true => vec![(e.name, Vec::new())],
                 false => e.joints.iter().map(|joint| (e.name, vec![*joint])).collect(),
             };
@@ -133,8 +134,7 @@ fn springs_are_named_without_masses() {
         let told = |e: &(&'static str, Vec<usize>)| named.contains(e) || suspected.contains(e);
         assert!(expected.iter().all(told), "{case}: {named:?}, suspected {suspected:?}");
         assert!(named.is_empty() == expected.is_empty(), "{case}: {named:?}");
-        let left =
-            |o: &truearm_host::diagnose::Outcome| o.gap.last().unwrap().holdout_rms_mm.unwrap();
+        let left = |o: &Outcome| o.gap.last().unwrap().holdout_rms_mm.unwrap();
         assert!(left(&without) < 1.1 * left(&with), "{case}: {} {}", left(&without), left(&with));
     }
 }

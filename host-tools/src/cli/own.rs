@@ -96,6 +96,14 @@ pub const MODEL_FOLDER: [&str; 3] = ["model.toml", "report.json", "residuals.csv
 /// # Errors
 /// A file that truearm did not write, and a model of another robot.
 pub fn in_folder(folder: &Path, model: &Model, force: bool) -> Result<()> {
+    // Before anything is written: a new model never stands beside an old page.
+    for name in MODEL_FOLDER.iter().chain(["report.html"].iter()) {
+        let path = folder.join(name);
+        if path.is_dir() {
+            let help = "move the folder away, or write elsewhere";
+            return Err(Error::file(&path, Place::default(), "a folder, not a file", help));
+        }
+    }
     if force {
         return Ok(());
     }

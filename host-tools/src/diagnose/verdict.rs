@@ -17,6 +17,9 @@ pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, V
         nameless.map(|(what, p)| format!("{} (probability {})", what.words(), said(*p))).collect();
     let alike = white::left(problem, best).filter(|a| a.deviations > POLICY.white);
     left.extend(alike.map(|a| a.words()));
+    if weighed.no_room > 0 && best.added.is_empty() {
+        left.push(format!("{} effects that --most-terms has no room for", weighed.no_room));
+    }
     let verdict = if !left.is_empty() || crowded(best) {
         Verdict::Unexplained
     } else if best.added.is_empty() && best.fit.outliers.is_empty() && weighed.curves.is_empty() {

@@ -7,6 +7,7 @@ mod reach;
 mod readme;
 mod remarks;
 mod small_arms;
+mod stated;
 mod too_little;
 mod twins;
 mod wide;

@@ -38,6 +38,9 @@ pub struct Weighed {
     pub scale: f64,
     /// Held-out residuals, everything decided anew in each fold.
     pub nested: Vec<Option<Residual>>,
+    /// Effects of the most probable model that are not in the best one, as there is
+    /// no room for their terms.
+    pub no_room: usize,
     /// Moments of the links that go with its springs.
     pub moments: Option<Moments>,
     /// Error curves of joints, and what each is worth.

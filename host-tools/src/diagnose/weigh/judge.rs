@@ -58,6 +58,7 @@ pub fn answer(
         scale: found.scale,
         nested,
         moments: None,
+        no_room: 0,
         curves: Vec::new(),
         stages: Vec::new(),
     }
@@ -97,7 +98,9 @@ pub fn within(of: &Explained, gram: &Gram, found: &Explanation) -> Vec<Candidate
         arm_terms(&added)
     };
     if terms(&members) > of.q.most_terms {
-        let projected = gram.project(&gram.geometry(of.precision, found.scale));
+        // As moments are: with a spring goes what they bend.
+        let precision = of.sheet.holding_moments(of.precision);
+        let projected = gram.project(&gram.geometry(&precision, found.scale));
         let entries = of.possible.iter().map(|p| p.entry.clone()).collect();
         let subsets = Subsets::new(projected, entries);
         while terms(&members) > of.q.most_terms {

@@ -248,6 +248,7 @@ impl Searched {
         let all =
             Explained { q: &asked, possible: &self.possible, sheet: &sheet, precision: &precision };
         let within = judge::within(&all, &whole, &self.found);
+        let no_room = self.best.added.len().saturating_sub(within.len());
         let best = match within.len() == self.best.added.len() {
             true => self.best,
             false => {
@@ -257,6 +258,7 @@ impl Searched {
         };
         let mut answer = judge::answer(&all, best, &self.found, &parts, &grams);
         answer.moments = self.moments;
+        answer.no_room = no_room;
         if !self.curves.is_empty() {
             let from = curved::From { all: &all, found: &self.found, parts: &parts, grams: &grams };
             answer.stages = curved::stages(&from);

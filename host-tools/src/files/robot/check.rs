@@ -75,3 +75,18 @@ impl Checker<'_> {
         Ok(value.to_radians())
     }
 }
+
+/// Longest name, in characters.
+const LONGEST_NAME: usize = 200;
+
+/// A name that can stand on a console and on a page.
+pub(super) fn printable(source: &Source, key: &str, name: &str) -> Result<()> {
+    let help = "give a name of one line";
+    if name.chars().any(char::is_control) {
+        return Err(source.whole(format!("{key} has control characters"), help));
+    }
+    match name.chars().count() {
+        0..=LONGEST_NAME => Ok(()),
+        count => Err(source.whole(format!("{key} of {count} characters"), help)),
+    }
+}

@@ -14,7 +14,7 @@ use super::source::Source;
 use crate::error::Result;
 use crate::model::{Joint, LinkMass, Placement, Robot};
 use crate::units::{from_mm, joint_from_file};
-use check::Checker;
+use check::{Checker, printable};
 pub use draft::RobotDraft;
 use keys::{JointFile, PlacementFile, RobotFile};
 use sense::Sense;
@@ -61,6 +61,9 @@ impl Robot {
         let temperature =
             file.reference_temperature_c.as_ref().map(|t| check.temperature(t)).transpose()?;
         let payload = file.payload.as_ref().map(|p| check.centre("payload.com_mm", &p.com_mm));
+        for (key, words) in [("name", &file.name), ("serial", &file.serial)] {
+            printable(&check.source, key, words.as_deref().unwrap_or_default())?;
+        }
         let stem = path.file_stem().map_or("robot".into(), |s| s.to_string_lossy().into_owned());
         Ok(Self {
             path: path.to_owned(),

@@ -22,6 +22,9 @@ use crate::model::{ErrorCurve, Values};
 /// Equations given to a Gram matrix at a time.
 const TOGETHER: usize = 240;
 
+/// Precision that holds an unknown at nothing.
+const HELD: f64 = 1e24;
+
 /// Poses that one task sums.
 const PART: usize = 400;
 
@@ -141,6 +144,15 @@ impl<'a> Sheet<'a> {
         let curves = curves.flat_map(|c| c.prior.variances()).map(|v| 1.0 / v);
         let all: Vec<f64> = rigid.chain(moments).chain(curves).collect();
         DVector::from_vec(all)
+    }
+
+    /// The same prior, the moments held where they are stated.
+    #[must_use]
+    pub fn holding_moments(&self, precision: &DVector<f64>) -> DVector<f64> {
+        let mut held = precision.clone();
+        let own = self.problem.unknowns.list().len()..self.unknowns();
+        held.rows_mut(own.start, own.len()).fill(HELD);
+        held
     }
 
     /// Sums over the rows of each part.
