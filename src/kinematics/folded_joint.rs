@@ -1,4 +1,5 @@
 use super::link::{JointKind, Link, MdhParameters};
+use super::walk::Step;
 use crate::scalar::Scalar;
 
 /// A joint with the constant way to the next one, reduced to what a tick has
@@ -192,6 +193,17 @@ impl<T: Scalar> FoldedJoint<T> {
             JointKind::Prismatic => (self.sin_theta, self.cos_theta),
         };
         Turn { sin, cos }
+    }
+
+    /// Its constants, for others.
+    pub fn step(&self) -> Step<T> {
+        Step {
+            kind: self.kind,
+            theta: self.theta,
+            constant_turn: [self.sin_theta, self.cos_theta],
+            twist: [self.sin_twist, self.cos_twist],
+            offset: self.offset,
+        }
     }
 
     /// Whether it slides.

@@ -8,6 +8,7 @@ mod jacobian;
 mod link;
 mod pose;
 mod shared;
+mod walk;
 
 pub use chain::Chain;
 pub use deflection::Deflection;
@@ -16,3 +17,4 @@ pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, Twist};
 pub use link::{JointKind, Link, LinkParameter, MdhParameters};
 pub use pose::Pose;
 pub(crate) use pose::{axes, cross, dot, from_axes, rotate};
+pub use walk::{Step, Walk};

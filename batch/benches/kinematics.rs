@@ -1,0 +1,89 @@
+//! `cargo bench -p truearm-batch`: one pose, with Jacobian, with all parameter columns,
+//! and batches by every class of instructions that the processor has.
+
+use core::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use truearm::{Chain, Link, Pose, Scalar};
+use truearm_batch::{BatchChain, Cpu, Lanes, Poses, Positions};
+
+const POSES: usize = 1024;
+
+/// A UR10 with the errors of a real one.
+fn chain<T: Scalar>() -> Chain<T, 6> {
+    let quarter = core::f64::consts::FRAC_PI_2;
+    let links = [
+        [0.0, 0.0, 0.001, 0.1273, 0.0],
+        [quarter + 0.0007, 0.0004, -0.0012, 0.0, 0.0003],
+        [0.0002, -0.612, 0.0004, 0.0003, -0.0008],
+        [-0.0011, -0.5723, 0.002, 0.163_941, 0.0006],
+        [quarter, 0.0001, 0.0, 0.1157, 0.0],
+        [-quarter, 0.0, -0.0003, 0.0922, 0.0002],
+    ];
+    let links = links.map(|link| {
+        let [alpha, a, theta, d, beta] = link.map(T::from_f64);
+        Link::revolute(alpha, a, theta, d, beta)
+    });
+    Chain::new(&links, Pose::identity(), Pose::translation(T::ZERO, T::ZERO, T::from_f64(0.1)))
+}
+
+/// A slice a joint.
+fn joints<T: Scalar>() -> [Vec<T>; 6] {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    [(); 6].map(|()| (0..POSES).map(|_| T::from_f64(rng.random_range(-3.2..3.2))).collect())
+}
+
+fn batches<T: Lanes>(criterion: &mut Criterion, name: &str) {
+    let q = joints::<T>();
+    let q = q.each_ref().map(|q| &q[..]);
+    let mut group = criterion.benchmark_group(name);
+    group.throughput(Throughput::Elements(POSES as u64));
+    for cpu in Cpu::all() {
+        let wide = BatchChain::of(&chain::<T>()).on(cpu);
+        let mut out = [(); 12].map(|()| vec![T::ZERO; POSES]);
+        group.bench_function(format!("poses, {cpu}"), |bencher| {
+            bencher.iter(|| {
+                let [x, y, z, xx, xy, xz, yx, yy, yz, zx, zy, zz] =
+                    out.each_mut().map(|out| &mut out[..]);
+                let rotation = [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]];
+                wide.poses(black_box(&q), Poses { positions: Positions { x, y, z }, rotation })
+            });
+        });
+        group.bench_function(format!("points, {cpu}"), |bencher| {
+            bencher.iter(|| {
+                let [x, y, z, ..] = out.each_mut().map(|out| &mut out[..]);
+                wide.positions(black_box(&q), Positions { x, y, z })
+            });
+        });
+    }
+    group.finish();
+}
+
+fn single<T: Scalar>(criterion: &mut Criterion, name: &str) {
+    let (chain, columns) = (chain::<T>(), joints::<T>());
+    let mut at = 0;
+    // Another pose every time: the branches of a sine are not to be guessed.
+    let mut next = move || {
+        at = (at + 1) % POSES;
+        columns.each_ref().map(|q| q[at])
+    };
+    let mut group = criterion.benchmark_group(name);
+    group.bench_function("forward", |b| b.iter(|| chain.forward(&next())));
+    group.bench_function("with Jacobian", |b| b.iter(|| chain.jacobian(&next())));
+    group.bench_function("all 39 parameter columns", |b| {
+        b.iter(|| chain.identification_jacobian(&next()));
+    });
+    group.finish();
+}
+
+fn all(criterion: &mut Criterion) {
+    single::<f64>(criterion, "one pose, f64");
+    single::<f32>(criterion, "one pose, f32");
+    batches::<f64>(criterion, "1024 poses, f64");
+    batches::<f32>(criterion, "1024 poses, f32");
+}
+
+criterion_group!(benches, all);
+criterion_main!(benches);
