@@ -58,31 +58,20 @@ impl<T: Lanes, const OUT: usize> WithSimd for Batch<'_, T, OUT> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let chain = WideChain::new(simd, self.constants);
-        let zero = Wide::splat(simd, T::ZERO);
         let none: (&[T::Vector<S>], &[T]) = (&[], &[]);
         let columns: [_; MAX_JOINTS] =
             array::from_fn(|joint| self.q.get(joint).map_or(none, |q| T::split::<S>(q)));
         let mut out = self.out.map(|out| T::split_mut::<S>(out));
-        let vectors = columns[0].0.len();
-        for index in 0..vectors {
-            let mut q = [zero; MAX_JOINTS];
-            for (q, (whole, _)) in q.iter_mut().zip(&columns[..chain.count]) {
-                *q = zero.with(whole[index]);
-            }
-            let results = chain.walk::<OUT>(&q);
-            for ((whole, _), result) in out.iter_mut().zip(results) {
-                whole[index] = result.value;
-            }
-        }
+        chain.run(&columns.map(|(whole, _)| whole), &mut out.each_mut().map(|out| &mut *out.0));
+        // What is left over goes through as a vector that is filled up with zeros.
         if columns[0].1.is_empty() {
             return;
         }
-        let mut q = [zero; MAX_JOINTS];
-        for (q, (_, rest)) in q.iter_mut().zip(&columns[..chain.count]) {
-            *q = zero.with(T::load(simd, rest));
-        }
-        for ((_, rest), result) in out.iter_mut().zip(chain.walk::<OUT>(&q)) {
-            T::store(simd, rest, result.value);
+        let rest = columns.map(|(_, rest)| [T::load(simd, rest)]);
+        let mut results = [[T::splat(simd, T::ZERO)]; OUT];
+        chain.run(&rest.each_ref().map(|q| &q[..]), &mut results.each_mut().map(|r| &mut r[..]));
+        for ((_, rest), [result]) in out.iter_mut().zip(results) {
+            T::store(simd, rest, result);
         }
     }
 }
@@ -122,53 +111,85 @@ impl<T: Lanes, S: Simd> WideChain<T, S> {
         }
     }
 
-    /// [`truearm::Chain::forward`], operation by operation.
+    /// All vectors, one after the other. Columns of joints that there are not are empty.
     #[inline(always)]
-    fn walk<const OUT: usize>(&self, q: &[Wide<T, S>; MAX_JOINTS]) -> [Wide<T, S>; OUT] {
-        let steps = &self.steps[..self.count];
-        // All sines first: they do not wait for one another.
+    fn run<const OUT: usize>(
+        &self,
+        q: &[&[T::Vector<S>]; MAX_JOINTS],
+        out: &mut [&mut [T::Vector<S>]; OUT],
+    ) {
         let mut turns = [[self.origin[0]; 2]; MAX_JOINTS];
-        for (turn, (step, q)) in turns.iter_mut().zip(steps.iter().zip(q)) {
-            *turn = if step.revolute {
-                let (sin, cos) = T::wide_sin_cos(*q + step.theta);
-                [sin, cos]
-            } else {
-                step.constant_turn
-            };
+        for index in 0..q[0].len() {
+            // All sines first: they do not wait for one another.
+            for joint in 0..self.count {
+                let step = &self.steps[joint];
+                turns[joint] = if step.revolute {
+                    let (sin, cos) = T::wide_sin_cos(step.theta.with(q[joint][index]) + step.theta);
+                    [sin, cos]
+                } else {
+                    step.constant_turn
+                };
+            }
+            self.walk(&turns, q, out, index);
         }
+    }
+
+    /// [`truearm::Chain::forward`], operation by operation. Without closures: none may
+    /// stay a call, whose vectors pass through memory.
+    #[inline(always)]
+    fn walk<const OUT: usize>(
+        &self,
+        turns: &[[Wide<T, S>; 2]; MAX_JOINTS],
+        q: &[&[T::Vector<S>]; MAX_JOINTS],
+        out: &mut [&mut [T::Vector<S>]; OUT],
+        index: usize,
+    ) {
         let [mut x, mut y, mut p] = self.tip;
-        let mut joints = steps.iter().zip(turns.iter().zip(q)).rev().peekable();
-        while let Some((step, (turn, q))) = joints.next() {
+        let last = self.count - 1;
+        for joint in (0..=last).rev() {
+            let (step, turn) = (&self.steps[joint], &turns[joint]);
+            if joint < last {
+                if OUT == POSE {
+                    x = about_x(&step.twist, x);
+                    y = about_x(&step.twist, y);
+                }
+                p = add(about_x(&step.twist, p), step.offset);
+            }
             if !step.revolute {
-                p[2] = p[2] + *q;
+                p[2] = p[2] + p[2].with(q[joint][index]);
             }
             if OUT == POSE {
-                (x, y) = (about_z(turn, x), about_z(turn, y));
+                x = about_z(turn, x);
+                y = about_z(turn, y);
             }
             p = about_z(turn, p);
-            let Some((before, _)) = joints.peek() else { break };
-            if OUT == POSE {
-                (x, y) = (about_x(&before.twist, x), about_x(&before.twist, y));
-            }
-            p = add(about_x(&before.twist, p), before.offset);
         }
-        let mut out = [self.origin[0]; OUT];
-        out[..POINT].copy_from_slice(&add(self.rotated(p), self.origin));
+        let point = add(self.rotated(p), self.origin);
+        for k in 0..POINT {
+            out[k][index] = point[k].value;
+        }
         if OUT == POSE {
             let (x, y) = (self.rotated(x), self.rotated(y));
             let z = cross(x, y);
-            for (row, out) in out[POINT..].chunks_exact_mut(3).enumerate() {
-                out.copy_from_slice(&[x[row], y[row], z[row]]);
+            for row in 0..3 {
+                out[POINT + 3 * row][index] = x[row].value;
+                out[POINT + 3 * row + 1][index] = y[row].value;
+                out[POINT + 3 * row + 2][index] = z[row].value;
             }
         }
-        out
     }
 
     /// From the turned frame of the first joint to that of the base.
     #[inline(always)]
     fn rotated(&self, v: Vector3<T, S>) -> Vector3<T, S> {
-        self.rows.map(|[a, b, c]| a * v[0] + b * v[1] + c * v[2])
+        let [a, b, c] = self.rows;
+        [row(a, v), row(b, v), row(c, v)]
     }
+}
+
+#[inline(always)]
+fn row<T: Lanes, S: Simd>([a, b, c]: Vector3<T, S>, v: Vector3<T, S>) -> Wide<T, S> {
+    a * v[0] + b * v[1] + c * v[2]
 }
 
 #[inline(always)]
