@@ -1,6 +1,7 @@
 //! `cargo xtask VERB`: what continuous integration runs, and what a developer
 //! runs before it. One file a verb.
 
+mod bench;
 mod board;
 mod budgets;
 mod c;
@@ -14,6 +15,7 @@ mod log;
 mod m7;
 mod package;
 mod pages;
+mod peers;
 mod proof;
 mod python;
 mod qemu;
@@ -68,6 +70,10 @@ enum Verb {
     Package,
     /// Build the Python wheel and test it in a bare environment
     Python,
+    /// Times of a pose, alone and in batches, as ratios of one run
+    Bench,
+    /// Pinocchio, k and others beside truearm: sets them up in target/peers, times all
+    Peers,
     /// Open report.html of every verb, or these, in Chromium where there is one
     Pages {
         /// Pages to open
@@ -102,6 +108,8 @@ fn main() -> ExitCode {
         Verb::Store => tools::ensure().and_then(|()| store::run()),
         Verb::Package => package::run(),
         Verb::Python => python::run(),
+        Verb::Bench => bench::run(),
+        Verb::Peers => peers::run(),
         Verb::Pages { pages } => pages::run(&pages),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),
