@@ -94,7 +94,8 @@ fn time(what: &str, poses: usize, mut run: impl FnMut()) {
 fn each<R>(what: &str, poses: &[Joints], mut run: impl FnMut(&Joints) -> R) {
     time(what, poses.len(), || {
         for q in black_box(poses) {
-            black_box(run(q));
+            // By reference: large results are not to be copied.
+            black_box(&run(q));
         }
     });
 }
@@ -155,7 +156,7 @@ fn main() {
     each("truearm forward", &poses, |q| double.forward(q));
     time("truearm forward-f32", poses.len(), || {
         for q in black_box(&narrow) {
-            black_box(single.forward(q));
+            black_box(&single.forward(q));
         }
     });
     each("truearm jacobian", &poses, |q| double.jacobian(q));
