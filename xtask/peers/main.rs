@@ -160,7 +160,8 @@ fn main() {
         }
     });
     each("truearm jacobian", &poses, |q| double.jacobian(q));
-    each("truearm columns", &poses, |q| double.identification_jacobian(q));
+    let turns = double.link_turns();
+    each("truearm columns", &poses, |q| double.identification_jacobian_with(&turns, q));
     each("truearm wrist", &poses, |q| wrist.forward(q));
     each("k forward", &poses, by_k);
     each("k jacobian", &poses, |q| {

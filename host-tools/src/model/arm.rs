@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use truearm::effects::{Load, Masses, Term, TermInputs, deflection};
-use truearm::kinematics::{Deflection, LinkColumns};
+use truearm::kinematics::{Deflection, LinkColumns, LinkTurns};
 use truearm::{Approach, Chain, Link, Pose};
 
 /// Calls `$body` with the constant `N` equal to the run-time `$n`.
@@ -165,6 +165,8 @@ pub struct ArmMasses {
 struct SizedArm<const N: usize> {
     links: [Link<f64>; N],
     chain: Chain<f64, N>,
+    /// Taken once: every row of an identification needs them.
+    turns: [LinkTurns<f64>; N],
 }
 
 impl<const N: usize> Kinematics for SizedArm<N> {
@@ -190,7 +192,8 @@ impl<const N: usize> Kinematics for SizedArm<N> {
         let row = inputs;
         let inputs = row.fixed::<N>(q);
         let deflection = row.deflection(terms, &inputs);
-        let j = self.chain.identification_jacobian(&deflection.deflected(&inputs.q));
+        let j =
+            self.chain.identification_jacobian_with(&self.turns, &deflection.deflected(&inputs.q));
         // Base compliance turns about the axes of the robot, not the tracker.
         let r = &self.chain.base().rotation;
         let turn = |k: usize| {
@@ -233,6 +236,7 @@ pub fn chain(links: &[Link<f64>], base: Pose<f64>, tool: Vector3<f64>) -> Box<dy
     let tool = Pose { translation: tool, ..Pose::identity() };
     with_joints!(links.len(), N => {
         let links: [Link<f64>; N] = fixed(links);
-        Box::new(SizedArm { chain: Chain::new(&links, base, tool), links })
+        let chain = Chain::new(&links, base, tool);
+        Box::new(SizedArm { turns: chain.link_turns(), chain, links })
     })
 }
