@@ -3,6 +3,8 @@
 // The constants stand as FreeBSD's msun and libm have them.
 #![allow(clippy::excessive_precision)]
 
+use core::f64::consts::{FRAC_2_PI, FRAC_PI_4};
+
 use pulp::Simd;
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
@@ -11,7 +13,6 @@ use crate::wide::Wide;
 /// 1.5 * 2^52: adding and subtracting it rounds to the nearest whole number and
 /// leaves that number in the low bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
-const FRAC_2_PI: f64 = 6.36619772367581382433e-01;
 /// First 33 bits of pi/2, and the rest.
 const HALF_PI_1: f64 = 1.57079632673412561417e+00;
 const HALF_PI_1_REST: f64 = 6.07710050650619224932e-11;
@@ -19,7 +20,7 @@ const HALF_PI_1_REST: f64 = 6.07710050650619224932e-11;
 const REDUCED: f64 = f64::from_bits(0x3fe9_21fc_0000_0000);
 /// Reduced angles nearer to pi/4 are those of angles for which libm, which decides
 /// by high words up to 9pi/4, may take the quadrant on the other side.
-const NEAR_PI_4: f64 = core::f64::consts::FRAC_PI_4 - 8e-6;
+const NEAR_PI_4: f64 = FRAC_PI_4 - 8e-6;
 /// 2^-16: where less than that is left of an angle, libm goes on reducing it.
 const LITTLE: f64 = 1.525_878_906_25e-5;
 

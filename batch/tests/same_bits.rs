@@ -13,7 +13,10 @@ const WIDEST: usize = 16;
 
 /// Bits of every number; all NaN are one.
 fn bits<T: Scalar>(values: &[T]) -> Vec<u64> {
-    let one = |value: &T| if *value == *value { value.to_f64().to_bits() } else { u64::MAX };
+    let one = |value: &T| match value.to_f64() {
+        value if value.is_nan() => u64::MAX,
+        value => value.to_bits(),
+    };
     values.iter().map(one).collect()
 }
 

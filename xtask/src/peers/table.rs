@@ -39,14 +39,14 @@ impl Table {
 
     pub fn text(&self, rounds: usize) -> String {
         let mut out = format!("\nns a pose, least and median of {rounds} rounds\n\n");
-        for ((what, peer), _) in &self.0 {
+        for (what, peer) in self.0.keys() {
             if let Some([least, median]) = self.figures(what, peer) {
                 let _ = writeln!(out, "{what:12} {peer:20} {least:11.1} {median:11.1}");
             }
         }
         out += "\ntruearm is as many times as fast (ratio of the least, of the medians)\n\n";
         for (theirs, ours, words) in ROWS {
-            for ((_, peer), _) in self.0.iter().filter(|((what, _), _)| what == theirs) {
+            for (_, peer) in self.0.keys().filter(|(what, _)| what == theirs) {
                 if peer == OURS {
                     continue;
                 }
