@@ -59,6 +59,11 @@ fn inclinations_beside_lengths_reach_their_bound() {
     reaches_its_bound(&[("inclination", 100), ("distance", 60)]);
 }
 
+#[test]
+fn images_reach_their_bound() {
+    reaches_its_bound(&[("pixel", 60)]);
+}
+
 fn found(robot: &Robot, data: &Measurements) -> Identification {
     identify(robot, data, &Options::default(), &|_, _| ()).unwrap()
 }

@@ -51,7 +51,7 @@ pub(crate) struct Shape {
     pub bend: Vec<[f64; 2]>,
 }
 
-pub(crate) fn apply(m: &Matrix<f64>, p: &Vector3<f64>) -> Vector3<f64> {
+pub fn apply(m: &Matrix<f64>, p: &Vector3<f64>) -> Vector3<f64> {
     Vector3::from_fn(|i, _| m[i][0] * p.x + m[i][1] * p.y + m[i][2] * p.z + m[i][3])
 }
 

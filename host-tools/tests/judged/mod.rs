@@ -12,13 +12,14 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use truearm::Pose;
 use truearm_host::Result;
-use truearm_host::identify::estimate::estimate;
+use truearm_host::identify::estimate::{Estimate, estimate};
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{LambdaRule, Problem, Scaling, State, Unknown};
 use truearm_host::model::arm::{Kinematics, RowInputs, chain};
-use truearm_host::model::{Measurements, Robot};
+use truearm_host::model::{Form, Instrument, Measurements, Robot};
 use truearm_host::observations::measuring;
 use truearm_host::tikhonov::covariance;
+use truearm_simulate::body::apply;
 use truearm_simulate::instruments::{Cell, Sigmas};
 use truearm_simulate::robots::UR10_LIKE;
 use truearm_simulate::{normal, vector};
@@ -51,13 +52,35 @@ pub fn read(robot: &Robot, cell: &Cell, text: &str) -> Measurements {
 pub struct Judged {
     poses: Vec<Vec<f64>>,
     real: Vec<Vector3<f64>>,
+    /// The camera among the instruments, where that is the tool.
+    camera: Option<usize>,
 }
 
 impl Judged {
     pub fn new(cell: &Cell, rng: &mut ChaCha8Rng) -> Self {
         let poses: Vec<_> = (0..JUDGED).map(|_| cell.pose(rng)).collect();
         let real = poses.iter().map(|q| cell.target(q)).collect();
-        Self { poses, real }
+        Self { poses, real, camera: None }
+    }
+
+    /// What a problem is about: the tool, or the camera in hand where no row
+    /// depends on the tool. Images of a board say nothing of another point.
+    pub fn of(problem: &Problem, cell: &Cell, rng: &mut ChaCha8Rng) -> Self {
+        let is_camera = |i: &Instrument| i.form == Form::Camera && i.on_flange;
+        let camera = problem.data.instruments.iter().position(is_camera);
+        let camera = camera.filter(|_| problem.unknowns.marker(0).is_none());
+        let tool = Self::new(cell, rng);
+        if camera.is_none() {
+            return tool;
+        }
+        let seen = Vector3::from_fn(|i, _| cell.camera.place[i][3]);
+        let real = tool.poses.iter().map(|q| apply(&cell.flange(q), &seen)).collect();
+        Self { real, camera, ..tool }
+    }
+
+    fn arm(&self, state: &State) -> Box<dyn Kinematics> {
+        let camera = self.camera.map(|i| state.instruments[i].place.translation);
+        chain(&state.links, Pose::identity(), camera.unwrap_or(state.markers[0]))
     }
 
     /// What no rigid motion explains of small errors, a column each: 3 n x any.
@@ -78,7 +101,7 @@ impl Judged {
 
     /// Root mean square error of the tool, m.
     pub fn error(&self, state: &State) -> f64 {
-        let arm = arm(state);
+        let arm = self.arm(state);
         let errors = self.poses.iter().zip(&self.real);
         let errors: Vec<f64> = errors
             .flat_map(|(q, real)| {
@@ -91,7 +114,7 @@ impl Judged {
 
     /// What the bound says of its square: the posterior at the truth.
     pub fn bound(&self, problem: &Problem, state: &State, covariance: &DMatrix<f64>) -> f64 {
-        let arm = arm(state);
+        let arm = self.arm(state);
         let list = problem.unknowns.list();
         let units = problem.units();
         let mut moved = DMatrix::zeros(3 * JUDGED, list.len());
@@ -101,6 +124,11 @@ impl Judged {
                 let column = match unknown {
                     Unknown::Link(joint, p) => *d.links[*joint].get(*p),
                     Unknown::Marker(0, c) => d.tool[*c],
+                    // Along its own axes.
+                    Unknown::Instrument(c, k @ 3.., _) if Some(*c) == self.camera => {
+                        let axis = state.instruments[*c].place.rotation.column(*k - 3);
+                        (0..3).map(|c| d.tool[c] * axis[c]).sum()
+                    }
                     _ => continue,
                 };
                 (0..3).for_each(|c| moved[(3 * i + c, k)] = column[c] * units[k]);
@@ -111,23 +139,44 @@ impl Judged {
     }
 }
 
-fn arm(state: &State) -> Box<dyn Kinematics> {
-    chain(&state.links, Pose::identity(), state.markers[0])
+/// An arm in its cell, what was measured of it and what was found.
+pub struct Solved<'a> {
+    pub cell: &'a Cell,
+    pub problem: &'a Problem<'a>,
+    pub found: &'a Estimate,
+}
+
+/// Looks at the maximum a posteriori estimate of an arm made to the tolerances.
+pub fn solved<T>(
+    robot: &Robot,
+    wanted: &[(&'static str, usize)],
+    seed: u64,
+    look: impl FnOnce(&Solved, &mut ChaCha8Rng) -> T,
+) -> Result<T> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let cell = cell(robot, &mut rng);
+    let data = read(robot, &cell, &cell.file(wanted, &mut rng));
+    let problem = Problem::new(&data, robot, Scaling::Prior);
+    let found = most_probable(&problem, robot)?;
+    Ok(look(&Solved { cell: &cell, problem: &problem, found: &found }, &mut rng))
+}
+
+/// The maximum a posteriori estimate of all rows.
+pub fn most_probable(problem: &Problem, robot: &Robot) -> Result<Estimate> {
+    let rows = measuring(&problem.data.rows);
+    let start = register(problem.data, &problem.nominal, robot.tool)?;
+    estimate(problem, LambdaRule::MaximumAPosteriori, &rows, &start, false)
 }
 
 /// Squares of the error and of its bound, of one arm, m^2.
 pub fn once(robot: &Robot, wanted: &[(&'static str, usize)], seed: u64) -> Result<[f64; 2]> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let cell = cell(robot, &mut rng);
-    let data = read(robot, &cell, &cell.file(wanted, &mut rng));
-    let judged = Judged::new(&cell, &mut rng);
-    let problem = Problem::new(&data, robot, Scaling::Prior);
-    let rows = measuring(&data.rows);
-    let start = register(&data, &problem.nominal, robot.tool)?;
-    let found = estimate(&problem, LambdaRule::MaximumAPosteriori, &rows, &start, false)?;
-    let state = &found.fit.state;
-    let covariance = covariance(&found.fit.normal, problem.unknowns.free(), 1.0);
-    Ok([judged.error(state).powi(2), judged.bound(&problem, state, &covariance)])
+    solved(robot, wanted, seed, |solved, rng| {
+        let (problem, fit) = (solved.problem, &solved.found.fit);
+        let judged = Judged::of(problem, solved.cell, rng);
+        let covariance = covariance(&fit.normal, problem.unknowns.free(), 1.0);
+        let bound = judged.bound(problem, &fit.state, &covariance);
+        [judged.error(&fit.state).powi(2), bound]
+    })
 }
 
 /// Root mean square error over arms, in units of the bound, and two standard

@@ -8,30 +8,36 @@ use crate::body::apply;
 use crate::oracle::{self, Matrix};
 use crate::{normal, rigid, vector};
 
+/// Poses tried for an image at most.
+const TRIED: usize = 500;
+/// How near the camera comes to where it is sent, m and rad: what it sees is
+/// computed from where it then is.
+const CLOSE: f64 = 1e-3;
+
 impl Cell {
-    /// So many exposures, each from near where the last one was.
+    /// So many exposures, each from near where the last one was: an arm goes from
+    /// one to the next without folding through itself.
+    ///
+    /// # Panics
+    /// Where hardly any pose sees the board.
     pub(super) fn images(&self, count: usize, rng: &mut impl Rng) -> Vec<(Vec<f64>, Row)> {
         let (mut all, mut last, mut number) = (Vec::new(), None, 0);
-        while number < count {
+        for _ in 0..TRIED * count {
+            if number == count {
+                return all;
+            }
             let eye = self.eye(rng);
-            let from = match &last {
-                Some(q) => vec![Vec::clone(q)],
-                None => (0..8).map(|_| self.pose(rng)).collect(),
-            };
-            let off = |q: &[f64]| self.off(q, &eye);
-            let Some(q) = from.into_iter().find_map(|q| self.solved_from(q, &off)) else {
-                // Another start, lest the arm is folded where it cannot get out.
-                last = last.filter(|_| rng.random_bool(0.8));
-                continue;
-            };
-            let rows = self.exposed(&q, number, rng);
+            let from = last.take().unwrap_or_else(|| self.pose(rng));
+            let found = self.near(from, &|q| self.off(q, &eye), CLOSE);
+            let rows = found.as_deref().map_or_else(Vec::new, |q| self.exposed(q, number, rng));
             if rows.len() > self.holes.len() / 2 {
                 all.extend(rows);
                 number += 1;
+                // Now and then from elsewhere, for the other branches of the arm.
+                last = found.filter(|_| rng.random_bool(0.8));
             }
-            last = Some(q);
         }
-        all
+        panic!("{number} of {count} images: hardly any pose sees the board")
     }
 
     /// Somewhere above the board, looking down at its middle.
@@ -48,13 +54,18 @@ impl Cell {
         rigid(&Rotation3::from_matrix_unchecked(turn).scaled_axis(), &eye)
     }
 
-    /// How far the camera is from there.
+    /// How far the camera is from there: a length, and the sines of what it is
+    /// turned by (an angle from a cosine is known to 1e-8 only, and Newton's steps
+    /// then go on for ever).
     fn off(&self, q: &[f64], eye: &Matrix<f64>) -> DVector<f64> {
         let seen = oracle::product(&self.flange(q), &self.camera.place);
         let at = apply(&seen, &Vector3::zeros()) - apply(eye, &Vector3::zeros());
         let turn = rotation(&seen) * rotation(eye).transpose();
-        let turn = Rotation3::from_matrix_unchecked(turn).scaled_axis();
-        DVector::from_vec(vec![at.x, at.y, at.z, turn.x, turn.y, turn.z])
+        let sine = |i: usize, j: usize| (turn[(i, j)] - turn[(j, i)]) / 2.0;
+        // Half a turn away the sines are nothing as well.
+        let away = if turn.trace() < 0.0 { 1.0 } else { 0.0 };
+        let [x, y, z] = [sine(2, 1) + away, sine(0, 2), sine(1, 0)];
+        DVector::from_vec(vec![at.x, at.y, at.z, x, y, z])
     }
 
     /// All corners of the board that one exposure sees.

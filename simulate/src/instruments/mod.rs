@@ -5,6 +5,7 @@
 
 mod camera;
 mod rows;
+mod scanner;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -16,6 +17,7 @@ use truearm::JointKind;
 use crate::body::apply;
 use crate::oracle::{self, Matrix};
 use crate::{csv, rigid, vector};
+pub use scanner::{Scanner, apart};
 
 /// Standard deviations of what is measured, m, rad and px.
 #[derive(Debug, Clone, Copy)]
@@ -168,14 +170,17 @@ impl Cell {
             let unit = if *kind == JointKind::Revolute { "deg" } else { "mm" };
             format!("q{}_{unit}", j + 1)
         });
-        let header: Vec<String> = names.chain(COLUMNS.map(str::to_owned)).collect();
+        // Labels of markers only where there is more than one.
+        let labels = rows.iter().any(|(_, row)| row.contains_key("marker"));
+        let columns = || COLUMNS.into_iter().chain(labels.then_some("marker"));
+        let header: Vec<String> = names.chain(columns().map(str::to_owned)).collect();
         let line = |(q, row): &(Vec<f64>, Row)| {
             let joint = |(q, kind): (&f64, &JointKind)| match kind {
                 JointKind::Revolute => format!("{:.11}", q.to_degrees()),
                 JointKind::Prismatic => format!("{:.10}", q * 1e3),
             };
             let joints = q.iter().zip(&self.kinds).map(joint);
-            let cells = COLUMNS.map(|c| row.get(c).cloned().unwrap_or_default());
+            let cells = columns().map(|c| row.get(c).cloned().unwrap_or_default());
             joints.chain(cells).collect::<Vec<String>>()
         };
         csv(std::iter::once(header).chain(rows.iter().map(line)))
@@ -193,21 +198,22 @@ impl Cell {
     /// Joint values near a random pose at which all of these are nothing.
     fn solved(&self, zero: impl Fn(&[f64]) -> DVector<f64>, rng: &mut impl Rng) -> Vec<f64> {
         loop {
-            if let Some(q) = self.solved_from(self.pose(rng), &zero) {
+            if let Some(q) = self.near(self.pose(rng), &zero, 1e-13) {
                 return q;
             }
         }
     }
 
-    /// The same near these; `None` where that leads nowhere.
-    fn solved_from(
+    /// The same near these, to so much; `None` where that leads nowhere.
+    fn near(
         &self,
         mut q: Vec<f64>,
         zero: &impl Fn(&[f64]) -> DVector<f64>,
+        much: f64,
     ) -> Option<Vec<f64>> {
         for _ in 0..30 {
             let now = zero(&q);
-            if now.amax() < 1e-13 {
+            if now.amax() < much {
                 return Some(q);
             }
             let mut jacobian = DMatrix::zeros(now.len(), q.len());

@@ -9,11 +9,11 @@ use crate::{normal, vector};
 
 type Pose = Vec<f64>;
 
-fn mm(m: f64) -> String {
+pub(super) fn mm(m: f64) -> String {
     format!("{:.8}", m * 1e3)
 }
 
-fn say(row: &mut Row, column: &'static str, value: String) {
+pub(super) fn say(row: &mut Row, column: &'static str, value: String) {
     row.insert(column, value);
 }
 
