@@ -15,7 +15,7 @@ use crate::simulated::{Truth, UR10_LIKE, parse, robot};
 const JUDGED: usize = 10;
 /// A parameter known better than this share of its tolerance is determined by
 /// the data.
-const DETERMINED: f64 = 0.3;
+pub const DETERMINED: f64 = 0.3;
 
 /// What stays the same over the simulations of a case.
 pub struct Cell {
@@ -43,10 +43,23 @@ pub struct Held {
 }
 
 impl Held {
-    fn count(&mut self, error: f64, [noise, total]: [f64; 2]) {
+    /// Counts an error against one standard deviation from noise alone and with
+    /// the bias.
+    pub fn count(&mut self, error: f64, [noise, total]: [f64; 2]) {
         self.all += 1;
         self.total += usize::from(error.abs() <= FACTOR * total);
         self.noise += usize::from(error.abs() <= FACTOR * noise);
+    }
+
+    /// Shares of many: bias included, and noise alone.
+    pub fn share<'h>(all: impl Iterator<Item = &'h Self>) -> [f64; 2] {
+        let mut sum = Self::default();
+        for held in all {
+            sum.total += held.total;
+            sum.noise += held.noise;
+            sum.all += held.all;
+        }
+        [sum.total, sum.noise].map(|count| count as f64 / sum.all as f64)
     }
 }
 
@@ -60,11 +73,7 @@ impl Tally {
     /// Shares over all simulations.
     pub fn of(each: &[Simulated]) -> Vec<(&'static str, [f64; 2])> {
         let names = ["tool point, a coordinate", "parameters", "combinations of parameters"];
-        let share = |k: usize| {
-            let sum = |f: fn(&Held) -> usize| each.iter().map(|s| f(&s[k])).sum::<usize>() as f64;
-            let all = sum(|h| h.all);
-            [sum(|h| h.total) / all, sum(|h| h.noise) / all]
-        };
+        let share = |k: usize| Held::share(each.iter().map(|simulated| &simulated[k]));
         names.into_iter().enumerate().map(|(k, name)| (name, share(k))).collect()
     }
 }
