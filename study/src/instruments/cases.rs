@@ -1,8 +1,8 @@
 //! What people compare before they buy, and how much of it they need.
 
 use rayon::prelude::*;
-use truearm_host::identify::components::left_open;
-use truearm_host::model::Robot;
+use truearm_host::model::{KindId, Robot};
+use truearm_host::observations::KINDS;
 use truearm_host::tikhonov::covariance;
 
 use crate::judged::{once, solved};
@@ -68,7 +68,7 @@ pub fn needed(robot: &Robot, wanted: &Wanted) -> Option<usize> {
 /// How many combinations of link parameters a kind says nothing of, beyond the
 /// tolerances, and what it leaves open in words: of one arm.
 #[must_use]
-pub fn open(robot: &Robot, wanted: &Wanted) -> (usize, Vec<String>) {
+pub fn open(robot: &Robot, wanted: &Wanted) -> (usize, String) {
     let of = solved(robot, wanted, OF_THEIR_OWN, |solved, _| {
         let free = solved.problem.unknowns.free();
         let known = covariance(&solved.found.fit.normal, free, 1.0);
@@ -76,7 +76,10 @@ pub fn open(robot: &Robot, wanted: &Wanted) -> (usize, Vec<String>) {
         let links = known.view((free, free), (count, count)).into_owned();
         let sizes = links.symmetric_eigenvalues();
         let open = sizes.iter().filter(|square| square.sqrt() > OPEN).count();
-        (open, left_open(solved.problem.data))
+        let mut kinds: Vec<KindId> = solved.problem.data.rows.iter().map(|r| r.kind).collect();
+        kinds.dedup();
+        let words = kinds.iter().map(|kind| KINDS[usize::from(kind.0)].leaves());
+        (open, words.collect::<Vec<_>>().join(" / "))
     });
     of.unwrap_or_else(|error| panic!("{wanted:?}: {error}"))
 }

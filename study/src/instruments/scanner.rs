@@ -30,8 +30,8 @@ pub struct Setup {
 /// angle of the arm, and of how the sensor is turned on the flange. Chosen so that
 /// the sensor is as far off as it was published to be.
 const LENGTH: f64 = 1e-3;
-const ANGLE: f64 = 9.1e-3;
-const MOUNT: f64 = 0.0372;
+const ANGLE: f64 = 9.42e-3;
+const MOUNT: f64 = 0.0376;
 /// The rays, from the sensor's z.
 const FAN: [f64; 3] = [-0.25, 0.0, 0.25];
 const SEES: [f64; 2] = [0.1, 1.2];

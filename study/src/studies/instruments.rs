@@ -77,8 +77,7 @@ fn worth(name: &str, robot: &Robot, options: &Options) -> Vec<String> {
         let of = 5 * robot.joints.len();
         let error = ratio * bound * 1e3;
         println!(
-            "| {what} | {error:.4} | {ratio:.3} +- {two_errors:.3} | {needed} | {open} of {of}; {} |",
-            words.join("; ")
+            "| {what} | {error:.4} | {ratio:.3} +- {two_errors:.3} | {needed} | {open} of {of}; {words} |"
         );
         if ratio > 1.03 + two_errors {
             missed.push(format!("{name}, {what}: {ratio:.3} of the bound"));
