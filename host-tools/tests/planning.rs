@@ -1,17 +1,24 @@
 //! Planned poses: where they may be, when there are enough, and what is said where
 //! none can be planned. That they keep what they promise is a study.
 
+mod judged;
 mod simulated;
 
 use std::path::Path;
 
+use judged::{SIGMAS, cell, most_probable, read};
 use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use simulated::{UR10_LIKE, robot};
 use truearm::Pose;
-use truearm_host::model::Robot;
+use truearm_host::identify::{Problem, Scaling};
 use truearm_host::model::arm::chain;
+use truearm_host::model::{KindId, Robot};
 use truearm_host::model::{Sight, Workspace};
+use truearm_host::observations::by_name;
 use truearm_host::plan::{PlanOptions, plan};
+use truearm_simulate::body::apply;
 use truearm_simulate::robots;
 
 #[test]
@@ -26,7 +33,14 @@ fn poses_stay_in_limits_box_and_sight() {
     // Corners in any order.
     workspace.corners = Some([Vector3::new(0.9, 0.9, 1.2), Vector3::new(-0.9, -0.9, 0.1)]);
     workspace.sight = Some(sight);
-    let options = PlanOptions { poses: 12, workspace, candidates: 500, target: None, seed: 3 };
+    let options = PlanOptions {
+        kind: KindId::default(),
+        poses: 12,
+        workspace,
+        candidates: 500,
+        target: None,
+        seed: 3,
+    };
     let planned = plan(&robot, &options, &|_, _| ()).unwrap();
     assert_eq!(planned.poses.len(), 12);
     let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
@@ -48,19 +62,72 @@ fn poses_stay_in_limits_box_and_sight() {
     assert_ne!(planned.poses, other.poses);
 }
 
+/// Poses planned for full poses: what is predicted of the tool point is what
+/// simulated arms have, and points at as many planned poses are worse.
+#[test]
+fn poses_for_poses_keep_their_promise() {
+    let robot = Robot { sigma_angle: Some(SIGMAS.angle), ..robot(robots::ALL[0]) };
+    let robot = Robot { sigma: SIGMAS.length, ..robot };
+    let workspace = Workspace::new(&robot, None).unwrap();
+    let options = |kind: &str| PlanOptions {
+        kind: by_name(kind).unwrap(),
+        poses: 12,
+        workspace: workspace.clone(),
+        candidates: 600,
+        target: None,
+        seed: 5,
+    };
+    let planned = |kind: &str| plan(&robot, &options(kind), &|_, _| ()).unwrap();
+    let (points, poses) = (planned("point"), planned("pose"));
+    assert_eq!([points.kind, poses.kind], ["point", "pose"]);
+    // The three turns of the last frame about the target, which points cannot tell.
+    assert_eq!(poses.parameters, points.parameters + 3);
+    assert!(poses.bound.is_none() && poses.rms < 0.95 * points.rms);
+    let mut rng = ChaCha8Rng::seed_from_u64(77);
+    let (mut squares, mut count) = (0.0, 0.0);
+    for _ in 0..40 {
+        let cell = cell(&robot, &mut rng);
+        let data = read(&robot, &cell, &cell.file_at("pose", &poses.poses, &mut rng));
+        let problem = Problem::new(&data, &robot, Scaling::Prior);
+        let found = most_probable(&problem, &robot).unwrap().fit.state;
+        let arm = chain(&found.links, found.bases[0], found.markers[0]);
+        for q in workspace.sample(&robot, 50, &mut rng).unwrap() {
+            let real = apply(&cell.base, &cell.target(&q));
+            squares += (arm.pose(&q).translation - real).norm_squared();
+            count += 1.0;
+        }
+    }
+    let error = f64::sqrt(squares / count);
+    println!(
+        "rms: {:.1} um predicted, {:.1} simulated; points {:.1}",
+        poses.rms * 1e6,
+        error * 1e6,
+        points.rms * 1e6
+    );
+    assert!((0.85..1.15).contains(&(error / poses.rms)));
+    let error = plan(&robot, &options("touch"), &|_, _| ()).unwrap_err();
+    assert!(error.to_string().contains("for points and for poses"), "{error}");
+}
+
 #[test]
 fn it_stops_at_the_target_with_few_poses() {
     let robot = robot(robots::ALL[1]);
     let workspace = Workspace::new(&robot, None).unwrap();
     let target = 1.1 * robot.sigma;
-    let options =
-        PlanOptions { poses: 80, workspace, candidates: 1000, target: Some(target), seed: 1 };
+    let options = PlanOptions {
+        kind: KindId::default(),
+        poses: 80,
+        workspace,
+        candidates: 1000,
+        target: Some(target),
+        seed: 1,
+    };
     let planned = plan(&robot, &options, &|_, _| ()).unwrap();
     let count = planned.poses.len();
     println!(
         "{count} poses: worst {:.1} um, bound {:.1} um",
         planned.worst * 1e6,
-        planned.bound * 1e6
+        planned.bound.unwrap() * 1e6
     );
     assert_eq!(planned.reached, Some(true));
     assert!(planned.worst <= target && count < 80);
@@ -76,6 +143,7 @@ fn what_cannot_be_planned_is_said() {
     let robot = robot(robots::ALL[0]);
     let workspace = Workspace::new(&robot, None).unwrap();
     let options = |poses, candidates, workspace: &Workspace| PlanOptions {
+        kind: KindId::default(),
         poses,
         workspace: workspace.clone(),
         candidates,

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use truearm_host::files::poses_csv;
 use truearm_host::identify::fit::{Freedom, fit};
 use truearm_host::identify::{Conditions, Predictor, Problem, Scaling};
-use truearm_host::model::{Measurements, Robot};
+use truearm_host::model::{KindId, Measurements, Robot};
 use truearm_host::model::{Sight, Workspace};
 use truearm_host::plan::{PlanOptions, PosePlan, plan};
 use truearm_simulate::{csv, robots};
@@ -60,8 +60,14 @@ impl Trial {
         }
         let random = workspace.sample(&robot, RANDOM, &mut rng).unwrap();
         let judged = workspace.sample(&robot, JUDGED, &mut rng).unwrap();
-        let options =
-            PlanOptions { poses: PLANNED, workspace, candidates: 3000, target: None, seed };
+        let options = PlanOptions {
+            kind: KindId::default(),
+            poses: PLANNED,
+            workspace,
+            candidates: 3000,
+            target: None,
+            seed,
+        };
         let plan = plan(&robot, &options, &|_, _| ()).unwrap();
         Self { robot, plan, truth, random, judged }
     }
@@ -71,7 +77,7 @@ impl Trial {
         Outcome {
             planned: self.worst(&self.plan.poses, repeats, rng),
             random: self.worst(&self.random, repeats, rng),
-            bound: self.plan.bound,
+            bound: self.plan.bound.unwrap_or(f64::NAN),
         }
     }
 

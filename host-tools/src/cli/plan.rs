@@ -4,6 +4,7 @@ use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::files::poses_csv;
 use truearm_host::model::{Measurements, Robot, Workspace};
+use truearm_host::observations::by_name;
 use truearm_host::page::{Page, Planned, planned, separated};
 use truearm_host::plan::{Explained, PlanOptions, discriminate, plan};
 use truearm_host::report::{PlanReport, SeparatedAlternative, SeparationReport, to_json};
@@ -24,6 +25,9 @@ pub struct Plan {
     /// How many poses; with --target-um, at most so many
     #[arg(long, value_name = "N")]
     poses: usize,
+    /// What will be measured at each: point, or pose (its orientation as well)
+    #[arg(long, default_value = "point", value_name = "KIND", conflicts_with = "discriminate")]
+    kind: String,
     /// Write the joint values here, a CSV line a pose
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
@@ -70,7 +74,11 @@ impl Plan {
         if let Some(data) = &self.discriminate {
             return self.separate(&robot, data, &workspace);
         }
+        let kind = by_name(&self.kind).ok_or_else(|| {
+            Error::usage(format!("--kind {}", self.kind), "plan for `point` or for `pose`")
+        })?;
         let options = PlanOptions {
+            kind,
             poses: self.poses,
             workspace: workspace.clone(),
             candidates: self.candidates,

@@ -1,9 +1,10 @@
 //! D-optimal choice of poses by exchange.
 //!
-//! A pose gives three equations; with Jacobian blocks `J_i` in measurement
-//! sigmas the information of a set is `M = P + sum J_i' J_i`, where P is the
-//! prior of the identification (manufacturing tolerances) and the blocks are
-//! those of the directions that points can determine, `p` in number. The
+//! A pose gives as many equations as its kind of measurement has; with Jacobian
+//! blocks `J_i` in measurement sigmas the information of a set is
+//! `M = P + sum J_i' J_i`, where P is the prior of the identification
+//! (manufacturing tolerances) and the blocks are those of the directions that the
+//! kind can determine, `p` in number. The
 //! exchange (Fedorov, *Theory of Optimal Experiments*, 1972; one point at a
 //! time as Cook and Nachtsheim, Technometrics 22, 1980) maximises `det M`.
 //!
@@ -13,15 +14,14 @@
 //! largest trace over a region that contains them is at least `p / n`. The root
 //! of the trace is the 3-D standard deviation of the tool point in sigmas:
 //! none is below `sigma sqrt(p / n)` in the worst case, and the D-optimal
-//! distribution of poses attains it.
+//! distribution of poses attains it. That holds of points: of a kind that measures
+//! more than the tool point, the tool point's trace is a part of the sum only.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
-use truearm::Pose;
-use truearm::kinematics::LinkColumns;
+use nalgebra::{DMatrix, Matrix3, Matrix6};
 
-use crate::identify::{Unknown, Unknowns};
-use crate::model::Robot;
-use crate::model::arm::{RowInputs, chain};
+use super::imagined::Imagined;
+use crate::identify::Problem;
+use crate::model::{KindId, Robot};
 
 /// Singular values below this share of the largest are redundancy.
 const ZERO: f64 = 1e-10;
@@ -30,18 +30,23 @@ const MOST_SWEEPS: usize = 20;
 /// Candidates and what they tell.
 pub struct Design {
     sigma: f64,
-    /// Directions that points can determine, one a column.
+    kind: KindId,
+    /// Equations of a pose.
+    width: usize,
+    /// Directions that the kind can determine, one a column.
     basis: DMatrix<f64>,
     prior: DMatrix<f64>,
-    /// Blocks of the candidates side by side, transposed: p x 3 each.
+    /// Blocks of the candidates side by side, transposed: p x width each.
     blocks: DMatrix<f64>,
 }
 
 impl Design {
-    /// At the nominal geometry of `robot`.
+    /// At the nominal geometry of `robot`, of a kind of measurement.
     #[must_use]
-    pub fn new(robot: &Robot, candidates: &[Vec<f64>]) -> Self {
-        let jacobian = full_blocks(robot, candidates);
+    pub fn new(robot: &Robot, candidates: &[Vec<f64>], kind: KindId) -> Self {
+        let imagined = Imagined::new(robot, candidates, kind);
+        let problem = imagined.problem(robot);
+        let jacobian = imagined.equations(&problem);
         // The triangle has the singular values of the whole without squaring.
         let triangle = jacobian.transpose().qr().r();
         let svd = triangle.svd(false, true);
@@ -54,7 +59,7 @@ impl Design {
             (0..v.ncols()).filter(|k| svd.singular_values[*k] > ZERO * largest).collect();
         let lost: Vec<usize> = (0..v.ncols()).filter(|k| !keep.contains(k)).collect();
         let (basis, null) = (v.select_columns(&keep), v.select_columns(&lost));
-        let unknowns = Unknowns::new(1, 1, 0, robot.joints.len());
+        let unknowns = &problem.unknowns;
         let penalty = DMatrix::from_fn(v.nrows(), v.nrows(), |i, j| {
             if i == j && i >= unknowns.free() { 1.0 } else { 0.0 }
         });
@@ -66,10 +71,11 @@ impl Design {
             prior -= &cross * inverse * cross.transpose();
         }
         let blocks = basis.tr_mul(&jacobian);
-        Self { sigma: robot.sigma, basis, prior, blocks }
+        let width = jacobian.ncols() / candidates.len().max(1);
+        Self { sigma: robot.sigma, kind, width, basis, prior, blocks }
     }
 
-    /// Parameters that points can determine.
+    /// Parameters that the kind can determine.
     #[must_use]
     pub fn parameters(&self) -> usize {
         self.basis.ncols()
@@ -78,19 +84,28 @@ impl Design {
     /// Number of candidates.
     #[must_use]
     pub fn candidates(&self) -> usize {
-        self.blocks.ncols() / 3
+        self.blocks.ncols() / self.width
     }
 
-    /// Blocks of other poses.
+    /// Equations that a pose gives.
     #[must_use]
-    pub fn blocks(&self, robot: &Robot, poses: &[Vec<f64>]) -> DMatrix<f64> {
-        self.basis.tr_mul(&full_blocks(robot, poses))
+    pub fn width(&self) -> usize {
+        self.width
     }
 
-    /// The Jacobian of some candidates, 3 rows each.
+    /// How the tool point moves at other poses, in sigmas: three columns each.
+    #[must_use]
+    pub fn tool_points(&self, robot: &Robot, poses: &[Vec<f64>]) -> DMatrix<f64> {
+        let imagined = Imagined::new(robot, poses, self.kind);
+        let problem: Problem = imagined.problem(robot);
+        self.basis.tr_mul(&(imagined.tool_points(&problem) / self.sigma))
+    }
+
+    /// The Jacobian of some candidates, as many rows each as a pose has equations.
     #[must_use]
     pub fn jacobian(&self, chosen: &[usize]) -> DMatrix<f64> {
-        let columns: Vec<usize> = chosen.iter().flat_map(|k| 3 * k..3 * k + 3).collect();
+        let of = |k: &usize| self.width * k..self.width * (k + 1);
+        let columns: Vec<usize> = chosen.iter().flat_map(of).collect();
         self.blocks.select_columns(&columns).transpose()
     }
 
@@ -139,8 +154,10 @@ impl Design {
     fn best_addition(&self, others: &[usize], now: usize) -> usize {
         let weighed = inverse(self.information(others)) * &self.blocks;
         let gain = |k: usize| {
-            let dot = |c, d| weighed.column(3 * k + c).dot(&self.blocks.column(3 * k + d));
-            (Matrix3::identity() + Matrix3::from_fn(dot)).determinant()
+            let first = self.width * k;
+            determinant(self.width, |c, d| {
+                weighed.column(first + c).dot(&self.blocks.column(first + d))
+            })
         };
         let mut best = (gain(now) * (1.0 + 1e-9), now);
         for k in (0..self.candidates()).filter(|k| !others.contains(k)) {
@@ -164,22 +181,11 @@ fn inverse(mut information: DMatrix<f64>) -> DMatrix<f64> {
     information.cholesky().map_or_else(|| DMatrix::identity(size, size), |c| c.inverse())
 }
 
-/// Transposed blocks of all unknowns, base and tool first, rows in sigmas and
-/// columns in tolerances.
-fn full_blocks(robot: &Robot, poses: &[Vec<f64>]) -> DMatrix<f64> {
-    let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
-    let unknowns = Unknowns::new(1, 1, 0, robot.joints.len());
-    let units: Vec<f64> = unknowns.list().iter().copied().map(Unknown::tolerance).collect();
-    let mut out = DMatrix::zeros(units.len(), 3 * poses.len());
-    for (k, q) in poses.iter().enumerate() {
-        let (d, _) = arm.derivatives(q, &[], &RowInputs::default());
-        let links = d.links.iter().flat_map(LinkColumns::to_array);
-        let columns: Vec<Vector3<f64>> = d.base.into_iter().chain(d.tool).chain(links).collect();
-        for (row, (column, unit)) in columns.iter().zip(&units).enumerate() {
-            for c in 0..3 {
-                out[(row, 3 * k + c)] = column[c] * unit / robot.sigma;
-            }
-        }
+/// Of the identity and a matrix.
+fn determinant(size: usize, of: impl Fn(usize, usize) -> f64) -> f64 {
+    match size {
+        3 => (Matrix3::identity() + Matrix3::from_fn(of)).determinant(),
+        6 => (Matrix6::identity() + Matrix6::from_fn(of)).determinant(),
+        _ => (DMatrix::identity(size, size) + DMatrix::from_fn(size, size, of)).determinant(),
     }
-    out
 }

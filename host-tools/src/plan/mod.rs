@@ -6,6 +6,7 @@
 
 pub mod design;
 mod discriminate;
+mod imagined;
 mod observability;
 
 pub use discriminate::{Discrimination, Explained, discriminate};
@@ -17,7 +18,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::error::{Error, Kind, Result};
-use crate::model::{Robot, Workspace};
+use crate::model::{KindId, Robot, Workspace};
+use crate::observations::KINDS;
 use design::Design;
 
 /// Starts of the exchange; the best design is kept.
@@ -29,6 +31,8 @@ const JUDGED: usize = 2000;
 /// What the user may choose.
 #[derive(Debug, Clone)]
 pub struct PlanOptions {
+    /// What will be measured at each: points, or poses as well.
+    pub kind: KindId,
     /// Poses to measure; with a target, at most.
     pub poses: usize,
     /// Where.
@@ -47,7 +51,9 @@ pub struct PlanOptions {
 pub struct PosePlan {
     /// Joint values, rad or m, as a file can write them.
     pub poses: Vec<Vec<f64>>,
-    /// Parameters that points can determine.
+    /// Name of the kind of measurement.
+    pub kind: &'static str,
+    /// Parameters that it can determine.
     pub parameters: usize,
     /// Of the scaled Jacobian of the poses.
     pub observability: Observability,
@@ -57,8 +63,8 @@ pub struct PosePlan {
     /// See [`PosePlan::worst`].
     pub rms: f64,
     /// `sigma sqrt(p / n)`: no `n` poses of the region give a smaller worst
-    /// case without a prior. See [`design`].
-    pub bound: f64,
+    /// case without a prior. Of points only, see [`design`].
+    pub bound: Option<f64>,
     /// Median over some draws of as many random poses: their worst case, m.
     pub random_worst: f64,
     /// Whether the target was reached, if there was one.
@@ -74,14 +80,16 @@ pub fn plan(
     options: &PlanOptions,
     progress: &dyn Fn(usize, usize),
 ) -> Result<PosePlan> {
+    planned_for(options.kind)?;
     enough_candidates(options)?;
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let candidates = options.workspace.sample(robot, options.candidates, &mut rng)?;
     let judged = options.workspace.sample(robot, JUDGED, &mut rng)?;
-    let design = Design::new(robot, &candidates);
-    let judged = design.blocks(robot, &judged);
+    let design = Design::new(robot, &candidates, options.kind);
+    let judged = design.tool_points(robot, &judged);
     let mut count = first_count(&design, options, robot.sigma)?;
     let bound = |n: usize| robot.sigma * (design.parameters() as f64 / n as f64).sqrt();
+    let of_points = options.kind == KindId::default();
     loop {
         progress(count, options.poses);
         let chosen = best_of_starts(&design, count, options.seed);
@@ -98,15 +106,29 @@ pub fn plan(
         let squares: f64 = sigmas.iter().map(|s| s * s).sum();
         return Ok(PosePlan {
             poses: chosen.iter().map(|k| candidates[*k].clone()).collect(),
+            kind: KINDS[usize::from(options.kind.0)].name(),
             parameters: design.parameters(),
             observability: Observability::of(&design.jacobian(&chosen), count),
             worst,
             rms: (squares / sigmas.len() as f64).sqrt(),
-            bound: bound(count),
+            bound: of_points.then(|| bound(count)),
             random_worst: random_worst(&design, &judged, count, options.seed),
             reached,
         });
     }
+}
+
+/// Kinds of which a pose alone says what will be measured there: the others need a
+/// place that is touched, seen or measured from.
+fn planned_for(kind: KindId) -> Result<()> {
+    let kind = KINDS[usize::from(kind.0)];
+    if ["point", "pose"].contains(&kind.name()) {
+        return Ok(());
+    }
+    Err(Error::usage(
+        format!("--kind {}: poses are planned for points and for poses", kind.name()),
+        "poses planned for points do for it as well, though they are not the best",
+    ))
 }
 
 /// Candidates to choose from?
@@ -123,15 +145,16 @@ fn enough_candidates(options: &PlanOptions) -> Result<()> {
 
 /// How many poses are tried first: all, or the fewest that may reach the target.
 fn first_count(design: &Design, options: &PlanOptions, sigma: f64) -> Result<usize> {
-    let least = design.parameters().div_ceil(3);
+    let least = design.parameters().div_ceil(design.width());
     if options.poses < least {
         return Err(Error::data(
             Kind::TooFewPoses,
             format!(
-                "{} poses give {} equations for {} parameters that points can determine",
+                "{} poses give {} equations for {} parameters that {}s can determine",
                 options.poses,
-                3 * options.poses,
-                design.parameters()
+                design.width() * options.poses,
+                design.parameters(),
+                KINDS[usize::from(options.kind.0)].name()
             ),
             format!("plan at least {least} poses, better {}", 2 * least),
         ));
@@ -139,7 +162,9 @@ fn first_count(design: &Design, options: &PlanOptions, sigma: f64) -> Result<usi
     Ok(match options.target {
         // The prior may beat the bound by a little.
         Some(target) => {
-            let fewest = 0.9 * design.parameters() as f64 * (sigma / target).powi(2);
+            // More than points may need far fewer.
+            let of_points = 0.9 * design.parameters() as f64 * (sigma / target).powi(2);
+            let fewest = if design.width() == 3 { of_points } else { 0.0 };
             (fewest as usize).clamp(least, options.poses)
         }
         None => options.poses,

@@ -20,7 +20,9 @@ pub struct PlanReport {
     pub poses: usize,
     /// Candidates they were chosen from.
     pub candidates: usize,
-    /// Parameters that points can determine.
+    /// Kind of measurement that the poses are for.
+    pub kind: &'static str,
+    /// Parameters that it can determine.
     pub parameters: usize,
     /// Of the scaled Jacobian of the poses.
     pub observability: Observability,
@@ -29,8 +31,9 @@ pub struct PlanReport {
     pub worst_um: f64,
     /// Its root mean square over the region.
     pub rms_um: f64,
-    /// No set of as many poses has a smaller worst: sigma sqrt(p / n).
-    pub bound_um: f64,
+    /// No set of as many poses has a smaller worst: sigma sqrt(p / n). Of points
+    /// only.
+    pub bound_um: Option<f64>,
     /// Worst of as many random poses, median of 9 draws.
     pub random_worst_um: f64,
     /// The worst that was asked for.
@@ -54,11 +57,12 @@ impl PlanReport {
             robot: robot.name.clone(),
             poses: found.poses.len(),
             candidates,
+            kind: found.kind,
             parameters: found.parameters,
             observability: found.observability,
             worst_um: found.worst * MICRO,
             rms_um: found.rms * MICRO,
-            bound_um: found.bound * MICRO,
+            bound_um: found.bound.map(|bound| bound * MICRO),
             random_worst_um: found.random_worst * MICRO,
             target_um,
             target_reached: found.reached,

@@ -165,6 +165,12 @@ impl Cell {
         self.text(&rows)
     }
 
+    /// A file of points or poses at joint values that somebody chose.
+    pub fn file_at(&self, kind: &str, poses: &[Vec<f64>], rng: &mut impl Rng) -> String {
+        let rows: Vec<_> = poses.iter().map(|q| self.tracked_at(kind, q, rng)).collect();
+        self.text(&rows)
+    }
+
     fn text(&self, rows: &[(Vec<f64>, Row)]) -> String {
         let names = self.kinds.iter().enumerate().map(|(j, kind)| {
             let unit = if *kind == JointKind::Revolute { "deg" } else { "mm" };

@@ -25,15 +25,13 @@ impl Cell {
         number: usize,
         rng: &mut impl Rng,
     ) -> Vec<(Pose, Row)> {
-        let mut row = Row::from([
-            ("kind", kind.to_owned()),
-            ("sigma_mm", mm(self.sigmas.length)),
-            ("sigma_deg", format!("{:.9}", self.sigmas.angle.to_degrees())),
-            ("sigma_px", format!("{}", self.sigmas.pixel)),
-        ]);
+        let mut row = self.begun(kind);
         let q = match kind {
-            "point" => self.tracked(&mut row, rng),
-            "pose" => self.turned(&mut row, rng),
+            "point" | "pose" => {
+                let q = self.pose(rng);
+                self.tracked(kind, &q, &mut row, rng);
+                q
+            }
             "distance" => self.length(number, &mut row, rng),
             "pair" => return self.pair(number, row, rng),
             "touch" => self.touch(number, &mut row, rng),
@@ -48,29 +46,44 @@ impl Cell {
         vec![(q, row)]
     }
 
+    fn begun(&self, kind: &str) -> Row {
+        Row::from([
+            ("kind", kind.to_owned()),
+            ("sigma_mm", mm(self.sigmas.length)),
+            ("sigma_deg", format!("{:.9}", self.sigmas.angle.to_degrees())),
+            ("sigma_px", format!("{}", self.sigmas.pixel)),
+        ])
+    }
+
+    /// A point or a pose at joint values that somebody chose.
+    pub(super) fn tracked_at(&self, kind: &str, q: &[f64], rng: &mut impl Rng) -> (Pose, Row) {
+        let mut row = self.begun(kind);
+        self.tracked(kind, q, &mut row, rng);
+        (q.to_vec(), row)
+    }
+
     fn noise(&self, rng: &mut impl Rng) -> f64 {
         self.sigmas.length * normal(rng)
     }
 
-    fn tracked(&self, row: &mut Row, rng: &mut impl Rng) -> Pose {
-        let q = self.pose(rng);
-        let seen = apply(&self.base, &self.target(&q)) + vector(rng) * self.sigmas.length;
+    fn tracked(&self, kind: &str, q: &[f64], row: &mut Row, rng: &mut impl Rng) {
+        let seen = apply(&self.base, &self.target(q)) + vector(rng) * self.sigmas.length;
         let names = ["x_mm", "y_mm", "z_mm"].into_iter();
         names.zip(seen.iter()).for_each(|(column, x)| say(row, column, mm(*x)));
-        q
+        if kind == "pose" {
+            self.turned(q, row, rng);
+        }
     }
 
-    fn turned(&self, row: &mut Row, rng: &mut impl Rng) -> Pose {
-        let q = self.tracked(row, rng);
+    fn turned(&self, q: &[f64], row: &mut Row, rng: &mut impl Rng) {
         let wrong = Rotation3::from_scaled_axis(vector(rng) * self.sigmas.angle);
-        let turn = wrong.matrix() * rotation(&self.base) * self.axes(&q);
+        let turn = wrong.matrix() * rotation(&self.base) * self.axes(q);
         let axis = Rotation3::from_matrix_unchecked(turn).scaled_axis();
         let (sin, cos) = (axis.norm() / 2.0).sin_cos();
         let v = axis / axis.norm().max(1e-12) * sin;
         for (column, x) in ["qx", "qy", "qz", "qw"].into_iter().zip([v.x, v.y, v.z, cos]) {
             say(row, column, format!("{x:.12}"));
         }
-        q
     }
 
     fn length(&self, number: usize, row: &mut Row, rng: &mut impl Rng) -> Pose {

@@ -8,19 +8,22 @@ pub fn planned(found: &PosePlan) -> String {
     let mut table =
         Table::new(["predicted 3-D standard deviation of the tool point over the region", "um"]);
     for (name, metres) in [
-        ("  worst", found.worst),
-        ("  root mean square", found.rms),
+        ("  worst", Some(found.worst)),
+        ("  root mean square", Some(found.rms)),
         ("  no set has a smaller worst than", found.bound),
-        ("  worst of as many random poses", found.random_worst),
+        ("  worst of as many random poses", Some(found.random_worst)),
     ] {
-        table.row([name.to_owned(), format!("{:.1}", metres * MICRO)]);
+        if let Some(metres) = metres {
+            table.row([name.to_owned(), format!("{:.1}", metres * MICRO)]);
+        }
     }
     let o = &found.observability;
     format!(
-        "{} poses for {} parameters that points can determine\n{table}\
+        "{} poses for {} parameters that {}s can determine\n{table}\
          observability: O1 {:.4}, O2 {:.2e}, O3 {:.4}, O4 {:.2e}, O5 {:.4}\n",
         found.poses.len(),
         found.parameters,
+        found.kind,
         o.o1,
         o.o2,
         o.o3,

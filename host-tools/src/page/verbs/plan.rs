@@ -30,18 +30,20 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
         _ => String::new(),
     };
     let rows = [
-        ("worst", report.worst_um),
-        ("root mean square", report.rms_um),
+        ("worst", Some(report.worst_um)),
+        ("root mean square", Some(report.rms_um)),
         ("no set has a smaller worst than", report.bound_um),
-        ("worst of as many random poses", report.random_worst_um),
+        ("worst of as many random poses", Some(report.random_worst_um)),
     ];
-    let rows = rows.map(|(name, x)| vec![name.to_owned(), format!("{x:.1}")]);
+    let rows =
+        rows.into_iter().filter_map(|(name, x)| Some(vec![name.to_owned(), format!("{:.1}", x?)]));
     let told = Section::new("told", "What they will tell")
         .node(table(&["predicted 3-D standard deviation of the tool point, 1 sigma", "um"], rows))
         .say(format!(
-            "{} parameters that points can determine; poses chosen out of {} candidates. \
+            "{} parameters that {}s can determine; poses chosen out of {} candidates. \
              Observability: O1 {:.4}, O2 {:.2e}, O3 {:.4}, O4 {:.2e}, O5 {:.4}.",
             report.parameters,
+            report.kind,
             report.candidates,
             report.observability.o1,
             report.observability.o2,
@@ -59,11 +61,14 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
             um(report.random_worst_um)
         ),
         mood: if report.target_reached == Some(false) { "doubt" } else { "good" },
-        numbers: vec![
-            ("poses".to_owned(), report.poses.to_string()),
-            ("worst, 1 sigma".to_owned(), um(report.worst_um)),
-            ("no set is better than".to_owned(), um(report.bound_um)),
-        ],
+        numbers: [
+            Some(("poses".to_owned(), report.poses.to_string())),
+            Some(("worst, 1 sigma".to_owned(), um(report.worst_um))),
+            report.bound_um.map(|bound| ("no set is better than".to_owned(), um(bound))),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
         sections: together(told, of, &report.warnings, "identify"),
     }
 }
