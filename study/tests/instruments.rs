@@ -5,7 +5,7 @@ use truearm_study::instruments::scanner::{Setup, means};
 use truearm_study::instruments::{held, mixed};
 use truearm_study::simulated::{UR10_LIKE, robot};
 
-/// Intervals of every kind but images, which take longest: 24 arms each. Four
+/// Intervals of every kind but images, which take longest: 60 arms each. Four
 /// standard errors, were the intervals of an arm one.
 #[test]
 fn intervals_of_every_kind_hold_the_truth() {
@@ -14,10 +14,10 @@ fn intervals_of_every_kind_hold_the_truth() {
         if wanted[0].0 == "pixel" {
             continue;
         }
-        let shares = held::shares(&robot, wanted, 24);
+        let shares = held::shares(&robot, wanted, 60);
         println!("{what}: {:.3} of parameters, {:.3} of combinations", shares[0], shares[1]);
         for share in shares {
-            assert!((0.90..=0.99).contains(&share), "{what}: {share:.3}");
+            assert!((0.91..=0.985).contains(&share), "{what}: {share:.3}");
         }
     }
 }
@@ -28,7 +28,7 @@ fn points_and_touches_beat_either() {
     println!("{errors:?}");
     assert_eq!(mixed::hurt(&errors), None);
     // What is estimated is why: sigmas as stated would hurt.
-    assert!((3..errors.len()).any(|fit| errors[fit][1] > 1.3 * errors[2][0]));
+    assert!((3..errors.len()).any(|fit| errors[fit][1] > 1.2 * errors[2][0]));
 }
 
 #[test]
