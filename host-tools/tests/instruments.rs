@@ -8,11 +8,13 @@ use std::path::Path;
 use std::process::Command;
 
 use judged::{Judged, cell, efficiency, read, robot};
+use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::evaluate::{Reregister, evaluate};
-use truearm_host::identify::{Identification, Options, State, identify};
+use truearm_host::identify::registration::register;
+use truearm_host::identify::{Identification, Options, Problem, Scaling, State, identify};
 use truearm_host::model::{Measurements, Model, Robot};
 use truearm_simulate::robots::UR10_LIKE;
 
@@ -144,6 +146,27 @@ fn planes_leave_the_scale_open() {
     assert!(figures.left_open[0].contains("overall scale"));
     let (told, figures) = open(&cell.file(&[("touch", 150), ("plate", 20)], &mut rng));
     assert!(!told, "{:?}", figures.unidentifiable);
+}
+
+/// A ray begins where it is said to, as a first guess: the sensor may sit far from
+/// the tool that robot.toml has.
+#[test]
+fn a_guessed_ray_begins_where_it_is_said_to() {
+    let robot = robot();
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let cell = cell(&robot, &mut rng);
+    let text = cell.file(&[("range", 60)], &mut rng);
+    for guess in [true, false] {
+        let stated = format!(
+            "[[rays]]\nmarker = \"\"\norigin_mm = [300, -40, 20]\ndirection = [0, 0, 1]\n\
+             guess = {guess}\n"
+        );
+        let data = Measurements::parse_with(Path::new("m.csv"), &text, &robot, &stated).unwrap();
+        let start = register(&data, &robot.nominal(), robot.tool).unwrap();
+        assert!((start.markers[0] - Vector3::new(0.3, -0.04, 0.02)).norm() < 1e-12);
+        let unknown = Problem::new(&data, &robot, Scaling::Prior).unknowns.marker(0);
+        assert_eq!(unknown.is_some(), guess);
+    }
 }
 
 /// A wrong length is named with its component.

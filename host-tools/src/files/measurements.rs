@@ -121,6 +121,7 @@ impl Measurements {
             directions_from_order: false,
             instruments: Vec::new(),
             known_markers: Vec::new(),
+            guessed_markers: Vec::new(),
             base: robot.base.pose(),
             warnings: Vec::new(),
         }
@@ -163,9 +164,14 @@ impl Measurements {
             other.stations.iter().map(|label| place(&mut self.stations, label)).collect();
         let markers: Vec<usize> =
             other.markers.iter().map(|label| place(&mut self.markers, label)).collect();
-        self.known_markers.resize(self.markers.len(), None);
-        for (marker, known) in markers.iter().zip(&other.known_markers) {
-            self.known_markers[*marker] = self.known_markers[*marker].or(*known);
+        for (own, others) in [
+            (&mut self.known_markers, &other.known_markers),
+            (&mut self.guessed_markers, &other.guessed_markers),
+        ] {
+            own.resize(self.markers.len(), None);
+            for (marker, place) in markers.iter().zip(others) {
+                own[*marker] = own[*marker].or(*place);
+            }
         }
         let mut instruments = Vec::new();
         for instrument in other.instruments {

@@ -76,7 +76,7 @@ fn tool_by_distances(
     tool
 }
 
-/// First state: nominal links; each marker from the robot file or from
+/// First state: nominal links; each marker from where a file says it is or from
 /// distance differences, whichever fits better; each base by SVD. Rows that
 /// measured no point say nothing here.
 ///
@@ -94,17 +94,21 @@ pub fn register(
         Some(Sight { station: row.station, marker: row.marker, flange, point })
     };
     let sights: Vec<Sight> = data.rows.iter().filter_map(sight).collect();
+    let of = |all: &[Option<Vector3<f64>>], m: usize| all.get(m).copied().flatten();
+    let known = |m: usize| of(&data.known_markers, m);
+    // Markers sit where they are said to, or else where the tool does.
+    let stated = |m: usize| known(m).or(of(&data.guessed_markers, m)).unwrap_or(tool);
+    let stated: Vec<_> = (0..data.markers.len()).map(stated).collect();
     // Distances within the station that saw the marker most.
     let by_distance = |marker: usize| {
         let of = |s: usize| sights.iter().filter(move |v| v.marker == marker && v.station == s);
         let most = (0..data.stations.len()).max_by_key(|s| of(*s).count()).unwrap_or_default();
         let (frames, points): (Vec<_>, Vec<_>) = of(most).map(|v| (v.flange, v.point)).unzip();
-        if points.len() < 4 { tool } else { tool_by_distances(&frames, &points, tool) }
+        let start = stated[marker];
+        if points.len() < 4 { start } else { tool_by_distances(&frames, &points, start) }
     };
-    let known = |m: usize| data.known_markers.get(m).copied().flatten();
-    let of = |m: usize, else_: Vector3<f64>| known(m).unwrap_or(else_);
-    let stated: Vec<_> = (0..data.markers.len()).map(|m| of(m, tool)).collect();
-    let found: Vec<_> = (0..data.markers.len()).map(|m| of(m, by_distance(m))).collect();
+    let found = |m: usize| known(m).unwrap_or_else(|| by_distance(m));
+    let found: Vec<_> = (0..data.markers.len()).map(found).collect();
     let mut best: Option<(f64, State)> = None;
     for markers in [stated, found] {
         let (mut worst, mut bases) = (0.0_f64, Vec::new());

@@ -22,6 +22,8 @@ pub struct Measurements {
     /// Places of markers in the last frame that are known, m; empty where none
     /// is.
     pub known_markers: Vec<Option<Vector3<f64>>>,
+    /// The same of places that are a first guess.
+    pub guessed_markers: Vec<Option<Vector3<f64>>>,
     /// What rows refer to beside the arm, as far as it is known.
     pub instruments: Vec<Instrument>,
     /// Where the arm stands in a station's frame if nothing measured says so.

@@ -51,6 +51,7 @@ impl Imagined {
             stations: vec![String::new()],
             markers: vec![String::new()],
             known_markers: Vec::new(),
+            guessed_markers: Vec::new(),
             instruments: turn.into_iter().collect(),
             base: Pose::identity(),
             poses: poses.len(),

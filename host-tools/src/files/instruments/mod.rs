@@ -31,11 +31,15 @@ impl Gathered {
     /// does until something says otherwise; what no row refers to is left out.
     pub fn hand_over(self, data: &mut Measurements, robot: &Robot) {
         let tool = Placement { xyz: Vector3::zeros(), rpy: robot.tool_rpy }.pose();
-        let known = |label: &String| {
-            let stated = self.markers.iter().find(|(l, _, guess)| l == label && !guess);
-            stated.map(|(_, place, _)| *place)
+        let places = |guessed: bool| {
+            let place = |label: &String| {
+                let stated =
+                    self.markers.iter().find(|(l, _, guess)| l == label && *guess == guessed);
+                stated.map(|(_, place, _)| *place)
+            };
+            data.markers.iter().map(place).collect()
         };
-        data.known_markers = data.markers.iter().map(known).collect();
+        (data.known_markers, data.guessed_markers) = (places(false), places(true));
         let mut places = vec![None; self.list.len()];
         for row in &mut data.rows {
             for refer in &mut row.refers {
