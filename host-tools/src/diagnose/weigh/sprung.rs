@@ -1,11 +1,10 @@
 //! Springs of an arm that nobody weighed, alone with the moments that bend them.
 
-use super::bent;
 use super::explained::Explained;
 use super::possible::Numbers;
 use super::sheet::{Sheet, Weights};
+use super::start::Bent;
 use crate::diagnose::candidates::Candidate;
-use crate::diagnose::moments::Moments;
 use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::question::Question;
 use crate::error::Result;
@@ -26,23 +25,23 @@ pub fn sprung(
     (found, state): (&[Candidate], &State),
     weights: &Weights,
     scale: f64,
-) -> Result<Option<(Node, Moments)>> {
+) -> Result<Option<(Node, Bent)>> {
     let spring = |c: &&Candidate| c.name().ends_with("-compliance");
     let springs: Vec<Candidate> = found.iter().filter(spring).cloned().collect();
     let Some(moments) = q.moments.filter(|m| m.are_assumed() && !springs.is_empty()) else {
         return Ok(None);
     };
-    let mut moments = moments.clone();
+    let mut bent = Bent { tables: Vec::new(), moments: Some(moments.clone()) };
     let mut node = fitted(q, springs.clone(), state)?;
     let mut numbers = Numbers::default();
     let possible: Vec<_> = springs.iter().map(|c| numbers.offered(c.clone())).collect();
     let members: Vec<usize> = (0..possible.len()).collect();
     let entries: Vec<_> = possible.iter().map(|p| p.entry.clone()).collect();
     for _ in 0..ROUNDS {
-        let problem = bent(q.problem, Some(&moments), &[]);
+        let problem = bent.problem(q.problem);
         let state = node.fit.fit.state.clone();
         let sheet =
-            Sheet::new(&problem, &state, &possible, weights, &[]).bending(moments.bending(&state));
+            Sheet::new(&problem, &state, &possible, weights, &[]).bending(bent.bending(&state));
         let precision = sheet.precision(q.flags.lambda);
         let gram = sheet.gram(&node.fit.kept);
         let geometry = gram.geometry(&precision, scale);
@@ -51,9 +50,9 @@ pub fn sprung(
         let coefficients = subsets.coefficients(&subset);
         let all = Explained { q, possible: &possible, sheet: &sheet, precision: &precision };
         let solution = all.of_subset(&gram, &geometry, &subset, &coefficients);
-        moments.find(sheet.moments(&solution));
-        let problem = bent(q.problem, Some(&moments), &[]);
+        bent.find(&sheet, &solution, &geometry);
+        let problem = bent.problem(q.problem);
         node = fitted(&Question { problem: &problem, ..*q }, springs.clone(), &state)?;
     }
-    Ok(Some((node, moments)))
+    Ok(Some((node, bent)))
 }

@@ -31,7 +31,11 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
         false => format!("; the residuals are {:.1} times the stated noise", f.residual_over_sigma),
     };
     let floor = noise_floor_mm(on);
-    let mut all = vec![sections::gap(&steps, Some(floor), &f.cross_validation)];
+    let lengths = steps[0].fitted.is_some();
+    let mut all = Vec::new();
+    if lengths {
+        all.push(sections::gap(&steps, Some(floor), &f.cross_validation));
+    }
     let names = ["before, nominal", "after, identified"];
     all.extend(sections::workspace(&on.in_robot_frame(), names, "row"));
     all.extend(sections::left(&left(&seen), &[], "the geometry"));

@@ -1,6 +1,7 @@
 //! Rows linearised once, with the columns of every candidate beside those of
 //! geometry: all that evidence, folds and halves need.
 
+mod bent;
 mod left;
 mod scanned;
 
@@ -12,12 +13,12 @@ use super::curves::{self, Curve};
 use super::possible::{Possible, columns_of};
 use crate::diagnose::moments::Bending;
 use crate::diagnose::policy::POLICY;
+use crate::evidence::Gram;
 use crate::evidence::poses::{whiten, within};
-use crate::evidence::{self, Gram};
 use crate::identify::accumulate::tree;
-use crate::identify::{Equations, Linearised, Problem, State, Unknown};
+use crate::identify::{Linearised, Problem, State, Unknown};
+use crate::model::Values;
 use crate::model::arm::Derivatives;
-use crate::model::{ErrorCurve, Values};
 
 /// Equations given to a Gram matrix at a time.
 const TOGETHER: usize = 240;
@@ -260,27 +261,6 @@ impl<'a> Sheet<'a> {
         (part, e.scaled_residual())
     }
 
-    /// What a curve does in the state, rad.
-    fn bent(&self, index: usize, curve: &Curve) -> f64 {
-        let curves = &self.problem.conditions.rows[index].curves;
-        curves.get(curve.joint).copied().unwrap_or(0.0)
-    }
-
-    /// What the moments of the state do in a row's equations.
-    fn of_moments(&self, e: &Equations) -> DVector<f64> {
-        let held = DVector::from_column_slice(self.held_moments());
-        e.block.columns(self.unknowns() - held.len(), held.len()) * held
-    }
-
-    /// Columns of moments, then of the joints that have a curve.
-    fn of_geometry(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
-        let of = |c: &Curve| *d.links[c.joint].joint(self.problem.nominal[c.joint].kind);
-        let bending = self.bending.as_ref();
-        let mut all = bending.map_or(Vec::new(), |b| b.columns(self.problem, index, d));
-        all.extend(self.curves.iter().map(of));
-        all
-    }
-
     /// Unknowns of geometry, curves among them, and columns of candidates.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
@@ -289,29 +269,6 @@ impl<'a> Sheet<'a> {
             true => [self.unknowns(), self.held.len() + curves],
             false => [self.unknowns() + curves, self.held.len()],
         }
-    }
-
-    /// Where the columns of a curve stand in geometry.
-    #[must_use]
-    pub fn columns_of_curve(&self, k: usize) -> std::ops::Range<usize> {
-        let first = self.unknowns() + curves::columns(&self.curves[..k]);
-        first..first + 2 * self.curves[k].orders()
-    }
-
-    /// The functions of a solution as tables.
-    #[must_use]
-    pub fn tables(&self, solution: &Solution, geometry: &evidence::Geometry) -> Vec<ErrorCurve> {
-        let mut first = self.unknowns();
-        let mut out = Vec::new();
-        for curve in self.curves {
-            let count = 2 * curve.orders();
-            let own = solution.geometry.rows(first, count).into_owned();
-            let rows = self.problem.data.rows.iter().map(|row| row.q[curve.joint]);
-            let band = curves::band(curve, rows, geometry, first);
-            out.extend(curve.table(own.as_slice(), band));
-            first += count;
-        }
-        out
     }
 
     fn beside(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {

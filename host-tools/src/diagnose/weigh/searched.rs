@@ -1,0 +1,88 @@
+//! What a search ended with, and the answer that it gives.
+
+use super::answer::Weighed;
+use super::curves::Curve;
+use super::explained::Explained;
+use super::parts::{Parts, joined};
+use super::possible::Possible;
+use super::sheet::{Sheet, Weights};
+use super::start::{Bent, Start};
+use super::{chosen, curved, judge};
+use crate::diagnose::candidates::Candidate;
+use crate::diagnose::node::{Node, fitted};
+use crate::diagnose::question::Question;
+use crate::error::Result;
+use crate::evidence::Explanation;
+use crate::identify::{Problem, State};
+
+/// Where it ends: what was weighed in the last round, and the fit of what it found.
+pub struct Searched {
+    pub best: Node,
+    pub curves: Vec<Curve>,
+    pub bent: Bent,
+    /// State, curves and moments that it was weighed at.
+    pub state: State,
+    pub held: Bent,
+    pub rows: Vec<usize>,
+    pub possible: Vec<Possible>,
+    pub weights: Weights,
+    pub found: Explanation,
+    pub refused: Vec<Candidate>,
+}
+
+impl Searched {
+    /// A new search from here.
+    pub fn again(&self) -> Start {
+        Start {
+            node: self.best.clone(),
+            curves: self.curves.clone(),
+            bent: self.bent.clone(),
+            scale: self.found.scale,
+            refused: self.refused.clone(),
+        }
+    }
+
+    /// Joints that have an error curve beside what was found.
+    pub fn curves_wanted(&self, q: &Question, problem: &Problem) -> Vec<Curve> {
+        let members = self.found.best.members.iter();
+        let members: Vec<Possible> = members.map(|m| self.possible[*m].clone()).collect();
+        let (state, rows) = (&self.best.fit.fit.state, &self.best.fit.kept);
+        let noise = (q.flags.lambda, self.found.scale);
+        chosen::chosen(problem, state, rows, &members, &self.weights, noise)
+    }
+
+    /// The answer.
+    pub fn judged(self, q: &Question) -> Result<Weighed> {
+        let problem = self.held.problem(q.problem);
+        let asked = Question { problem: &problem, ..*q };
+        let bending = self.held.bending(&self.state);
+        let sheet = Sheet::new(&problem, &self.state, &self.possible, &self.weights, &self.curves)
+            .bending(bending);
+        let precision = sheet.precision(q.flags.lambda);
+        let parts = Parts::new(&asked, &self.rows);
+        let grams = sheet.grams(&parts.rows);
+        let whole = joined(grams.iter(), sheet.size());
+        let all =
+            Explained { q: &asked, possible: &self.possible, sheet: &sheet, precision: &precision };
+        let within = judge::within(&all, &whole, &self.found);
+        let no_room = self.best.added.len().saturating_sub(within.len());
+        let best = match within.len() == self.best.added.len() {
+            true => self.best,
+            false => {
+                let problem = self.bent.problem(q.problem);
+                fitted(&Question { problem: &problem, ..*q }, within, &self.state)?
+            }
+        };
+        let mut answer = judge::answer(&all, best, &self.found, &parts, &grams);
+        answer.moments = self.bent.moments;
+        answer.no_room = no_room;
+        if !self.curves.is_empty() {
+            let from = curved::From { all: &all, found: &self.found, parts: &parts, grams: &grams };
+            answer.stages = curved::stages(&from);
+            // The model is the last stage.
+            let tables = answer.stages.last().map_or(&[][..], |stage| &stage.tables);
+            answer.curves = curved::worth(&from, &self.curves, tables);
+        }
+        Ok(answer)
+    }
+}

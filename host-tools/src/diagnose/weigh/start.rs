@@ -1,0 +1,77 @@
+//! Where a search begins, and the problem as what was found so far bends it.
+
+use std::sync::Arc;
+
+use super::curves::Curve;
+use super::sheet::{Sheet, Solution};
+use crate::diagnose::candidates::Candidate;
+use crate::diagnose::moments::{Bending, Moments};
+use crate::diagnose::node::Node;
+use crate::diagnose::question::Question;
+use crate::evidence::Geometry;
+use crate::identify::{Problem, State};
+use crate::model::ErrorCurve;
+
+/// Where a search begins.
+pub struct Start {
+    pub node: Node,
+    pub curves: Vec<Curve>,
+    pub bent: Bent,
+    /// Noise over the stated sigma, 0 where it is not known yet.
+    pub scale: f64,
+    /// What physics refused.
+    pub refused: Vec<Candidate>,
+}
+
+impl Start {
+    /// At a fit of which nothing else is known.
+    pub fn at(q: &Question, root: &Node) -> Self {
+        Self {
+            node: root.clone(),
+            curves: Vec::new(),
+            bent: Bent { tables: Vec::new(), moments: q.moments.cloned() },
+            scale: 0.0,
+            refused: Vec::new(),
+        }
+    }
+}
+
+/// A problem whose joints err by these curves.
+#[must_use]
+pub fn with_curves<'a>(problem: &Problem<'a>, tables: &[ErrorCurve]) -> Problem<'a> {
+    if tables.is_empty() {
+        return problem.clone();
+    }
+    let conditions = (*problem.conditions).clone().with_curves(problem.data, tables);
+    Problem { conditions: Arc::new(conditions), ..problem.clone() }
+}
+
+/// What was found that every row's prediction depends on beside state and terms.
+#[derive(Debug, Clone)]
+pub struct Bent {
+    /// Curves of joints.
+    pub tables: Vec<ErrorCurve>,
+    /// Masses and moments of links.
+    pub moments: Option<Moments>,
+}
+
+impl Bent {
+    /// The problem with it.
+    #[must_use]
+    pub fn problem<'a>(&self, of: &Problem<'a>) -> Problem<'a> {
+        let loaded = self.moments.as_ref().map(|m| m.loaded(of));
+        with_curves(loaded.as_ref().unwrap_or(of), &self.tables)
+    }
+
+    /// What the moments bend of a state.
+    #[must_use]
+    pub fn bending(&self, state: &State) -> Option<Bending> {
+        self.moments.as_ref().and_then(|moments| moments.bending(state))
+    }
+
+    /// Takes over a solution's curves and moments; whether moments moved.
+    pub fn find(&mut self, sheet: &Sheet, solution: &Solution, geometry: &Geometry) -> bool {
+        self.tables = sheet.tables(solution, geometry);
+        self.moments.as_mut().is_some_and(|moments| moments.find(sheet.moments(solution)))
+    }
+}
