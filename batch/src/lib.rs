@@ -51,6 +51,7 @@ mod cpu;
 mod double;
 mod lanes;
 mod single;
+mod vectors;
 mod walk;
 mod wide;
 

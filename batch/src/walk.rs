@@ -124,7 +124,7 @@ impl<T: Lanes, S: Simd> WideChain<T, S> {
             for joint in 0..self.count {
                 let step = &self.steps[joint];
                 turns[joint] = if step.revolute {
-                    let (sin, cos) = T::wide_sin_cos(step.theta.with(q[joint][index]) + step.theta);
+                    let (sin, cos) = (step.theta.with(q[joint][index]) + step.theta).sin_cos();
                     [sin, cos]
                 } else {
                     step.constant_turn

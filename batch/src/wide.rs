@@ -28,6 +28,13 @@ impl<T: Lanes, S: Simd> Wide<T, S> {
         Self { simd, value: T::splat(simd, value) }
     }
 
+    /// Sine and cosine of every lane.
+    #[inline(always)]
+    pub fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = T::turn(self.simd, self.value);
+        (self.with(sin), self.with(cos))
+    }
+
     #[inline(always)]
     pub fn with(self, value: T::Vector<S>) -> Self {
         Self { value, ..self }

@@ -1,5 +1,5 @@
 use super::link::{JointKind, Link, MdhParameters};
-use super::walk::Step;
+use super::step::Step;
 use crate::scalar::Scalar;
 
 /// A joint with the constant way to the next one, reduced to what a tick has

@@ -8,6 +8,7 @@ mod jacobian;
 mod link;
 mod pose;
 mod shared;
+mod step;
 mod walk;
 
 pub use chain::Chain;
@@ -17,4 +18,5 @@ pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, LinkTurns, Twi
 pub use link::{JointKind, Link, LinkParameter, MdhParameters};
 pub use pose::Pose;
 pub(crate) use pose::{axes, cross, dot, from_axes, rotate};
-pub use walk::{Step, Walk};
+pub use step::Step;
+pub use walk::Walk;

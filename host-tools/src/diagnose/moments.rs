@@ -44,7 +44,10 @@ impl Moments {
         let unit = |link: &LinkMass| match assumed {
             // What is common to all is the spring's.
             true => [POLICY.assumed_moments * all, POLICY.assumed_moments * all, 0.0],
-            false => [moment(link), moment(link), link.mass].map(|x| POLICY.stated_masses * x),
+            false => {
+                let [mass, centre] = [POLICY.stated_masses, POLICY.stated_centres];
+                [centre * moment(link), centre * moment(link), mass * link.mass]
+            }
         };
         let units: Vec<f64> = robot.links.iter().flat_map(unit).collect();
         let known = robot.gravity.is_some() && all > 0.0;
