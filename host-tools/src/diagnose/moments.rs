@@ -99,10 +99,7 @@ impl Moments {
     /// How the moments bend the springs of a state; `None` where it has none.
     #[must_use]
     pub fn bending(&self, state: &State) -> Option<Bending> {
-        let linear = |t: &Term<f64>| {
-            matches!(t.effect, Effect::JointCompliance | Effect::BaseCompliance)
-                && t.coefficient != 0.0
-        };
+        let linear = |t: &Term<f64>| bends(t.effect.name()) && t.coefficient != 0.0;
         let springs: Vec<_> = state.terms.iter().filter_map(of_arm).filter(linear).collect();
         if springs.is_empty() {
             return None;
@@ -123,6 +120,12 @@ impl Moments {
         let old = std::mem::replace(&mut self.found, found);
         old.iter().zip(&self.found).any(|(old, new)| (old - new).abs() > 0.1)
     }
+}
+
+/// Whether an effect is one that is linear in the moments.
+#[must_use]
+pub fn bends(name: &str) -> bool {
+    [Effect::JointCompliance, Effect::BaseCompliance].iter().any(|e| e.name() == name)
 }
 
 /// How a state's springs bend with the moments.

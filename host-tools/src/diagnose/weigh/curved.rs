@@ -7,6 +7,7 @@ use super::curves::Curve;
 use super::explained::{Explained, Part};
 use super::parts::{Parts, joined};
 use super::possible::What;
+use crate::diagnose::moments;
 use crate::evidence::{Explanation, Gram, prior};
 use crate::model::ErrorCurve;
 use crate::observations::Residual;
@@ -82,20 +83,17 @@ pub fn stages(from: &From) -> Vec<Stage> {
         }
     }
     sizes.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let q = from.all.q;
-    let folds: Vec<Part> = (0..q.folds.len())
-        .map(|k| {
-            let others = (0..from.grams.len()).filter(|p| from.parts.fold[*p] != k);
-            let sum = joined(others.map(|p| &from.grams[p]), from.all.sheet.size());
-            from.all.part(sum, from.found.scale)
-        })
-        .collect();
-    let whole = from.all.part(joined(from.grams.iter(), from.all.sheet.size()), from.found.scale);
+    // Moments bend springs: without those they are as stated.
+    let held = from.all.sheet.holding_moments(from.all.precision);
+    let stiff = Explained { precision: &held, ..*from.all };
+    let [sprung, stiff] = [from.all, &stiff].map(|all| Sums::new(from, all));
     let stage = |names: Vec<&'static str>| {
         let of = |m: &usize| name(m).is_some_and(|n| names.contains(&n));
         let own: Vec<usize> = members.iter().copied().filter(of).collect();
-        let held_out = held_out(from, &folds, &own);
-        Stage { tables: from.all.tables(&whole, from.found, &own), names, held_out }
+        let bends = names.iter().any(|name| moments::bends(name));
+        let sums = if bends { &sprung } else { &stiff };
+        let tables = sums.all.tables(&sums.whole, from.found, &own);
+        Stage { tables, names, held_out: sums.held_out(from, &own) }
     };
     let mut out = vec![stage(Vec::new())];
     for (name, _) in sizes {
@@ -113,14 +111,33 @@ fn square(rows: &[Option<Residual>]) -> f64 {
     rows.iter().flatten().map(|r| r.norm().powi(2)).sum()
 }
 
-/// Every row predicted without its fold, with these members.
-fn held_out(from: &From, folds: &[Part], members: &[usize]) -> Vec<Option<Residual>> {
-    let mut out = vec![None; from.all.q.problem.data.rows.len()];
-    for (part, fold) in folds.iter().zip(from.all.q.folds) {
-        let (_, solution) = from.all.refitted(part, from.found, members);
-        for (row, left) in from.all.sheet.left(&fold.held_out, &solution) {
-            out[row] = Some(left);
-        }
+/// Sums without each fold and of all rows, under a prior of geometry.
+struct Sums<'e, 's, 'a> {
+    all: &'e Explained<'s, 'a>,
+    folds: Vec<Part>,
+    whole: Part,
+}
+
+impl<'e, 's, 'a> Sums<'e, 's, 'a> {
+    fn new(from: &From, all: &'e Explained<'s, 'a>) -> Self {
+        let (size, scale) = (all.sheet.size(), from.found.scale);
+        let without = |k: usize| {
+            let others = (0..from.grams.len()).filter(|p| from.parts.fold[*p] != k);
+            all.part(joined(others.map(|p| &from.grams[p]), size), scale)
+        };
+        let folds = (0..all.q.folds.len()).map(without).collect();
+        Self { all, folds, whole: all.part(joined(from.grams.iter(), size), scale) }
     }
-    out
+
+    /// Every row predicted without its fold, with these members.
+    fn held_out(&self, from: &From, members: &[usize]) -> Vec<Option<Residual>> {
+        let mut out = vec![None; self.all.q.problem.data.rows.len()];
+        for (part, fold) in self.folds.iter().zip(self.all.q.folds) {
+            let (_, solution) = self.all.refitted(part, from.found, members);
+            for (row, left) in self.all.sheet.left(&fold.held_out, &solution) {
+                out[row] = Some(left);
+            }
+        }
+        out
+    }
 }

@@ -5,6 +5,7 @@ use super::possible::Numbers;
 use super::sheet::{Sheet, Weights};
 use super::start::Bent;
 use crate::diagnose::candidates::Candidate;
+use crate::diagnose::moments::bends;
 use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::question::Question;
 use crate::error::Result;
@@ -26,7 +27,7 @@ pub fn sprung(
     weights: &Weights,
     scale: f64,
 ) -> Result<Option<(Node, Bent)>> {
-    let spring = |c: &&Candidate| c.name().ends_with("-compliance");
+    let spring = |c: &&Candidate| bends(c.name());
     let springs: Vec<Candidate> = found.iter().filter(spring).cloned().collect();
     let Some(moments) = q.moments.filter(|m| m.are_assumed() && !springs.is_empty()) else {
         return Ok(None);
