@@ -4,8 +4,10 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use truearm_host::blob::pack;
 use truearm_host::diagnose::{DiagnoseOptions, Effect, Outcome, Verdict, diagnose};
-use truearm_host::model::{Measurements, Robot};
+use truearm_host::evaluate::{Reregister, evaluate};
+use truearm_host::model::{Measurements, Model, Robot};
 
 type Names = BTreeSet<(String, Vec<usize>)>;
 
@@ -119,7 +121,18 @@ fn springs_are_named_without_masses() {
                 |file: &str| Measurements::read(&sets.join(case).join(file), &robot).unwrap();
             let (data, holdout) = (read("measurements.csv"), read("holdout.csv"));
             let options = DiagnoseOptions::default();
-            diagnose(&robot, &data, Some(&holdout), &options, &|_| ()).unwrap().outcome
+            let found = diagnose(&robot, &data, Some(&holdout), &options, &|_| ()).unwrap();
+            // The file has loads that another program reads, and the same points.
+            let folder = tempfile::tempdir().unwrap();
+            let file = folder.path().join("model.toml");
+            std::fs::write(&file, found.model.to_toml()).unwrap();
+            let model = Model::read(&file).unwrap();
+            let again = evaluate(&model, &holdout, Reregister::Nothing).unwrap();
+            let (again, told) = (again.stats.unwrap().rms_mm, &found.outcome);
+            let first = told.gap.last().unwrap().holdout_rms_mm.unwrap();
+            assert!((again - first).abs() < 1e-3 * first, "{case}: {again} {first}");
+            assert!(pack(&model, None).is_ok(), "{case}");
+            found.outcome
         };
         let (with, without) = (report(true), report(false));
         let each = |effects: &[Effect]| -> Vec<(&'static str, Vec<usize>)> {

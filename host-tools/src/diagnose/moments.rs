@@ -10,6 +10,7 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
+use truearm::JointKind;
 use truearm::effects::{Effect, Term};
 
 use crate::diagnose::policy::POLICY;
@@ -67,7 +68,7 @@ impl Moments {
         if self.found.iter().all(|m| *m == 0.0) {
             return None;
         }
-        let mut robot = self.with(&self.found);
+        let mut robot = within_reach(self.with(&self.found));
         robot.warnings.push(format!(
             "{}: the masses of its links were fitted beside the springs",
             robot.path.display()
@@ -91,7 +92,10 @@ impl Moments {
     /// A problem at the loads that were found.
     #[must_use]
     pub fn loaded<'a>(&self, problem: &Problem<'a>) -> Problem<'a> {
-        let Some(robot) = self.robot() else { return problem.clone() };
+        if self.found.iter().all(|m| *m == 0.0) {
+            return problem.clone();
+        }
+        let robot = self.with(&self.found);
         let conditions = (*problem.conditions).clone().with_loads(problem.data, &robot);
         Problem { conditions: Arc::new(conditions), ..problem.clone() }
     }
@@ -120,6 +124,34 @@ impl Moments {
         let old = std::mem::replace(&mut self.found, found);
         old.iter().zip(&self.found).any(|(old, new)| (old - new).abs() > 0.1)
     }
+}
+
+/// No centre of mass is farther from its joint, m: a link of the same moment has
+/// more mass instead.
+const FARTHEST: f64 = 0.5;
+
+/// The same loads by links whose centres of mass are near their joints. Mass that
+/// is added on a joint's axis is fixed in the link before it, and is taken back from
+/// the moments of all links before; on the first axis it does nothing but press on
+/// the base. A joint that slides feels every mass: there nothing is changed.
+fn within_reach(mut robot: Robot) -> Robot {
+    if robot.joints.iter().any(|j| j.link.kind == JointKind::Prismatic) {
+        return robot;
+    }
+    for k in (0..robot.links.len()).rev() {
+        let link = &mut robot.links[k];
+        let mass = (link.mass * link.com.norm() / FARTHEST).max(link.mass);
+        let more = mass - link.mass;
+        link.com *= link.mass / mass;
+        link.mass = mass;
+        for i in (1..=k).rev() {
+            let p = &robot.joints[i].link.parameters;
+            let origin = Vector3::new(p.a, -p.d * p.alpha.sin(), p.d * p.alpha.cos());
+            let before = &mut robot.links[i - 1];
+            before.com -= origin * (more / before.mass);
+        }
+    }
+    robot
 }
 
 /// Whether an effect is one that is linear in the moments.
@@ -163,4 +195,37 @@ impl Bending {
 
 fn of_arm(term: &ModelTerm) -> Option<Term<f64>> {
     if let ModelTerm::Arm(term) = term { Some(*term) } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Row;
+
+    /// The same torques in every joint, and the same overturning moment but for a
+    /// constant, by links whose centres are near.
+    #[test]
+    fn loads_stay_when_centres_are_brought_near() {
+        let text = include_str!("../../../tests/data/ur10-ipa/robot.toml");
+        let mut robot = Robot::parse("robot.toml".as_ref(), text).unwrap();
+        for (k, link) in robot.links.iter_mut().enumerate() {
+            link.com += Vector3::new(4.0, -3.0 + k as f64, 0.3) / (1.0 + k as f64);
+        }
+        let near = within_reach(robot.clone());
+        assert!(near.links.iter().all(|l| l.com.norm() <= FARTHEST * (1.0 + 1e-12)));
+        let [far, near] = [robot, near].map(|robot| Surroundings::new(&robot));
+        let inputs = |of: &Surroundings, k: usize| {
+            let q: Vec<f64> = (0..6).map(|j| (k * (j + 3)) as f64 % 5.0 - 2.5).collect();
+            of.inputs(&Row::at(q.clone()), &q)
+        };
+        let first = |k: usize| [inputs(&far, k), inputs(&near, k)];
+        let [a, b] = first(0);
+        let constant = [0, 1].map(|i| a.moment[i] - b.moment[i]);
+        for k in 1..30 {
+            let [a, b] = first(k);
+            assert!(a.torque.iter().zip(&b.torque).all(|(a, b)| (a - b).abs() < 1e-9), "{k}");
+            let moments = [0, 1].map(|i| a.moment[i] - b.moment[i] - constant[i]);
+            assert!(moments.iter().all(|m| m.abs() < 1e-9), "{k}: {moments:?}");
+        }
+    }
 }
