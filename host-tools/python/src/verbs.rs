@@ -6,7 +6,7 @@ use truearm_host::check as gross;
 use truearm_host::diagnose::{self as diagnosis, DiagnoseOptions};
 use truearm_host::evaluate::{self as evaluation, Reregister};
 use truearm_host::identify::{self as identification, Options};
-use truearm_host::model::{Commanded, Workspace};
+use truearm_host::model::{Commanded, KindId, Workspace};
 use truearm_host::plan::{self as planning, PlanOptions};
 use truearm_host::report::{
     CheckReport, DiagnoseReport, EvaluateReport, IdentifyReport, PlanReport, VerifyReport, to_json,
@@ -122,7 +122,7 @@ pub fn verify(
     Ok(to_json(&VerifyReport::new(file, None, after, tolerance_mm, warnings)))
 }
 
-/// Poses to measure that determine the arm best: joint values (n x joints, rad or m)
+/// Points to measure that determine the arm best: joint values (n x joints, rad or m)
 /// and the report as JSON.
 #[pyfunction]
 #[pyo3(signature = (robot, poses=20, candidates=2000, target_um=None, seed=1))]
@@ -136,7 +136,8 @@ pub fn plan<'py>(
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, String)> {
     let workspace = Workspace::new(&robot.inner, None).map_err(refused)?;
     let target = target_um.map(|um| um * 1e-6);
-    let options = PlanOptions { poses, workspace, candidates, target, seed };
+    let kind = KindId::default();
+    let options = PlanOptions { kind, poses, workspace, candidates, target, seed };
     let found = py.detach(|| planning::plan(&robot.inner, &options, &|_, _| ()));
     let found = found.map_err(refused)?;
     let report = to_json(&PlanReport::new(&robot.inner, &found, candidates, target_um));
