@@ -11,18 +11,12 @@ use truearm_batch::{BatchChain, Cpu, Lanes, Poses, Positions};
 
 const POSES: usize = 1024;
 
-/// A UR10 with the errors of a real one.
+#[path = "../../tests/common/ur10.rs"]
+mod ur10;
+
+/// The arm that is timed.
 fn chain<T: Scalar>() -> Chain<T, 6> {
-    let quarter = core::f64::consts::FRAC_PI_2;
-    let links = [
-        [0.0, 0.0, 0.001, 0.1273, 0.0],
-        [quarter + 0.0007, 0.0004, -0.0012, 0.0, 0.0003],
-        [0.0002, -0.612, 0.0004, 0.0003, -0.0008],
-        [-0.0011, -0.5723, 0.002, 0.163_941, 0.0006],
-        [quarter, 0.0001, 0.0, 0.1157, 0.0],
-        [-quarter, 0.0, -0.0003, 0.0922, 0.0002],
-    ];
-    let links = links.map(|link| {
+    let links = ur10::UR10.map(|link| {
         let [alpha, a, theta, d, beta] = link.map(T::from_f64);
         Link::revolute(alpha, a, theta, d, beta)
     });

@@ -3,6 +3,8 @@
 
 #![allow(dead_code, reason = "each test file uses a part")]
 
+pub mod ur10;
+
 use num_dual::DualNum;
 use truearm::{JointKind, Link, MdhParameters};
 
@@ -94,14 +96,7 @@ const H: f64 = core::f64::consts::FRAC_PI_2;
 
 /// UR10 with corrections, three parallel axes.
 pub fn ur10() -> [Link<f64>; 6] {
-    links([
-        [0.0, 0.0, 0.001, 0.1273, 0.0],
-        [H + 0.0007, 0.0004, -0.0012, 0.0, 0.0003],
-        [0.0002, -0.612, 0.0004, 0.0003, -0.0008],
-        [-0.0011, -0.5723, 0.002, 0.163_941, 0.0006],
-        [H, 0.0001, 0.0, 0.1157, 0.0],
-        [-H, 0.0, -0.0003, 0.0922, 0.0002],
-    ])
+    links(ur10::UR10)
 }
 
 /// A spherical-wrist arm of 1 m reach, in the manner of a PUMA 560.

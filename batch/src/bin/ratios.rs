@@ -14,18 +14,12 @@ const POSES: usize = 1024;
 const ROUNDS: usize = 25;
 const ROUND: Duration = Duration::from_millis(4);
 
-/// A UR10 with the errors of a real one.
+#[path = "../../../tests/common/ur10.rs"]
+mod ur10;
+
+/// The arm that is timed.
 fn links<T: Scalar>() -> [Link<T>; 6] {
-    let quarter = core::f64::consts::FRAC_PI_2;
-    [
-        [0.0, 0.0, 0.001, 0.1273, 0.0],
-        [quarter + 0.0007, 0.0004, -0.0012, 0.0, 0.0003],
-        [0.0002, -0.612, 0.0004, 0.0003, -0.0008],
-        [-0.0011, -0.5723, 0.002, 0.163_941, 0.0006],
-        [quarter, 0.0001, 0.0, 0.1157, 0.0],
-        [-quarter, 0.0, -0.0003, 0.0922, 0.0002],
-    ]
-    .map(|link| {
+    ur10::UR10.map(|link| {
         let [alpha, a, theta, d, beta] = link.map(T::from_f64);
         Link::revolute(alpha, a, theta, d, beta)
     })

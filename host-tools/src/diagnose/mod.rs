@@ -104,7 +104,7 @@ fn diagnosed(
     crowd: Crowd,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
-    let read = data.rows.iter().all(|row| !row.torques.is_empty());
+    let read = data.has_torques();
     let assumed = (!read).then(|| robot.with_assumed_masses()).flatten();
     let robot = assumed.as_ref().unwrap_or(robot);
     let problem = Problem::new(data, robot, Scaling::Prior);
@@ -133,8 +133,14 @@ fn diagnosed(
     let root = node::geometry(&question, &first.fit.fit.state)?;
     progress("weighing effects");
     let weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
-    let loaded = weighed.moments.as_ref().and_then(Moments::robot);
-    let robot = loaded.as_ref().unwrap_or(robot);
+    let mut added = weighed.best.added.clone();
+    if let Some(stage) = weighed.stages.last() {
+        added.retain(|candidate| stage.names.contains(&candidate.name()));
+    }
+    // Masses are found by what they bend: of a model without springs they stay.
+    let bends = added.iter().any(|candidate| moments::bends(candidate.name()));
+    let found = weighed.moments.as_ref().filter(|_| bends).and_then(Moments::robot);
+    let robot = found.as_ref().unwrap_or(robot);
     progress("held-out poses");
     // What is fitted and judged from here on has the noise that was found.
     let heard = data.with_noise(weighed.scale);
@@ -143,10 +149,6 @@ fn diagnosed(
     let tables: Vec<ErrorCurve> = weighed.curves.iter().map(|c| c.table.clone()).collect();
     let problem = with_curves(&rigid, &tables);
     let question = Question { problem: &problem, ..question };
-    let mut added = weighed.best.added.clone();
-    if let Some(stage) = weighed.stages.last() {
-        added.retain(|candidate| stage.names.contains(&candidate.name()));
-    }
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
     let show = Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot };
     shown(&show, Found { weighed, best, root, start, not_testable })
@@ -154,14 +156,12 @@ fn diagnosed(
 
 /// Torques that were read count in place of computed ones: in both files or in none.
 fn same_torques(robot: &Robot, data: &Measurements, holdout: &Measurements) -> Result<()> {
-    let read = |m: &Measurements| m.rows.iter().all(|row| !row.torques.is_empty());
-    let alone = match (read(data), read(holdout)) {
+    let alone = match (data.has_torques(), holdout.has_torques()) {
         (true, false) => holdout,
         (false, true) => data,
         _ => return Ok(()),
     };
-    let weighed = robot.gravity.is_some() && !robot.links.is_empty();
-    if weighed {
+    if robot.is_weighed() {
         return Ok(());
     }
     Err(Error::data(

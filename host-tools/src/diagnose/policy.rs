@@ -27,8 +27,9 @@ pub struct Policy {
     /// and a gain far from zero moves it. At 1, two of eight gains of joints that
     /// hardly move were named eccentricities (`cargo xtask study ties`).
     pub zero_prior: f64,
-    /// Standard deviation of a mass over what was stated: data sheets are a tenth off, and a base spring of 245 noise floors then left
-    /// four couplings (seed 210000096 of the study `dirty`).
+    /// Standard deviation of a mass over what was stated: data sheets are a tenth off,
+    /// and a base spring of 245 noise floors then left four couplings (seed 210000096
+    /// of the study `dirty`).
     pub stated_masses: f64,
     /// The same of where a centre of mass is over how far it is from the joint: at a
     /// tenth the elbow's spring of the UR10 was lost in one of its two series.

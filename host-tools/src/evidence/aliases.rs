@@ -3,8 +3,6 @@
 
 use std::ops::RangeInclusive;
 
-/// Joint values of more levels tell every order from the others.
-const MOST_LEVELS: usize = 128;
 /// Values this close are one level, rad.
 const LEVEL: f64 = 2e-3;
 /// Sine of half a phase that no noise would show.
@@ -24,9 +22,9 @@ impl Aliases {
         levels.sort_by(f64::total_cmp);
         levels.dedup_by(|next, kept| *next - *kept < LEVEL);
         let same = |s: &f64| levels.iter().all(|q| (s * (q - levels[0]) / 2.0).sin().abs() < SAME);
-        let all = 1..=(2.0 * highest) as usize;
-        let few = levels.len() > 1 && levels.len() <= MOST_LEVELS;
-        Self { shifts: all.map(|s| s as f64).filter(|s| few && same(s)).collect() }
+        // A joint that stood still tells nothing of any order: no line is offered there.
+        let all = if levels.len() > 1 { 1..=(2.0 * highest) as usize } else { 1..=0 };
+        Self { shifts: all.map(|s| s as f64).filter(same).collect() }
     }
 
     /// How many orders of a range look like this one, itself among them.

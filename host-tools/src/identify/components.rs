@@ -133,27 +133,25 @@ pub fn scores(data: &Measurements, nominal: &[Residual], found: &[Residual]) -> 
 /// Most rows of a kind that are gross errors one by one; of more it is the kind that
 /// contradicts the others, or what it was measured with.
 const MOST_LOST: f64 = 0.5;
-/// Fewer rows of a kind may all be gross errors.
+/// So few rows of a kind may all be gross errors.
 const FEW: usize = 3;
 
 /// That no kind is lost row by row.
 ///
 /// # Errors
 /// [`Kind::Contradiction`], naming the kind.
-pub fn none_is_lost(data: &Measurements, outliers: &[Outlier]) -> Result<()> {
-    for group in groups(data) {
-        let of = |row: usize| data.rows[row].kind == group.kind;
-        let all = (0..data.rows.len())
-            .filter(|row| of(*row))
-            .filter(|row| equations_of(&data.rows[*row]) > 0);
-        let (all, lost) = (all.count(), outliers.iter().filter(|o| of(o.row)).count());
+pub fn none_is_lost(data: &Measurements, rows: &[usize], outliers: &[Outlier]) -> Result<()> {
+    for (known, id) in KINDS.iter().zip(0..).map(|(known, id)| (known, KindId(id))) {
+        let of = |row: usize| data.rows[row].kind == id;
+        let all = rows.iter().filter(|row| of(**row)).count();
+        let lost = outliers.iter().filter(|o| of(o.row)).count();
         if all > FEW && lost as f64 > MOST_LOST * all as f64 {
-            let name = KINDS[usize::from(group.kind.0)].name();
             return Err(Error::data(
                 Kind::Contradiction,
                 format!(
-                    "{}: {lost} of {all} rows of kind {name} contradict the rest",
-                    data.path.display()
+                    "{}: {lost} of {all} rows of kind {} contradict the rest",
+                    data.path.display(),
+                    known.name()
                 ),
                 "so many are no gross errors: check the units and coordinates in instruments.toml \
                  (inches are 25.4 mm), and the labels of the rows",

@@ -152,8 +152,7 @@ impl Conditions {
 /// any. A joint holds what gravity pulls it by: gravity's torque is the opposite of
 /// what is read, unless the file counts the other way, which computed torques tell.
 fn read_torques(rows: &mut [RowInputs], data: &Measurements, robot: &Robot) -> bool {
-    let with = |row: &Row| !row.torques.is_empty();
-    if !data.rows.iter().all(with) {
+    if !data.has_torques() {
         return false;
     }
     let assumed = robot.with_assumed_masses().map(|robot| Surroundings::new(&robot));

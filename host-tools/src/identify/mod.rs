@@ -127,7 +127,7 @@ pub fn identify(
     };
 
     let found = estimate(&problem, rule, &rows, &start, true)?;
-    components::none_is_lost(data, &found.robust.outliers)?;
+    components::none_is_lost(data, &rows, &found.robust.outliers)?;
     tick();
     let held_out = cross_validate(&problem, rule, &folds, &found, &tick)?;
     let blocked = match &blocks {

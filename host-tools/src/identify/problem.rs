@@ -43,7 +43,8 @@ pub struct Problem<'a> {
 
 /// Standard deviation of where a target sits about its registration, m: what rows
 /// determine at all they determine far better, and along what they do not a target
-/// stays at the tool of the robot file.
+/// stays within some of it of the tool of the robot file. A hand that turns by a
+/// tenth of a degree is registered 0.8 m off and must still get home.
 const TARGET: f64 = 0.1;
 
 impl<'a> Problem<'a> {

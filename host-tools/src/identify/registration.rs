@@ -93,7 +93,8 @@ pub fn register(
         let flange = flange.pose(&row.q);
         Some(Sight { station: row.station, marker: row.marker, flange, point })
     };
-    let sights: Vec<Sight> = data.rows.iter().filter_map(sight).collect();
+    // A row that was written twice was seen once.
+    let sights: Vec<Sight> = data.distinct().iter().filter_map(|r| sight(&data.rows[*r])).collect();
     let of = |all: &[Option<Vector3<f64>>], m: usize| all.get(m).copied().flatten();
     let known = |m: usize| of(&data.known_markers, m);
     // Markers sit where they are said to, or else where the tool does.

@@ -83,9 +83,7 @@ impl Model {
     /// [`Kind::NoTorques`], naming the file of the rows.
     pub fn loaded(&self, data: &Measurements) -> Result<()> {
         let needed = |t: &ModelTerm| matches!(t, ModelTerm::Arm(term) if term.needs_load());
-        let weighed = self.robot.gravity.is_some() && !self.robot.links.is_empty();
-        let read = data.rows.iter().all(|row| !row.torques.is_empty());
-        if weighed || read || !self.terms.iter().any(needed) {
+        if self.robot.is_weighed() || data.has_torques() || !self.terms.iter().any(needed) {
             return Ok(());
         }
         Err(Error::data(

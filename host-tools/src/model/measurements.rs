@@ -161,6 +161,12 @@ impl Measurements {
         out
     }
 
+    /// Whether every row says what the joints were read to hold.
+    #[must_use]
+    pub fn has_torques(&self) -> bool {
+        self.rows.iter().all(|row| !row.torques.is_empty())
+    }
+
     /// Rows of which no earlier one is the same in every cell that has a meaning:
     /// nothing is measured twice to the last digit.
     #[must_use]

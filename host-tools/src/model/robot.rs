@@ -99,6 +99,12 @@ pub struct LinkMass {
 }
 
 impl Robot {
+    /// Whether gravity's torques can be computed.
+    #[must_use]
+    pub fn is_weighed(&self) -> bool {
+        self.gravity.is_some() && !self.links.is_empty()
+    }
+
     /// The arm with masses assumed where none are given: every link 1 kg, half
     /// way to the next joint. Gravity torques then have about the right shape
     /// and an unknown size, which the compliance coefficient takes up. `None`

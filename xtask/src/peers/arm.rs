@@ -11,27 +11,17 @@ use truearm::{Chain, Link, Pose};
 
 use crate::run::Result;
 
+#[path = "../../../tests/common/ur10.rs"]
+mod ur10;
+
 const POSES: usize = 1000;
 const TOOL: [f64; 3] = [0.05, -0.03, 0.12];
-
-/// A UR10 with the errors of a real one: alpha, a, theta, d, beta.
-fn links() -> [[f64; 5]; 6] {
-    let quarter = core::f64::consts::FRAC_PI_2;
-    [
-        [0.0, 0.0, 0.001, 0.1273, 0.0],
-        [quarter + 0.0007, 0.0004, -0.0012, 0.0, 0.0003],
-        [0.0002, -0.612, 0.0004, 0.0003, -0.0008],
-        [-0.0011, -0.5723, 0.002, 0.163_941, 0.0006],
-        [quarter, 0.0001, 0.0, 0.1157, 0.0],
-        [-quarter, 0.0, -0.0003, 0.0922, 0.0002],
-    ]
-}
 
 /// Writes `links.txt`, a link a line; `arm.txt`, the constant transforms before each
 /// joint and behind the last (rows of a 3x4 matrix); `tool.txt`; `poses.txt`, joint
 /// values in rad; `positions.txt`, where truearm has the tool, m.
 pub fn write(folder: &Path) -> Result {
-    let links = links();
+    let links = ur10::UR10;
     let tool = Pose::translation(TOOL[0], TOOL[1], TOOL[2]);
     let chain = Chain::new(
         &links.map(|[alpha, a, theta, d, beta]| Link::revolute(alpha, a, theta, d, beta)),

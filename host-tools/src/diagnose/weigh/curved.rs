@@ -7,6 +7,7 @@ use super::curves::Curve;
 use super::explained::{Explained, Part};
 use super::parts::{Parts, joined};
 use super::possible::What;
+use super::sheet;
 use crate::diagnose::moments;
 use crate::evidence::{Explanation, Gram, prior};
 use crate::model::ErrorCurve;
@@ -58,12 +59,9 @@ fn gain(from: &From, k: usize, half: usize) -> f64 {
     // A curve that is held at nothing.
     let mut without = from.all.precision.clone();
     let columns = from.all.sheet.columns_of_curve(k);
-    without.rows_mut(columns.start, columns.len()).fill(HELD);
+    without.rows_mut(columns.start, columns.len()).fill(sheet::HELD);
     1.0 - rms(from.all.precision) / rms(&without).max(f64::MIN_POSITIVE)
 }
-
-/// Precision that holds a coefficient at nothing, 1 / rad^2.
-const HELD: f64 = 1e24;
 
 /// Curves alone, then one effect after the other, the largest first; what does not
 /// lower the error of held-out poses is left out.

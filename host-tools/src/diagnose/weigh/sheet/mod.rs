@@ -24,7 +24,7 @@ use crate::model::arm::Derivatives;
 const TOGETHER: usize = 240;
 
 /// Precision that holds an unknown at nothing.
-const HELD: f64 = 1e24;
+pub const HELD: f64 = 1e24;
 
 /// Poses that one task sums.
 const PART: usize = 400;
