@@ -110,7 +110,7 @@ fn real_arms_and_hidden_effects_raise_no_alarm() {
     for (arm, rows) in sets {
         let robot = Robot::read(&shipped(&arm).join("robot.toml")).unwrap();
         let data = Measurements::read(&shipped(&rows).join("measurements.csv"), &robot).unwrap();
-        let finding = check(&robot, &data).unwrap();
+        let finding = check(&robot, &data);
         assert_eq!(finding.verdict, Verdict::Sound, "{rows}: {:?}", finding.said);
     }
 }
@@ -134,7 +134,7 @@ fn what_is_mended_and_what_is_not_touched() {
     let rows = format!("# by hand\n{}", typed.rows_text());
     let robot_text = format!("# my arm\n{}", typed.robot_text());
     let (robot, data) = read(&robot_text, &rows);
-    let finding = check(&robot, &data).unwrap();
+    let finding = check(&robot, &data);
     let names: Vec<_> = finding.said.iter().map(|said| (said.what, said.joint)).collect();
     assert!(names.contains(&("joint-sense", Some(3))), "{names:?}");
     let texts = ((&robot, robot_text.as_str()), (&data, rows.as_str()));
@@ -164,7 +164,7 @@ fn what_is_mended_and_what_is_not_touched() {
     assert_eq!(changed.len(), 1, "{changed:?}");
     assert!(changed[0].1.starts_with("d_mm = ") && changed[0].1.ends_with(" # along z"));
     let (robot, data) = read(&mended.robot, &mended.measurements);
-    assert_eq!(check(&robot, &data).unwrap().verdict, Verdict::Sound);
+    assert_eq!(check(&robot, &data).verdict, Verdict::Sound);
 }
 
 /// Runs `truearm check`; status, standard output, standard error.

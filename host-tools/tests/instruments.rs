@@ -11,7 +11,6 @@ use judged::{Judged, cell, efficiency, read, robot};
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::evaluate::{Reregister, evaluate};
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{Identification, Options, Problem, Scaling, State, identify};
@@ -246,18 +245,6 @@ fn a_model_knows_its_instruments() {
         println!("{} {}: {before:.4} nominal, {after:.4}", kind.kind, kind.unit);
         assert!(after < 0.2 * before, "{}", kind.kind);
     }
-}
-
-/// Verbs that take points only say which kind they do not take.
-#[test]
-fn diagnose_refuses_kinds_by_name() {
-    let robot = robot();
-    let mut rng = ChaCha8Rng::seed_from_u64(13);
-    let cell = cell(&robot, &mut rng);
-    let data = read(&robot, &cell, &cell.file(&[("point", 30), ("touch", 3)], &mut rng));
-    let options = DiagnoseOptions::default();
-    let error = diagnose(&robot, &data, None, &options, &|_| ()).unwrap_err();
-    assert!(error.to_string().contains("kind touch, which diagnose does not take"), "{error}");
 }
 
 /// Wrong cells say where they are and what to do.

@@ -7,6 +7,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use crate::body::{Body, Moment, Shape, apply};
 use crate::effects::{Defect, Kind};
+use crate::oracle::Matrix;
 
 /// A real arm: a body and what it does beyond rigid geometry.
 #[derive(Debug, Clone)]
@@ -51,6 +52,12 @@ impl Arm {
             }
         }
         seen
+    }
+
+    /// The last frame in that before the first joint.
+    pub fn last_frame(&self, moment: &Moment) -> Matrix<f64> {
+        let frames = self.frames(&self.at_rest(moment));
+        frames[frames.len() - 1]
     }
 
     /// Everything that does not yield to a load, then equilibrium.

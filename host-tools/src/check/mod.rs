@@ -27,7 +27,7 @@ use sample::Sample;
 use scene::Scene;
 use search::{Found, Search};
 
-use crate::error::Result;
+use crate::error::count;
 use crate::model::{Measurements, Robot};
 
 /// An explanation must be this much more probable than a simpler one, nats.
@@ -87,18 +87,13 @@ pub struct Finding {
     pub correction_before: f64,
     /// Where the first marker is seen in the last frame, m.
     pub tool: Vector3<f64>,
-    /// Poses of different joint values that the measurements have; nothing can be
-    /// decided of fewer than [`LEAST_POSES`].
+    /// Poses of different joint values that the measurements have.
     pub poses: usize,
+    /// Why nothing can be decided, in words: poses or points are too few.
+    pub too_few: Option<String>,
 }
 
 impl Finding {
-    /// Whether there are too few poses to decide anything.
-    #[must_use]
-    pub fn too_few(&self) -> bool {
-        self.poses < LEAST_POSES
-    }
-
     /// Whether the frames of the links are no longer those that the robot file
     /// had, so that centres of mass may be elsewhere.
     #[must_use]
@@ -109,16 +104,22 @@ impl Finding {
 }
 
 /// Looks for gross mistakes.
-///
-/// # Errors
-/// Too few points.
-pub fn check(robot: &Robot, data: &Measurements) -> Result<Finding> {
+#[must_use]
+pub fn check(robot: &Robot, data: &Measurements) -> Finding {
     let links = robot.nominal();
-    let sample = Sample::of(data, links.iter().map(|link| link.kind).collect())?;
+    let sample = match Sample::of(data, links.iter().map(|link| link.kind).collect()) {
+        Ok(sample) => sample,
+        Err(why) => return undecided(robot, data, None, why),
+    };
     let search = Search { links: &links, tool: robot.tool, sample: &sample };
     let nothing = search.nothing();
     if data.poses < LEAST_POSES {
-        return Ok(undecided(robot, data, &nothing));
+        let poses = count(data.poses, "pose");
+        let why = format!(
+            "{poses} of different joint values agree with nearly any arm; at least {LEAST_POSES} \
+             are needed, better 50"
+        );
+        return undecided(robot, data, Some(&nothing), why);
     }
     let ones = search.one();
     let mut best = better(nothing.clone(), ones.first());
@@ -140,7 +141,7 @@ pub fn check(robot: &Robot, data: &Measurements) -> Result<Finding> {
     let understood = verdict == Verdict::Mendable;
     let others = if understood { others(&best, &ranked) } else { Others::default() };
     let equivalent = others.equivalent.iter().map(|f| said(&f.changes)).collect();
-    Ok(Finding {
+    Finding {
         verdict,
         said: if understood { said(&best.changes) } else { Vec::new() },
         changes: if understood { best.changes.clone() } else { Vec::new() },
@@ -152,12 +153,14 @@ pub fn check(robot: &Robot, data: &Measurements) -> Result<Finding> {
         correction_before: nothing.fitted.correction,
         tool: best.fitted.state.markers.first().copied().unwrap_or(robot.tool),
         poses: data.poses,
-    })
+        too_few: None,
+    }
 }
 
 /// Of too few poses nothing can be said but how well they agree.
-fn undecided(robot: &Robot, data: &Measurements, nothing: &Found) -> Finding {
-    let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
+fn undecided(robot: &Robot, data: &Measurements, nothing: Option<&Found>, why: String) -> Finding {
+    let fitted = nothing.map_or([0.0; 2], |found| [found.fitted.rms, found.fitted.correction]);
+    let [rms, correction] = fitted.map(|x| if x.is_finite() { x } else { 0.0 });
     Finding {
         verdict: Verdict::NotUnderstood,
         said: Vec::new(),
@@ -165,11 +168,12 @@ fn undecided(robot: &Robot, data: &Measurements, nothing: &Found) -> Finding {
         equivalent: Vec::new(),
         margin: None,
         absorbed: Vec::new(),
-        rms_before: finite(nothing.fitted.rms),
-        rms_after: finite(nothing.fitted.rms),
-        correction_before: finite(nothing.fitted.correction),
+        rms_before: rms,
+        rms_after: rms,
+        correction_before: correction,
         tool: robot.tool,
         poses: data.poses,
+        too_few: Some(why),
     }
 }
 

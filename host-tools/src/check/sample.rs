@@ -4,7 +4,6 @@
 use nalgebra::Vector3;
 use truearm::JointKind;
 
-use crate::error::{Error, Kind, Result};
 use crate::model::Measurements;
 use crate::observations::kind;
 
@@ -47,8 +46,8 @@ impl Sample {
     /// Rows evenly out of the whole file; its first and last lack a neighbour.
     ///
     /// # Errors
-    /// Too few points.
-    pub fn of(data: &Measurements, kinds: Vec<JointKind>) -> Result<Self> {
+    /// Too few points, in words.
+    pub fn of(data: &Measurements, kinds: Vec<JointKind>) -> Result<Self, String> {
         let all = &data.rows;
         let inner = 1..all.len().saturating_sub(1);
         let usable: Vec<usize> =
@@ -66,10 +65,8 @@ impl Sample {
             } else {
                 String::new()
             };
-            return Err(Error::data(
-                Kind::TooFewPoses,
-                format!("{}: {points} points are too few to check{why}", data.path.display()),
-                format!("measure at least {least} poses, better 50"),
+            return Err(format!(
+                "too few points, {points}{why}; at least {least} are needed, better 50"
             ));
         }
         let count = usable.len().min(MOST_ROWS);

@@ -1,3 +1,4 @@
+use truearm_host::error::count;
 use truearm_host::model::{Model, Path, Robot};
 use truearm_host::units::joint_from_file;
 use truearm_host::{Error, Result};
@@ -14,7 +15,7 @@ pub fn jumps(path: &Path, rows: &[usize]) -> Option<String> {
         "{}: {} in another configuration than the row before, first in line {first}: give --start, \
          or mend the path",
         path.data.path.display(),
-        super::words::count(rows.len(), "row"),
+        count(rows.len(), "row"),
     ))
 }
 

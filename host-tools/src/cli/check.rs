@@ -36,7 +36,7 @@ impl Check {
         let mut warnings = [robot.warnings.clone(), data.warnings.clone()].concat();
         // Before anything can fail: what looks wrong may be why.
         warn(&warnings);
-        let finding = check(&robot, &data)?;
+        let finding = check(&robot, &data);
         let wrote = match &self.fix {
             Some(folder) => self.fixed(folder, (&robot, &data), &texts, &finding)?,
             None => String::new(),
@@ -66,8 +66,8 @@ impl Check {
         texts: &[String; 2],
         finding: &Finding,
     ) -> Result<String> {
-        if finding.too_few() {
-            return Ok("wrote nothing: there are too few poses\n".to_owned());
+        if finding.too_few.is_some() {
+            return Ok("wrote nothing: too few poses to decide\n".to_owned());
         }
         if finding.verdict == Verdict::NotUnderstood {
             return Ok("wrote nothing: what is wrong is not understood\n".to_owned());
@@ -136,7 +136,10 @@ pub fn remark(figures: &Figures, robot: &Robot, data: &Measurements) -> Option<S
 
 /// What `check` finds, in a sentence; `None` where it finds nothing.
 fn found(robot: &Robot, data: &Measurements) -> Option<String> {
-    let finding = check(robot, data).ok().filter(|finding| !finding.too_few())?;
+    let finding = check(robot, data);
+    if finding.too_few.is_some() {
+        return None;
+    }
     let words = match finding.verdict {
         Verdict::Sound => return None,
         Verdict::Mendable => format!(

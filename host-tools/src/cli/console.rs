@@ -22,7 +22,8 @@ Exit status:
   3  found wrong: verify, an error beyond the tolerance; check, a mistake and what undoes it;
      ik and compensate, rows that the arm does not reach or the model does not cover
   4  cannot be decided: verify, the tolerance is within the uncertainty; check, nothing
-     explains the disagreement, or there are fewer than 6 poses";
+     explains the disagreement, or there are fewer than 6 poses
+     or 8 points";
 
 /// Whether nothing is said but errors: set once, before the verb runs.
 static QUIET: AtomicBool = AtomicBool::new(false);

@@ -11,7 +11,7 @@ use super::check::{explained, remark};
 use super::page::next_line;
 use super::progress::Bar;
 use super::rows::{apart, residuals};
-use super::{Said, deliver, own, read_both, warn, words};
+use super::{Said, deliver, own, read_all, warn, words};
 
 /// Find where model and measurement disagree, name the missing effect, add it,
 /// and show the gap shrink on poses that were not fitted.
@@ -19,8 +19,12 @@ use super::{Said, deliver, own, read_both, warn, words};
 pub struct Diagnose {
     /// The nominal arm, robot.toml
     robot: PathBuf,
-    /// Measured points, measurements.csv
-    data: PathBuf,
+    /// Measured points, distances, touches..., measurements.csv
+    #[arg(required_unless_present = "more")]
+    data: Option<PathBuf>,
+    /// More measurements of the same arm and session, of whatever kinds
+    #[arg(id = "more", long = "data", value_name = "FILE")]
+    more: Vec<PathBuf>,
     /// Poses that are only used to show the gap
     #[arg(long, value_name = "FILE")]
     holdout: Option<PathBuf>,
@@ -49,9 +53,10 @@ pub struct Diagnose {
 
 impl Diagnose {
     pub fn run(self) -> Result<Said> {
-        let inputs = [&self.robot, &self.data].into_iter().chain(&self.holdout);
+        let files: Vec<&PathBuf> = self.data.iter().chain(&self.more).collect();
+        let inputs = std::iter::once(&self.robot).chain(files.iter().copied()).chain(&self.holdout);
         own::folder_apart(self.out.as_deref(), &own::MODEL_FOLDER, inputs)?;
-        let (robot, data) = read_both(&self.robot, &self.data)?;
+        let (robot, data) = read_all(&self.robot, &files)?;
         let holdout = self.holdout.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         if let Some(holdout) = &holdout {
             apart("--holdout", &data, holdout)?;
@@ -73,7 +78,7 @@ impl Diagnose {
         let arm = found.model.terms.iter().filter(|t| matches!(t, ModelTerm::Arm(_)));
         let next = Next {
             robot: self.robot.clone(),
-            data: self.data.clone(),
+            data: data.path.clone(),
             out: self.out.clone(),
             terms: arm.count(),
         };

@@ -1,4 +1,4 @@
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use truearm_host::evaluate::evaluate;
@@ -13,7 +13,7 @@ use super::check::{explained, remark};
 use super::evaluate::Frames;
 use super::progress::Bar;
 use super::rows::{apart, residuals};
-use super::{Said, deliver, own, read_both, warn, words};
+use super::{Said, deliver, own, read_all, warn, words};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
 #[derive(Args)]
@@ -69,12 +69,8 @@ impl Identify {
         let files = self.data.iter().chain(&self.more);
         let inputs = std::iter::once(&self.robot).chain(files).chain(&self.validate);
         own::folder_apart(self.out.as_deref(), &own::MODEL_FOLDER, inputs)?;
-        let mut files = self.data.iter().chain(&self.more);
-        let first = files.next().map(PathBuf::as_path).unwrap_or(Path::new("measurements.csv"));
-        let (robot, mut data) = read_both(&self.robot, first)?;
-        for file in files {
-            data = data.joined(Measurements::read(file, &robot)?, &robot);
-        }
+        let files: Vec<&PathBuf> = self.data.iter().chain(&self.more).collect();
+        let (robot, data) = read_all(&self.robot, &files)?;
         let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         if let Some(other) = &other {
             apart("--validate", &data, other)?;

@@ -28,7 +28,7 @@ mod verify;
 mod words;
 mod workspace;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -127,6 +127,18 @@ impl Cli {
 fn read_both(robot: &Path, data: &Path) -> Result<(Robot, Measurements)> {
     let robot = Robot::read(robot)?;
     let data = Measurements::read(data, &robot).inspect_err(|_| warn(&robot.warnings))?;
+    Ok((robot, data))
+}
+
+/// Reads an arm and files of what was measured of it, one behind the other.
+fn read_all(robot: &Path, data: &[&PathBuf]) -> Result<(Robot, Measurements)> {
+    let (first, more) = data.split_first().ok_or_else(|| {
+        Error::usage("no file of measurements", "give one behind robot.toml, or by --data")
+    })?;
+    let (robot, mut data) = read_both(robot, first)?;
+    for file in more {
+        data = data.joined(Measurements::read(file, &robot)?, &robot);
+    }
     Ok((robot, data))
 }
 

@@ -35,12 +35,19 @@ pub fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
     }
     let mut header: Vec<String> =
         ["row", "line", "station", "marker", "flagged"].map(str::to_owned).to_vec();
+    let several = !data.behind.is_empty();
+    if several {
+        header.insert(1, "file".to_owned());
+    }
     for of in ["nominal_", "", "held_out_"] {
         header.extend(names.iter().map(|name| format!("{of}d{name}")));
     }
     let line = |(i, (row, result)): (usize, (&Row, &RowResult))| {
         let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
         let mut cells = vec![(i + 1).to_string(), row.line.to_string()];
+        if several {
+            cells.insert(1, data.file_of(i).display().to_string());
+        }
         cells.extend([station.clone(), marker.clone(), u8::from(result.flagged).to_string()]);
         for v in [Some(result.nominal), Some(result.identified), result.held_out] {
             let told = |name: &String| {

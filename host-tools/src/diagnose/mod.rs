@@ -6,6 +6,7 @@
 
 pub mod candidates;
 mod chi_square;
+mod kinds;
 pub mod moments;
 mod node;
 mod outcome;
@@ -25,10 +26,10 @@ use crate::identify::estimate::Estimate;
 use crate::identify::registration::register;
 use crate::identify::robust::{Crowd, Flags};
 use crate::identify::{
-    Findings, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
+    Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
 use crate::model::{ErrorCurve, Measurements, Model, Robot};
-use crate::observations::{Residual, kind, points_only};
+use crate::observations::{Residual, kind};
 use crate::statistics::Stats;
 use moments::Moments;
 use node::Node;
@@ -82,9 +83,8 @@ pub fn diagnose(
     options: &DiagnoseOptions,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
-    // Where a row is a pose, its point.
-    let data = &points_only(data, "diagnose")?;
-    let holdout = holdout.map(|h| points_only(h, "diagnose")).transpose()?;
+    let data = &kinds::taken(data)?;
+    let holdout = holdout.map(kinds::taken).transpose()?;
     let holdout = holdout.as_ref();
     if let Some(held) = holdout {
         same_torques(robot, data, held)?;
@@ -109,10 +109,10 @@ fn diagnosed(
     let robot = assumed.as_ref().unwrap_or(robot);
     let problem = Problem::new(data, robot, Scaling::Prior);
     enough(&problem, &Options { allow_few_poses: options.allow_few_poses, ..Options::default() })?;
-    // A row that was written twice was measured once.
-    let rows = data.distinct();
+    let rows = problem.counted();
     let start = register(data, &problem.nominal, robot.tool)?;
-    let problem = problem.about(&start);
+    let mut problem = problem.about(&start);
+    problem.noise = kinds::noise(&problem, &rows, &start, crowd)?;
     let (offered, not_testable) = candidates::all(&problem, robot);
     let folds = folds::random(data, &rows, folds::SEED);
     // Torques that were read need no masses.
@@ -127,12 +127,14 @@ fn diagnosed(
         moments: moments.as_ref(),
         most_terms: options.most_terms,
     };
-    progress("geometry");
-    let first = node::geometry(&question, &start)?;
-    question.flags.lambda = believable_lambda(&problem, &first);
-    let root = node::geometry(&question, &first.fit.fit.state)?;
-    progress("weighing effects");
-    let weighed = weigh(&question, &root, &|| progress("weighing effects"))?;
+    let mut answer = answered(&mut question, &start, progress)?;
+    let anew = kinds::heard_anew(&question, &answer.1.best)?;
+    let problem = Problem { noise: anew.unwrap_or(problem.noise), ..problem.clone() };
+    question = Question { problem: &problem, ..question };
+    if anew.is_some() {
+        answer = answered(&mut question, &start, progress)?;
+    }
+    let (root, weighed) = answer;
     let mut added = weighed.best.added.clone();
     if let Some(stage) = weighed.stages.last() {
         added.retain(|candidate| stage.names.contains(&candidate.name()));
@@ -145,6 +147,7 @@ fn diagnosed(
     // What is fitted and judged from here on has the noise that was found.
     let heard = data.with_noise(weighed.scale);
     let rigid = Problem::new(&heard, robot, Scaling::Prior).about(&start);
+    let rigid = Problem { noise: problem.noise, ..rigid };
     let root = node::geometry(&Question { problem: &rigid, ..question }, &root.fit.fit.state)?;
     let tables: Vec<ErrorCurve> = weighed.curves.iter().map(|c| c.table.clone()).collect();
     let problem = with_curves(&rigid, &tables);
@@ -152,6 +155,22 @@ fn diagnosed(
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
     let show = Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot };
     shown(&show, Found { weighed, best, root, start, not_testable })
+}
+
+/// Geometry alone, at a lambda that it bears out, and what is weighed beyond it.
+fn answered(
+    question: &mut Question,
+    start: &State,
+    progress: &dyn Fn(&'static str),
+) -> Result<(Node, Weighed)> {
+    progress("geometry");
+    question.flags.lambda = 1.0;
+    let first = node::geometry(question, start)?;
+    question.flags.lambda = believable_lambda(question.problem, &first);
+    let root = node::geometry(question, &first.fit.fit.state)?;
+    progress("weighing effects");
+    let weighed = weigh(question, &root, &|| progress("weighing effects"))?;
+    Ok((root, weighed))
 }
 
 /// Torques that were read count in place of computed ones: in both files or in none.
@@ -199,6 +218,9 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let findings = findings(show, &terms, &best, nominal, held_out)?;
     let mut identified = findings.summarise();
     identified.figures.warnings.extend(remarks::all(problem.data, &best));
+    if let kinds @ [_, _, ..] = &mut identified.figures.kinds[..] {
+        kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
+    }
     let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed);
     let outcome = Outcome {
         figures: identified.figures,
@@ -252,7 +274,7 @@ fn findings<'a>(
         _ => None,
     };
     Ok(Findings {
-        rule: "marginal-likelihood",
+        rule: LambdaRule::MaximumLikelihood,
         robot: show.robot,
         problem,
         rigid: show.rigid,

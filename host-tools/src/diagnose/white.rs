@@ -49,7 +49,7 @@ fn poses(problem: &Problem, node: &Node) -> Vec<(usize, DVector<f64>)> {
     let at = problem.linearise(&node.fit.fit.state);
     let key = |r: &usize| {
         let row = &problem.data.rows[*r];
-        (row.kind.0, row.station, row.marker, row.pose)
+        (row.kind.0, row.station, row.marker, row.pose, &row.refers)
     };
     let mut rows = node.fit.kept.clone();
     rows.sort_by_key(|r| (key(r), *r));

@@ -8,8 +8,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 pub use place::{Excerpt, Place};
-pub use words::listed;
 use words::shortened;
+pub use words::{count, listed};
 
 /// Kinds of errors. The words are beside it and may change; the kind does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -13,6 +13,12 @@ pub fn listed<T: std::fmt::Display>(names: &[T]) -> String {
     shown.join(", ")
 }
 
+/// `1 row`, `2 rows`.
+#[must_use]
+pub fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
 /// More digits no number of a message needs.
 const MOST_DIGITS: usize = 24;
 /// Longer words, such as a whole line without a blank, are not read by anybody.

@@ -75,11 +75,14 @@ fn known_markers(model: &Model, data: &Measurements) -> Result<Vec<Vector3<f64>>
 }
 
 /// What the rows of a file refer to, as the training found it.
-fn known_instruments(model: &Model, data: &Measurements) -> Result<Vec<Instrument>> {
+///
+/// # Errors
+/// One that the training does not have.
+pub fn known_instruments(known: &[Instrument], data: &Measurements) -> Result<Vec<Instrument>> {
     let find = |wanted: &Instrument| {
         let same = |i: &&Instrument| (i.form, &i.label) == (wanted.form, &wanted.label);
-        let known = wanted.unknowns().is_empty().then_some(wanted);
-        model.instruments.iter().find(same).or(known).cloned().ok_or_else(|| {
+        let stated = wanted.unknowns().is_empty().then_some(wanted);
+        known.iter().find(same).or(stated).cloned().ok_or_else(|| {
             let (what, label) = (wanted.form.name(), &wanted.label);
             Error::data(
                 Kind::UnknownMarker,
@@ -96,7 +99,7 @@ fn trained(model: &Model, data: &Measurements) -> Result<State> {
     Ok(State {
         bases: data.stations.iter().map(station).collect::<Result<_>>()?,
         markers: known_markers(model, data)?,
-        instruments: known_instruments(model, data)?,
+        instruments: known_instruments(&model.instruments, data)?,
         links: model.links(),
         terms: model.terms.clone(),
     })
@@ -113,7 +116,7 @@ pub(super) fn with_bases(
     let mut state = State {
         bases: vec![Pose::identity(); data.stations.len()],
         markers,
-        instruments: known_instruments(model, data)?,
+        instruments: known_instruments(&model.instruments, data)?,
         links: model.links(),
         terms: arm_terms(model),
     };

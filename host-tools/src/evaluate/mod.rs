@@ -12,7 +12,7 @@ use crate::identify::{Conditions, Predictor, State, View};
 use crate::model::{Measurements, Model};
 use crate::observations::Residual;
 use crate::statistics::{Stats, own_evidence};
-pub use frames::state_on;
+pub use frames::{known_instruments, state_on};
 use frames::{registered, with_bases};
 
 /// A file of poses that were not fitted, scored.

@@ -113,6 +113,7 @@ impl Measurements {
     fn bare(path: &Path, rows: Vec<Row>, robot: &Robot) -> Self {
         Self {
             path: path.to_owned(),
+            behind: Vec::new(),
             rows,
             stations: Vec::new(),
             markers: Vec::new(),
@@ -185,6 +186,7 @@ impl Measurements {
             }));
         }
         let before = self.rows.len();
+        self.behind.push((other.path, before));
         for mut row in other.rows {
             row.station = stations[row.station];
             row.marker = markers[row.marker];
@@ -194,7 +196,10 @@ impl Measurements {
             self.rows.push(row);
         }
         self.directions_from_order |= other.directions_from_order;
-        self.warnings.extend(other.warnings);
+        // An instruments.toml beside several files is remarked upon once.
+        let new = other.warnings.into_iter().filter(|text| !self.warnings.contains(text));
+        let new: Vec<String> = new.collect();
+        self.warnings.extend(new);
         self.number(robot);
         self
     }

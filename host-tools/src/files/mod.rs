@@ -112,6 +112,10 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
+    if folder.is_file() {
+        let what = format!("{} is a file, and no folder to write into", folder.display());
+        return Err(Error::usage(what, "give a folder, or a name that is free"));
+    }
     std::fs::create_dir_all(folder).map_err(error)?;
     let mut file = temporary(path).tempfile_in(folder).map_err(error)?;
     file.write_all(bytes).map_err(error)?;

@@ -10,8 +10,12 @@ use crate::statistics::Stats;
 /// A flagged row of the measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FlaggedRow {
-    /// Data row, counted from 1.
+    /// Data row, counted from 1 through all files.
     pub row: usize,
+    /// The file that it stands in...
+    pub file: String,
+    /// ...and the line.
+    pub line: usize,
     /// Which components are wrong: of a point x, y, z.
     pub coordinates: Vec<&'static str>,
     /// Measured minus predicted by the other rows, mm; degrees of components that

@@ -136,7 +136,7 @@ pub fn identify(
     };
     let nominal = nominal_state(&problem, &found.robust.kept, &start)?;
     Ok(Findings {
-        rule: rule.name(),
+        rule,
         robot,
         problem: &problem,
         rigid: &problem,

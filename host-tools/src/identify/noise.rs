@@ -30,6 +30,13 @@ impl Noise {
         groups(data).into_iter().map(|g| self.of(g.kind, g.measure)).fold(0.0, f64::max)
     }
 
+    /// Over another, of each component of each kind that a file has.
+    #[must_use]
+    pub fn over(&self, other: &Self, data: &Measurements) -> Vec<f64> {
+        let ratio = |g: Group| self.of(g.kind, g.measure) / other.of(g.kind, g.measure);
+        groups(data).into_iter().map(ratio).collect()
+    }
+
     pub(super) fn scale_mut(&mut self, group: Group) -> &mut f64 {
         let place = MEASURES.iter().position(|m| *m == group.measure).unwrap_or(0);
         &mut self.0[usize::from(group.kind.0)][place]

@@ -10,18 +10,18 @@ use super::l_curve::l_curve;
 use super::problem::link_corrections;
 use super::uncertainty::{factor, of_arm};
 use super::{
-    Identification, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE, components, redundancy,
-    rigid_transform, robust,
+    Identification, LambdaRule, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE, components,
+    redundancy, rigid_transform, robust,
 };
 use crate::model::arm::chain;
-use crate::model::{ErrorCurve, Model, Provenance, Robot};
+use crate::model::{ErrorCurve, Measurements, Model, Provenance, Robot};
 use crate::observations::{Residual, kind};
 use crate::statistics::{Stats, robust_distance_scale};
 
 /// All that was found out about a data set.
 pub struct Findings<'a> {
     /// How lambda was chosen.
-    pub rule: &'static str,
+    pub rule: LambdaRule,
     /// The nominal arm.
     pub robot: &'a Robot,
     /// The data, with as many terms as the estimate has.
@@ -63,10 +63,11 @@ impl Findings<'_> {
             redundancy.redundant.push(components::SCALE_OPEN.to_owned());
         }
         let own = |cv: &[Option<Residual>]| lengths(judged(results, cv).into_iter());
-        let flags: Vec<FlaggedRow> = found.robust.outliers.iter().map(flagged_row).collect();
+        let flags: Vec<FlaggedRow> =
+            found.robust.outliers.iter().map(|o| flagged_row(data, o)).collect();
         Figures {
             robot: robot.name.clone(),
-            data: data.path.display().to_string(),
+            data: data.files(),
             rows: data.rows.len(),
             poses: data.poses,
             stations: data.stations.clone(),
@@ -76,7 +77,7 @@ impl Findings<'_> {
             condition_number: redundancy.condition,
             condition_number_raw: redundancy.condition_raw.into(),
             lambda: found.lambda,
-            lambda_rule: self.rule,
+            lambda_rule: self.rule.name(),
             lambda_scaling: match problem.scaling {
                 Scaling::Prior => "prior",
                 Scaling::Printed => "printed",
@@ -184,9 +185,10 @@ impl Findings<'_> {
 
     /// Covariance of all unknowns, from noise and from regularisation.
     fn covariances(&self) -> Covariances {
-        // Lambda from the marginal likelihood *is* an estimate of the spread.
+        // Lambda from the marginal likelihood *is* an estimate of the spread: of arms
+        // made worse than the tolerances. That one is made better, it does not prove.
         let spread = match self.rule {
-            "marginal-likelihood" if self.found.lambda > 0.0 => self.found.lambda.sqrt().recip(),
+            LambdaRule::MaximumLikelihood => self.found.lambda.sqrt().recip().clamp(1.0, WIDEST),
             _ => 1.0,
         };
         Covariances::of(self.problem, &self.found, spread)
@@ -239,13 +241,18 @@ fn judged(results: &[RowResult], held_out: &[Option<Residual>]) -> Vec<Residual>
     rows.filter(counts).map(|(_, r)| r).collect()
 }
 
-fn flagged_row(outlier: &robust::Outlier) -> FlaggedRow {
+fn flagged_row(data: &Measurements, outlier: &robust::Outlier) -> FlaggedRow {
     FlaggedRow {
         row: outlier.row + 1,
+        file: data.file_of(outlier.row).display().to_string(),
+        line: data.rows[outlier.row].line,
         coordinates: outlier.components.clone(),
         residual_mm: outlier.residual.in_files(),
     }
 }
+
+/// Errors of more tolerances are another arm's.
+const WIDEST: f64 = 100.0;
 
 /// Poses that must have said how the last frame is turned.
 const TURNED: usize = 6;

@@ -1,5 +1,5 @@
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 use rand::RngExt;
@@ -13,6 +13,8 @@ use super::{Instrument, Values};
 pub struct Measurements {
     /// The file they came from.
     pub path: PathBuf,
+    /// Files whose rows stand behind those of the first, and which their first row is.
+    pub behind: Vec<(PathBuf, usize)>,
     /// One entry a data row, in file order.
     pub rows: Vec<Row>,
     /// Labels of the tracker stations; one empty label without the column.
@@ -159,6 +161,21 @@ impl Measurements {
             row.sigma_px *= scale;
         }
         out
+    }
+
+    /// The file of a row.
+    #[must_use]
+    pub fn file_of(&self, row: usize) -> &Path {
+        let own = self.behind.iter().rev().find(|(_, first)| *first <= row);
+        own.map_or(&self.path, |(path, _)| path)
+    }
+
+    /// All files, for a report.
+    #[must_use]
+    pub fn files(&self) -> String {
+        let behind = self.behind.iter().map(|(path, _)| path);
+        let all = std::iter::once(&self.path).chain(behind);
+        all.map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
     }
 
     /// Whether every row says what the joints were read to hold.

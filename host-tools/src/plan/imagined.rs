@@ -47,6 +47,7 @@ impl Imagined {
         let turn = turns.then(|| Instrument::unknown(Form::Turn, ""));
         let data = Measurements {
             path: PathBuf::new(),
+            behind: Vec::new(),
             rows: poses.iter().enumerate().map(row).collect(),
             stations: vec![String::new()],
             markers: vec![String::new()],

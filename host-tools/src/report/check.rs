@@ -39,6 +39,8 @@ pub struct CheckReport {
     pub poses: usize,
     /// So many are needed to decide anything.
     pub poses_needed: usize,
+    /// Why nothing can be decided, where poses or points are too few.
+    pub too_few: Option<String>,
     /// Remarks.
     pub warnings: Vec<String>,
 }
@@ -64,6 +66,7 @@ impl CheckReport {
             rms_after_mm: to_mm(finding.rms_after),
             poses: finding.poses,
             poses_needed: LEAST_POSES,
+            too_few: finding.too_few.clone(),
             warnings,
         }
     }

@@ -45,12 +45,12 @@ fn check_counts_points() {
     for count in 1..8 {
         write(&folder, "m.csv", &repeated(&rows, count, count));
         let (status, said) = run(&folder, "check robot.toml m.csv");
-        let words = format!("m.csv: {count} points are too few");
-        assert!(status == 1 && said.contains(&words), "{count}: {status} {said}");
-        assert!(said.contains("at least 8 poses"), "{said}");
+        let words = format!("cannot be decided: too few points, {count}");
+        assert!(status == 4 && said.contains(&words), "{count}: {status} {said}");
+        assert!(said.contains("at least 8 are needed"), "{said}");
     }
     write(&folder, "m.csv", &repeated(&rows, 8, 8));
-    assert!(run(&folder, "check robot.toml m.csv").0 != 1);
+    assert!(run(&folder, "check robot.toml m.csv").0 == 0);
 }
 
 #[test]

@@ -213,7 +213,7 @@ impl Session {
 
     pub fn checked(&self) -> Finding {
         let (robot, data) = self.read();
-        check(&robot, &data).unwrap()
+        check(&robot, &data)
     }
 
     pub fn mended(&self, finding: &Finding) -> Mended {
@@ -323,7 +323,7 @@ pub fn judged(clean: &Session, typed: &Session, made: &[Mistake], finding: &Find
             if restored(clean, &robot, &data, finding) {
                 return Outcome::Named;
             }
-            let again = check(&robot, &data).unwrap();
+            let again = check(&robot, &data);
             let equal = again.verdict == Verdict::Sound && as_good(again.rms_before);
             if equal { Outcome::Equivalent } else { Outcome::Wrong }
         }

@@ -14,9 +14,10 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 use rand::{Rng, RngExt};
 use truearm::JointKind;
 
+use crate::arm::Arm;
 use crate::body::apply;
 use crate::oracle::{self, Matrix};
-use crate::{csv, rigid, vector};
+use crate::{at_rest, csv, rigid, vector};
 pub use scanner::{Scanner, apart};
 
 /// Standard deviations of what is measured, m, rad and px.
@@ -46,6 +47,8 @@ pub struct Cell {
     /// alpha, a, theta, d, beta of each joint.
     pub links: Vec<[f64; 5]>,
     pub tool: Vector3<f64>,
+    /// The same arm with what it does beyond rigid geometry; none where it does nothing.
+    pub bent: Option<Arm>,
     /// How the marker's frame is turned in the last one.
     pub turn: Rotation3<f64>,
     /// The arm in the station's frame.
@@ -92,6 +95,9 @@ const COLUMNS: [&str; 23] = [
     "sigma_px",
 ];
 
+/// Springs come to rest to 1e-12 rad; what is touched is met to so much, m.
+const AT_REST: f64 = 1e-9;
+
 type Row = BTreeMap<&'static str, String>;
 
 impl Cell {
@@ -112,6 +118,7 @@ impl Cell {
             kinds,
             links,
             tool,
+            bent: None,
             turn: tilt(rng, 0.1),
             base: rigid(&vector(rng), &Vector3::from_fn(|_, _| rng.random_range(-3.0..3.0))),
             anchors: [[1.6, 0.3, -0.2], [-0.7, 1.5, 0.1], [0.2, -1.3, 0.9]]
@@ -135,6 +142,9 @@ impl Cell {
 
     /// The last frame in the arm's.
     pub fn flange(&self, q: &[f64]) -> Matrix<f64> {
+        if let Some(arm) = &self.bent {
+            return arm.last_frame(&at_rest(q));
+        }
         let joints = self.kinds.iter().zip(&self.links).zip(q);
         joints.fold(oracle::identity(), |m, ((kind, link), q)| {
             oracle::product(&m, &oracle::link(*kind, *link, *q))
@@ -201,10 +211,17 @@ impl Cell {
         self.kinds.iter().map(any).collect()
     }
 
-    /// Joint values near a random pose at which all of these are nothing.
-    fn solved(&self, zero: impl Fn(&[f64]) -> DVector<f64>, rng: &mut impl Rng) -> Vec<f64> {
+    /// Joint values near a random pose at which the target is where all of these are
+    /// nothing: of the rigid arm first, from where the bent one is near.
+    fn solved(&self, zero: impl Fn(Vector3<f64>) -> DVector<f64>, rng: &mut impl Rng) -> Vec<f64> {
+        let rigid = Self { bent: None, ..self.clone() };
         loop {
-            if let Some(q) = self.near(self.pose(rng), &zero, 1e-13) {
+            let found = rigid.near(self.pose(rng), &|q| zero(rigid.target(q)), 1e-13);
+            let bent = match &self.bent {
+                Some(_) => found.and_then(|q| self.near(q, &|q| zero(self.target(q)), AT_REST)),
+                None => found,
+            };
+            if let Some(q) = bent {
                 return q;
             }
         }

@@ -107,18 +107,17 @@ impl Cell {
         let (plane, off) = (number % self.planes.len(), self.noise(rng));
         let (normal, far) = self.planes[plane];
         say(row, "surface", format!("P{plane}"));
-        let from = |q: &[f64]| self.target(q).dot(&normal) - far - off;
-        self.solved(|q| DVector::repeat(1, from(q)), rng)
+        self.solved(|at| DVector::repeat(1, at.dot(&normal) - far - off), rng)
     }
 
     fn touch_ball(&self, row: &mut Row, rng: &mut impl Rng) -> Pose {
         let off = self.noise(rng);
         say(row, "kind", "touch".to_owned());
         say(row, "surface", "ball".to_owned());
-        let from = |q: &[f64]| (self.target(q) - self.sphere.0).norm() - self.sphere.1 - off;
+        let from = |at: Vector3<f64>| (at - self.sphere.0).norm() - self.sphere.1 - off;
         // From outside: the last frame stands farther off.
         loop {
-            let q = self.solved(|q| DVector::repeat(1, from(q)), rng);
+            let q = self.solved(|at| DVector::repeat(1, from(at)), rng);
             let flange = apply(&self.flange(&q), &Vector3::zeros());
             if (flange - self.sphere.0).norm() > self.sphere.1 {
                 return q;
@@ -131,9 +130,9 @@ impl Cell {
         say(row, "kind", "touch".to_owned());
         say(row, "surface", "pipe".to_owned());
         let (point, axis, radius) = self.cylinder;
-        let from = |q: &[f64]| (self.target(q) - point).cross(&axis).norm() - radius - off;
+        let from = |at: Vector3<f64>| (at - point).cross(&axis).norm() - radius - off;
         loop {
-            let q = self.solved(|q| DVector::repeat(1, from(q)), rng);
+            let q = self.solved(|at| DVector::repeat(1, from(at)), rng);
             if (self.target(&q) - point).dot(&axis).abs() < 0.5 {
                 return q;
             }
@@ -141,7 +140,7 @@ impl Cell {
     }
 
     fn at(&self, point: &Vector3<f64>, rng: &mut impl Rng) -> Pose {
-        self.solved(|q| DVector::from_column_slice((self.target(q) - point).as_slice()), rng)
+        self.solved(|at| DVector::from_column_slice((at - point).as_slice()), rng)
     }
 
     fn hole(&self, row: &mut Row, rng: &mut impl Rng) -> Pose {

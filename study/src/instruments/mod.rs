@@ -1,7 +1,8 @@
 //! Kinds of measurements: what each is worth, whether its intervals hold, what
-//! two of them together say.
+//! two of them together say, whether effects are named from them.
 
 pub mod cases;
 pub mod held;
 pub mod mixed;
+pub mod named;
 pub mod scanner;

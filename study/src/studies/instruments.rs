@@ -2,11 +2,14 @@
 //! tool's error over the workspace, and how many it takes for 0.1 mm.
 
 use clap::Args;
+use rayon::prelude::*;
+use truearm_host::diagnose::Verdict;
 use truearm_host::model::Robot;
 use truearm_simulate::robots;
 
 use super::Result;
 use crate::instruments::cases::{CASES, OTHERS, Wanted, needed, open};
+use crate::instruments::named::{Answered, FILES, TOLD, answered};
 use crate::instruments::scanner::{Setup, means};
 use crate::instruments::{held, mixed};
 use crate::judged::efficiency;
@@ -29,6 +32,12 @@ pub struct Options {
     /// Few points and many touches instead, together and alone
     #[arg(long)]
     mixed: bool,
+    /// So many blind sets with an effect instead: is it named?
+    #[arg(long, value_name = "SETS")]
+    named: Option<u64>,
+    /// The first of those sets
+    #[arg(long, default_value_t = 0, requires = "named")]
+    seed: u64,
     /// The published range finder before three planes instead (SCALAR)
     #[arg(long)]
     scanner: bool,
@@ -40,6 +49,9 @@ const HOLD: std::ops::RangeInclusive<f64> = 0.935..=0.965;
 pub fn run(options: &Options) -> Result {
     if options.scanner {
         return scanner(options.arms);
+    }
+    if let Some(sets) = options.named {
+        return blind(options.seed, sets);
     }
     let mut missed = Vec::new();
     for (name, text) in [("6R", robots::UR10_LIKE), ("7R", robots::ALL[4])] {
@@ -112,6 +124,58 @@ fn mixed(name: &str, robot: &Robot, arms: u64) -> Result<Vec<String>> {
     }
     let wrong = mixed::hurt(&errors).map(|what| format!("{name}: {what}"));
     Ok(wrong.into_iter().collect())
+}
+
+/// Least share of what can be told that is to be named, alone.
+const NAMED: f64 = 0.9;
+
+/// Effects behind lengths, touches and holes, a row a file; whether enough are named.
+fn blind(first: u64, sets: u64) -> Result {
+    let all = (first..first + sets).into_par_iter().map(|seed| (seed, answered(seed)));
+    let mut answers = Vec::new();
+    for (seed, answer) in all.collect::<Vec<_>>() {
+        match answer {
+            Ok(answer) => answers.push((seed, answer)),
+            Err(error) => println!("set {seed}: {error}"),
+        }
+    }
+    println!(
+        "| measured | sets | told | of them right | mentioned | other names | not told, named | nothing hidden | clean |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    let mut share = [0, 0];
+    for (file, _) in FILES {
+        let own: Vec<_> = answers.iter().map(|(_, a)| a).filter(|a| a.file == file).collect();
+        let (empty, with): (Vec<&Answered>, Vec<&Answered>) =
+            own.iter().partition(|a| a.hidden.is_none());
+        let (told, dark): (Vec<&Answered>, Vec<&Answered>) =
+            with.iter().partition(|a| a.sure >= TOLD);
+        let right = told.iter().filter(|a| a.right).count();
+        share = [share[0] + right, share[1] + told.len()];
+        println!(
+            "| {file} | {} | {} | {right} | {} | {} | {} of {} | {} | {} |",
+            own.len(),
+            told.len(),
+            told.iter().filter(|a| !a.right && a.mentioned).count(),
+            own.iter().map(|a| a.wrong.len()).sum::<usize>(),
+            dark.iter().filter(|a| a.right).count(),
+            dark.len(),
+            empty.len(),
+            empty.iter().filter(|a| a.verdict == Verdict::Clean).count(),
+        );
+    }
+    for (seed, a) in
+        answers.iter().filter(|(_, a)| !a.wrong.is_empty() || a.sure >= TOLD && !a.right)
+    {
+        println!(
+            "  set {seed}, {}: {:?} by {:.1}, {:?}, other names {:?}",
+            a.file, a.hidden, a.sure, a.verdict, a.wrong
+        );
+    }
+    if (share[0] as f64) < NAMED * share[1] as f64 {
+        return Err(format!("{} of {} that can be told are named", share[0], share[1]).into());
+    }
+    Ok(())
 }
 
 /// The published sensor; whether what was published is reached.

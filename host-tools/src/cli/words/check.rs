@@ -1,8 +1,6 @@
 use truearm_host::check::{Said, Verdict};
 use truearm_host::report::CheckReport;
 
-use super::count;
-
 /// What is wrong between a robot file and its measurements.
 pub fn checked(report: &CheckReport) -> String {
     let (before, after) = (report.rms_before_mm, report.rms_after_mm);
@@ -11,16 +9,13 @@ pub fn checked(report: &CheckReport) -> String {
             format!("no gross mistake: robot and measurements agree to {before:.2} mm RMS\n")
         }
         Verdict::Mendable => String::from("found wrong:\n"),
-        Verdict::NotUnderstood if report.poses < report.poses_needed => format!(
-            "cannot be decided: {} of different joint values agree with nearly any arm; at least {} \
-             are needed, better 50\n",
-            count(report.poses, "pose"),
-            report.poses_needed
-        ),
-        Verdict::NotUnderstood => format!(
-            "not understood: robot and measurements disagree by {before:.0} mm RMS, and no one or \
-             two mistakes explain it; are they of the same arm?\n"
-        ),
+        Verdict::NotUnderstood => match &report.too_few {
+            Some(why) => format!("cannot be decided: {why}\n"),
+            None => format!(
+                "not understood: robot and measurements disagree by {before:.0} mm RMS, and no one \
+                 or two mistakes explain it; are they of the same arm?\n"
+            ),
+        },
     };
     for change in &report.changes {
         out += &format!("  {change}\n");

@@ -1,6 +1,7 @@
+use truearm_host::error::count;
 use truearm_host::report::{CompensateReport, RowLeft};
 
-use super::{Errors, count};
+use super::Errors;
 
 /// How many lines are named before the others are only counted.
 const NAMED: usize = 8;

@@ -1,9 +1,10 @@
+use truearm_host::error::count;
 use truearm_host::identify::error_bars::Uncertainty;
 use truearm_host::identify::{Figures, KindFigures};
 use truearm_host::report::IdentifyReport;
 use truearm_host::table::Table;
 
-use super::{Errors, condition, count, folded, validation};
+use super::{Errors, condition, folded, validation};
 
 /// A report of `identify`.
 pub fn identification(report: &IdentifyReport) -> String {
@@ -112,10 +113,16 @@ fn flagged(r: &Figures) -> String {
     }
     let rows = count(r.outliers.len(), "row");
     let mut out = format!("{rows} flagged as gross errors and left out:\n");
+    // `data` names all files.
+    let several = r.outliers.iter().any(|o| o.file != r.data);
     for o in &r.outliers {
+        let place = match several {
+            true => format!(" ({}, line {})", o.file, o.line),
+            false => String::new(),
+        };
         let residual: Vec<String> = o.residual_mm.iter().map(|r| format!("{r:.3}")).collect();
         out += &format!(
-            "  row {}: {} wrong (measured minus predicted {} mm)\n",
+            "  row {}{place}: {} wrong (measured minus predicted {} mm)\n",
             o.row,
             o.coordinates.join(", "),
             residual.join(", ")

@@ -1,7 +1,5 @@
-use truearm_host::error::listed;
+use truearm_host::error::{count, listed};
 use truearm_host::report::ImportReport;
-
-use super::count;
 
 /// What was read, what the columns were taken for, what was written.
 pub fn import(report: &ImportReport) -> String {

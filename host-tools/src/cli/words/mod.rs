@@ -66,11 +66,6 @@ fn condition(condition: &Condition) -> String {
     }
 }
 
-/// A number of things, `1 row` or `2 rows`.
-pub fn count(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
-}
-
 /// Numbers of rows, joints and the like.
 fn list<T: ToString>(numbers: &[T]) -> String {
     numbers.iter().map(T::to_string).collect::<Vec<_>>().join(", ")

@@ -7,7 +7,7 @@ use crate::diagnose::outcome::GapRow;
 use crate::diagnose::question::Question;
 use crate::diagnose::weigh::{Stage, with_curves};
 use crate::error::{Error, Label, Result};
-use crate::evaluate::residuals;
+use crate::evaluate::{known_instruments, residuals};
 use crate::identify::estimate::without_parts;
 use crate::identify::folds::Fold;
 use crate::identify::robust::robust_fit_near;
@@ -166,7 +166,8 @@ impl Show<'_> {
         for label in &holdout.markers {
             markers.push(state.markers[place(&data.markers, label, Label::Marker)?]);
         }
-        let state = State { bases, markers, ..state.clone() };
+        let instruments = known_instruments(&state.instruments, holdout)?;
+        let state = State { bases, markers, instruments, ..state.clone() };
         let conditions = Conditions::new(holdout, self.robot).with_curves(holdout, tables);
         Ok(residuals(holdout, &conditions, &state))
     }

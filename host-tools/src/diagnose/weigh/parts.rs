@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::diagnose::question::Question;
 use crate::evidence::Gram;
 use crate::identify::folds;
+use crate::model::Measurements;
 
 /// Rows by fold and by half, at random and in time.
 pub struct Parts {
@@ -33,11 +34,11 @@ impl Parts {
         let second = &poses[data.poses / 2..];
         kept.iter()
             .for_each(|r| random_half[*r] = usize::from(second.contains(&data.rows[*r].pose)));
-        // Poses in the order of the rows: the second half of a session.
-        let middle = data.poses / 2;
+        // Poses in the order of the rows, of each kind: the second half of a session.
+        let later = later(data, kept);
         let mut out = Self { rows: Vec::new(), fold: Vec::new(), half: Vec::new() };
         for row in kept {
-            let half = [random_half[*row], usize::from(data.rows[*row].pose >= middle)];
+            let half = [random_half[*row], later[*row]];
             let fold = fold_of[*row];
             let known = (0..out.rows.len()).find(|k| out.fold[*k] == fold && out.half[*k] == half);
             match known {
@@ -51,6 +52,19 @@ impl Parts {
         }
         out
     }
+}
+
+/// Of each row 1 if its pose is in the second half of those of its kind, else 0.
+fn later(data: &Measurements, kept: &[usize]) -> Vec<usize> {
+    let mut out = vec![0; data.rows.len()];
+    let mut rows = kept.to_vec();
+    rows.sort_by_key(|r| (data.rows[*r].kind.0, data.rows[*r].pose));
+    for kind in rows.chunk_by(|a, b| data.rows[*a].kind == data.rows[*b].kind) {
+        let poses: Vec<&[usize]> =
+            kind.chunk_by(|a, b| data.rows[*a].pose == data.rows[*b].pose).collect();
+        poses[poses.len() / 2..].concat().into_iter().for_each(|row| out[row] = 1);
+    }
+    out
 }
 
 /// The sum of the sums of some parts, of so many unknowns and columns.

@@ -30,7 +30,7 @@ pub fn after(problem: &Problem, node: &Node) -> Weights {
 fn common(problem: &Problem, kept: &[usize], residuals: &[Vec<f64>], used: f64) -> f64 {
     let key = |k: usize| {
         let row = &problem.data.rows[kept[k]];
-        (row.pose, row.station, row.marker, row.kind.0)
+        (row.pose, row.station, row.marker, row.kind.0, &row.refers)
     };
     let mut order: Vec<usize> = (0..kept.len()).collect();
     order.sort_by_key(|k| (key(*k), *k));

@@ -14,7 +14,7 @@ use crate::files::{model_curves, model_terms};
 use crate::model::{ErrorCurve, Form, Instrument, Model, ModelTerm, Robot};
 use crate::units::{from_mm, point_from_mm};
 
-/// Degrees or mm that no joint covers.
+/// Degrees or mm that no joint covers, and none is corrected by.
 const FAR: f64 = 1e6;
 const HELP: &str = "give a model.toml as written by `truearm identify`";
 
@@ -114,6 +114,10 @@ impl Part<'_> {
             return Err(self.fail(message));
         }
         for c in &part.corrections {
+            if let Some(far) = c.get_ref().numbers().into_iter().find(|x| x.abs() > FAR) {
+                let message = format!("joint {} corrected by {far:e}", c.get_ref().joint);
+                return Err(self.source.at(c.span(), message, HELP));
+            }
             let covered = c.get_ref().covered_deg.or(c.get_ref().covered_mm);
             if let Some([low, high]) =
                 covered.filter(|[low, high]| !(-FAR..=*high).contains(low) || *high > FAR)

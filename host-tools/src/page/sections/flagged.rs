@@ -10,9 +10,15 @@ pub fn flagged(f: &Figures) -> Section {
     }
     let row = |o: &FlaggedRow| {
         let numbers: Vec<String> = o.residual_mm.iter().map(|r| format!("{r:.3}")).collect();
-        vec![o.row.to_string(), o.coordinates.join(", "), numbers.join(", ")]
+        vec![
+            o.row.to_string(),
+            o.file.clone(),
+            o.line.to_string(),
+            o.coordinates.join(", "),
+            numbers.join(", "),
+        ]
     };
-    let head = ["row", "wrong", "measured minus predicted by the other rows, mm"];
+    let head = ["row", "file", "line", "wrong", "measured minus predicted by the other rows, mm"];
     section
         .say(format!("{} of {} rows do not fit the others.", f.outliers.len(), f.rows))
         .node(table(&head, f.outliers.iter().map(row)))

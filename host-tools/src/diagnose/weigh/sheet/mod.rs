@@ -206,7 +206,7 @@ impl<'a> Sheet<'a> {
     fn readings(&self, rows: &[usize]) -> Vec<Vec<usize>> {
         let key = |r: &usize| {
             let row = &self.problem.data.rows[*r];
-            (row.pose, row.station, row.marker, row.kind.0)
+            (row.pose, row.station, row.marker, row.kind.0, &row.refers)
         };
         let mut sorted = rows.to_vec();
         sorted.sort_by_key(|r| (key(r), *r));

@@ -1,0 +1,153 @@
+//! Effects named from lengths, touches and holes; kinds that they are not named from.
+
+mod judged;
+
+use std::fs;
+use std::process::Command;
+
+use judged::{cell, read, robot};
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use truearm_host::diagnose::{DiagnoseOptions, Diagnosis, Verdict, diagnose};
+use truearm_host::model::Measurements;
+use truearm_simulate::arm::Arm;
+use truearm_simulate::body::Body;
+use truearm_simulate::effects::{Defect, Kind};
+use truearm_simulate::instruments::Cell;
+use truearm_simulate::rigid;
+
+type Wanted = [(&'static str, usize)];
+
+/// The cell's arm with an effect.
+fn bent(cell: &Cell, defect: Defect) -> Arm {
+    let body = Body {
+        kinds: cell.kinds.clone(),
+        links: cell.links.clone(),
+        gear_ratios: vec![100.0; cell.kinds.len()],
+        masses: Vec::new(),
+        gravity: Vector3::zeros(),
+        station: rigid(&Vector3::zeros(), &Vector3::zeros()),
+        tool: cell.tool,
+    };
+    Arm { body, defects: vec![defect] }
+}
+
+fn named(cell: &Cell, wanted: &Wanted, rng: &mut ChaCha8Rng) -> Diagnosis {
+    let file = |counts: &Wanted, rng: &mut ChaCha8Rng| -> Measurements {
+        read(&robot(), cell, &cell.file(counts, rng))
+    };
+    let (data, holdout) = (file(wanted, rng), file(wanted, rng));
+    diagnose(&robot(), &data, Some(&holdout), &DiagnoseOptions::default(), &|_| ()).unwrap()
+}
+
+const GAIN: Kind = Kind::JointGain { joint: 2 };
+
+#[test]
+fn a_gain_is_named_from_every_kind_and_from_several() {
+    let all: [&Wanted; 5] = [
+        &[("distance", 200)],
+        &[("touch", 240)],
+        &[("plate", 90)],
+        &[("sphere", 120), ("distance", 60)],
+        &[("point", 20), ("touch", 100), ("closure", 40)],
+    ];
+    for (seed, wanted) in all.into_iter().enumerate() {
+        let mut rng = ChaCha8Rng::seed_from_u64(40 + seed as u64);
+        let mut cell = cell(&robot(), &mut rng);
+        cell.bent = Some(bent(&cell, Defect { kind: GAIN, size: 1.2e-3 }));
+        let found = named(&cell, wanted, &mut rng).outcome;
+        let names: Vec<_> = found.effects.iter().map(|e| (e.name, e.joints.clone())).collect();
+        assert_eq!(names, [("joint-gain", vec![3])], "{wanted:?}: {:?}", found.verdict);
+        let held: Vec<f64> = found.gap.iter().map(|row| row.holdout_rms_mm.unwrap()).collect();
+        let [.., before, after] = held[..] else { panic!("{held:?}") };
+        assert!(after < 0.7 * before, "{wanted:?}: {held:?}");
+        assert_eq!(found.verdict, Verdict::Explained, "{wanted:?}");
+    }
+}
+
+#[test]
+fn nothing_is_named_of_a_sound_arm() {
+    let all: [&Wanted; 3] =
+        [&[("distance", 150)], &[("touch", 200)], &[("point", 20), ("touch", 100)]];
+    for (seed, wanted) in all.into_iter().enumerate() {
+        let mut rng = ChaCha8Rng::seed_from_u64(60 + seed as u64);
+        let cell = cell(&robot(), &mut rng);
+        let found = named(&cell, wanted, &mut rng).outcome;
+        assert!(found.effects.is_empty() && found.suspected.is_empty(), "{wanted:?}");
+        assert_eq!(found.verdict, Verdict::Clean, "{wanted:?}");
+    }
+}
+
+/// One kind is three times as noisy as stated: its scale is found, the name stands.
+#[test]
+fn a_kind_that_is_noisier_than_stated_forces_no_name() {
+    let mut rng = ChaCha8Rng::seed_from_u64(70);
+    let mut cell = cell(&robot(), &mut rng);
+    cell.bent = Some(bent(&cell, Defect { kind: GAIN, size: 1.2e-3 }));
+    let mut data = read(&robot(), &cell, &cell.file(&[("point", 25), ("touch", 150)], &mut rng));
+    let touches = data.rows.iter_mut().filter(|row| row.kind.0 != 0);
+    touches.for_each(|row| row.sigma /= 3.0);
+    let found = diagnose(&robot(), &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap();
+    let names: Vec<_> = found.outcome.effects.iter().map(|e| (e.name, e.joints.clone())).collect();
+    assert_eq!(names, [("joint-gain", vec![3])]);
+    let scale = |kind: &str| {
+        let own = found.outcome.figures.kinds.iter().find(|k| k.kind == kind);
+        own.unwrap().noise_scale
+    };
+    let ratio = scale("touch") / scale("point");
+    assert!((2.0..4.5).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn kinds_that_turn_with_the_last_frame_are_refused_by_name() {
+    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    let cell = cell(&robot(), &mut rng);
+    for kind in ["range", "inclination", "pair"] {
+        let data = read(&robot(), &cell, &cell.file(&[("point", 30), (kind, 3)], &mut rng));
+        let error = diagnose(&robot(), &data, None, &DiagnoseOptions::default(), &|_| ());
+        let words = error.unwrap_err().to_string();
+        assert!(words.contains(&format!("kind {kind}, which diagnose does not take")), "{words}");
+    }
+}
+
+/// The program takes several files, says which a row stands in, and warns once.
+#[test]
+fn several_files_of_a_session() {
+    let mut rng = ChaCha8Rng::seed_from_u64(80);
+    let cell = cell(&robot(), &mut rng);
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("robot.toml", truearm_simulate::robots::UR10_LIKE);
+    write("instruments.toml", &format!("nonsense = 1\n{}", cell.stated(false)));
+    write("lengths.csv", &cell.file(&[("distance", 80)], &mut rng));
+    let touches = cell.file(&[("touch", 80)], &mut rng);
+    // A gross error in the first touch.
+    let mut lines: Vec<String> = touches.lines().map(str::to_owned).collect();
+    let first: Vec<&str> = lines[1].split(',').collect();
+    let q1: f64 = first[0].parse().unwrap();
+    lines[1] =
+        [vec![format!("{}", q1 + 3.0)], first[1..].iter().map(|c| (*c).to_owned()).collect()]
+            .concat()
+            .join(",");
+    write("touches.csv", &(lines.join("\n") + "\n"));
+    for verb in ["identify", "diagnose"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
+        command.current_dir(&folder).args([verb, "robot.toml", "--out", verb]);
+        let out =
+            command.args(["--data", "lengths.csv", "--data", "touches.csv"]).output().unwrap();
+        let [said, warned] = [out.stdout, out.stderr].map(|b| String::from_utf8(b).unwrap());
+        assert!(out.status.success(), "{verb}: {warned}");
+        assert_eq!(warned.matches("nonsense").count(), 1, "{verb}: {warned}");
+        let rows = fs::read_to_string(folder.path().join(verb).join("residuals.csv")).unwrap();
+        assert!(
+            rows.starts_with("row,file,line,") && rows.contains("\n81,touches.csv,2,"),
+            "{rows}"
+        );
+        if verb == "identify" {
+            assert!(said.contains("row 81 (touches.csv, line 2)"), "{said}");
+        }
+        let report = fs::read_to_string(folder.path().join(verb).join("report.json")).unwrap();
+        assert!(report.contains("\"file\": \"touches.csv\""), "{verb}");
+    }
+}
