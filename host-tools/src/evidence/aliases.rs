@@ -23,8 +23,8 @@ impl Aliases {
         levels.dedup_by(|next, kept| *next - *kept < LEVEL);
         let same = |s: &f64| levels.iter().all(|q| (s * (q - levels[0]) / 2.0).sin().abs() < SAME);
         // A joint that stood still tells nothing of any order: no line is offered there.
-        let all = if levels.len() > 1 { 1..=(2.0 * highest) as usize } else { 1..=0 };
-        Self { shifts: all.map(|s| s as f64).filter(same).collect() }
+        let most = if levels.len() > 1 { (2.0 * highest) as usize } else { 0 };
+        Self { shifts: (1..=most).map(|s| s as f64).filter(same).collect() }
     }
 
     /// How many orders of a range look like this one, itself among them.

@@ -112,7 +112,7 @@ fn heavy(robot: &Robot, cell: &Cell) -> Arm {
         links: cell.links.clone(),
         gear_ratios: robot.joints.iter().map(|j| j.gear_ratio.unwrap_or(100.0)).collect(),
         masses: robot.links.iter().map(|l| (l.mass, l.com)).collect(),
-        gravity: Vector3::new(0.0, 0.0, -9.81),
+        gravity: robot.gravity.unwrap_or_default(),
         station: rigid(&Vector3::zeros(), &Vector3::zeros()),
         tool: cell.tool,
     };
