@@ -13,12 +13,12 @@ const CARGO: &str = "cargo() { [ \"$1 $2 $3 $4 $5\" = 'run --release -p truearm-
                      || { echo \"not a command of this test: cargo $*\"; return 1; }; \
                      shift 5; truearm \"$@\"; }\n";
 
-/// Runs the commands of a page, each block in the folder that the one before left, which is
-/// given back, and holds against them what stands below.
-fn run(name: &str, text: &str) -> TempDir {
+/// Runs the commands of a page, each block in the folder that the one before left, and holds
+/// what stands below against what they print: the folder, and all that was printed.
+fn run(name: &str, text: &str) -> (TempDir, String) {
     let folder = stage();
     let all = blocks(text);
-    let mut ran = 0;
+    let mut printed = String::new();
     for (k, (info, script)) in all.iter().enumerate() {
         match *info {
             "sh" => {}
@@ -31,13 +31,13 @@ fn run(name: &str, text: &str) -> TempDir {
         }
         let said = shell(&folder, &format!("{CARGO}set -e\n{script}"))
             .unwrap_or_else(|said| panic!("{name}:\n{script}\n{said}"));
-        ran += 1;
         if let Some(("text", below)) = all.get(k + 1) {
             prints(name, &said, below);
         }
+        printed += &said;
     }
-    assert!(ran > 0, "{name}: no block that runs");
-    folder
+    assert!(!printed.is_empty(), "{name}: no block that runs");
+    (folder, printed)
 }
 
 /// That what stands below a command was printed; `...` is what was left out.
@@ -119,10 +119,16 @@ fn commands_run_and_print_what_stands_below_them() {
     });
 }
 
-/// So do those of the README, whose picture is one that they make.
+/// So do those of the README, whose picture is one that they make, and whose report the
+/// book explains.
 #[test]
 fn the_readme_shows_what_its_commands_make() {
-    let folder = run("README.md", &fs::read_to_string(root().join("README.md")).unwrap());
+    let (folder, printed) =
+        run("README.md", &fs::read_to_string(root().join("README.md")).unwrap());
     let picture = fs::read_to_string(folder.path().join("out/ur10/staircase.svg")).unwrap();
     hold(&root().join("docs/staircase.svg"), &picture);
+    let page = root().join("docs/reading.md");
+    for (_, shown) in blocks(&fs::read_to_string(&page).unwrap()) {
+        prints("docs/reading.md", &printed, shown);
+    }
 }
