@@ -3,6 +3,7 @@
 
 mod bench;
 mod board;
+mod book;
 mod budgets;
 mod c;
 mod ci;
@@ -79,6 +80,8 @@ enum Verb {
         /// Pages to open
         pages: Vec<PathBuf>,
     },
+    /// Build the book of docs into target/book; installs mdBook where there is none
+    Book,
     /// Rewrite the shipped blobs and vector files
     Vectors {
         /// Parameter blob of a six-joint arm; the shipped one if not given
@@ -111,6 +114,7 @@ fn main() -> ExitCode {
         Verb::Bench => bench::run(),
         Verb::Peers => peers::run(),
         Verb::Pages { pages } => pages::run(&pages),
+        Verb::Book => book::run(),
         Verb::Vectors { blob } => vectors::ship(blob.as_deref()),
         Verb::Study { study } => study::run(&study),
         Verb::Demo(options) => tools::ensure().and_then(|()| demo::run(&options)),

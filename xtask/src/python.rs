@@ -1,4 +1,4 @@
-//! The Python package: its wheel, and its tests in a bare environment.
+//! The Python package: its wheel, and its tests and its notebook in a bare environment.
 
 use std::fs;
 use std::path::PathBuf;
@@ -44,5 +44,7 @@ pub fn run() -> Result {
         let wheel = fs::read_dir(&wheels)?.next().ok_or("no wheel was built")??.path();
         call(Command::new(&tester).args(pip).arg(wheel))?;
         call(Command::new(&tester).arg(directory().join("tests/test_truearm.py")))
-    })
+    })?;
+    // As a script, and without figures: matplotlib is not there.
+    step("notebook", || call(Command::new(&tester).arg(directory().join("notebooks/ur10.py"))))
 }

@@ -50,17 +50,20 @@ impl Model {
     }
 
     /// Where the real tool is at joint values (n x joints, rad or m): n x 4 x 4, m.
-    /// Play, warmth and payload are those of a robot at rest without a load.
-    #[pyo3(signature = (joint_values, nominal=false))]
+    /// Play, warmth and payload are those of a robot at rest without a load. With a station,
+    /// as that tracker station sees the target; with a marker, of that target, not of `[tool]`.
+    #[pyo3(signature = (joint_values, nominal=false, station=None, marker=None))]
     fn forward<'py>(
         &self,
         py: Python<'py>,
         joint_values: PyReadonlyArray2<f64>,
         nominal: bool,
+        station: Option<String>,
+        marker: Option<String>,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let q = joints(&joint_values, self.inner.robot.joints.len())?;
         let Some(first) = q.first() else { return transforms(py, &[]) };
-        let view = View::default();
+        let view = View { station, marker };
         let of = if nominal { Forward::nominal } else { Forward::real };
         let forward = of(&self.inner, &view).map_err(refused)?;
         let at_rest = model::Row::at(first.clone());

@@ -6,7 +6,8 @@ use truearm_host::check as gross;
 use truearm_host::diagnose::{self as diagnosis, DiagnoseOptions};
 use truearm_host::evaluate::{self as evaluation, Reregister};
 use truearm_host::identify::{self as identification, Options};
-use truearm_host::model::{Commanded, KindId, Workspace};
+use truearm_host::model::{Commanded, Workspace};
+use truearm_host::observations::by_name;
 use truearm_host::plan::{self as planning, PlanOptions};
 use truearm_host::report::{
     CheckReport, DiagnoseReport, EvaluateReport, IdentifyReport, PlanReport, VerifyReport, to_json,
@@ -122,10 +123,10 @@ pub fn verify(
     Ok(to_json(&VerifyReport::new(file, None, after, tolerance_mm, warnings)))
 }
 
-/// Points to measure that determine the arm best: joint values (n x joints, rad or m)
-/// and the report as JSON.
+/// Poses to measure, of which points or poses determine the arm best: joint values
+/// (n x joints, rad or m) and the report as JSON.
 #[pyfunction]
-#[pyo3(signature = (robot, poses=20, candidates=2000, target_um=None, seed=1))]
+#[pyo3(signature = (robot, poses=20, candidates=2000, target_um=None, seed=1, kind="point"))]
 pub fn plan<'py>(
     py: Python<'py>,
     robot: &Robot,
@@ -133,10 +134,12 @@ pub fn plan<'py>(
     candidates: usize,
     target_um: Option<f64>,
     seed: u64,
+    kind: &str,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, String)> {
     let workspace = Workspace::new(&robot.inner, None).map_err(refused)?;
     let target = target_um.map(|um| um * 1e-6);
-    let kind = KindId::default();
+    let kind = by_name(kind)
+        .ok_or_else(|| crate::wrong(format!("kind={kind:?}"), "plan for point or for pose"))?;
     let options = PlanOptions { kind, poses, workspace, candidates, target, seed };
     let found = py.detach(|| planning::plan(&robot.inner, &options, &|_, _| ()));
     let found = found.map_err(refused)?;

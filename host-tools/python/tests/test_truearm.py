@@ -100,6 +100,14 @@ class Truearm(unittest.TestCase):
         before = np.linalg.norm(model.forward(q)[:, :3, 3] - wanted, axis=1)
         self.assertLess(missed.max(), 0.05 * before.max())
 
+    def test_a_station_sees_what_it_measured(self):
+        seen = self.found.model.forward(self.data.joints, station="")[:, :3, 3]
+        missed = np.linalg.norm(seen - self.data.measured, axis=1)
+        # Its temperatures are not told, so that growth is in it.
+        self.assertLess(np.median(missed), 5e-4)
+        with self.assertRaises(truearm.TruearmError):
+            self.found.model.forward(self.data.joints, station="elsewhere")
+
     def test_what_is_packed_and_saved_is_read(self):
         self.assertGreater(len(self.found.model.pack(sequence=1)), 500)
         with tempfile.TemporaryDirectory() as folder:
@@ -117,6 +125,21 @@ class Truearm(unittest.TestCase):
         poses, report = truearm.plan(self.robot, 12, candidates=300)
         self.assertEqual(poses.shape, (12, self.robot.joints))
         self.assertEqual(report["command"], "plan")
+
+    def test_plans_for_what_the_instrument_measures(self):
+        text = (CASE / "robot.toml").read_text()
+        robot = truearm.Robot.parse("measurement_sigma_deg = 0.005\n" + text)
+        reports = {}
+        for kind in ["point", "pose"]:
+            poses, reports[kind] = truearm.plan(robot, 12, candidates=300, kind=kind)
+            self.assertEqual((poses.shape, reports[kind]["kind"]), ((12, robot.joints), kind))
+        # Only orientations tell how the last frame is turned.
+        point, pose = (reports[kind]["parameters"] for kind in ["point", "pose"])
+        self.assertGreater(pose, point)
+        for kind in ["nothing", "distance"]:
+            with self.assertRaises(truearm.TruearmError) as caught:
+                truearm.plan(robot, 12, candidates=300, kind=kind)
+            self.assertIn("point", caught.exception.help)
 
     def test_errors_say_what_to_do(self):
         with self.assertRaises(truearm.TruearmError) as caught:

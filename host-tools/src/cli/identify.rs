@@ -35,7 +35,8 @@ pub struct Identify {
     /// Write model.toml, report.json, residuals.csv and report.html into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write each figure of report.html as SVG as well
+    /// Write each figure of report.html as SVG as well; as PNG, too, if truearm was built with
+    /// the feature png
     #[arg(long, requires = "out")]
     figures: bool,
     /// Write over files that truearm did not write, or of another robot

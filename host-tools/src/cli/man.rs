@@ -1,11 +1,11 @@
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, Command};
 use clap_mangen::Man;
 use truearm_host::files::write;
 use truearm_host::{Error, Result};
 
-use super::Said;
+use super::{Said, markdown};
 
 /// Write manual pages, one a verb, into a folder.
 #[derive(Args)]
@@ -13,26 +13,40 @@ pub struct Manual {
     /// The folder, such as ~/.local/share/man/man1
     #[arg(value_name = "DIR")]
     folder: PathBuf,
+    /// Write the pages of docs/verbs, in Markdown, instead
+    #[arg(long)]
+    markdown: bool,
 }
 
 impl Manual {
     pub fn run(self, mut program: Command) -> Result<Said> {
         program.build();
-        let name = program.get_name().to_owned();
-        let mut count = 1;
-        for verb in program.get_subcommands().filter(|verb| verb.get_name() != "help") {
-            let page = format!("{name}-{}", verb.get_name());
-            self.page(verb.clone(), &page)?;
-            count += 1;
+        let verbs: Vec<&Command> = verbs(&program).collect();
+        for verb in &verbs {
+            self.page(verb)?;
         }
-        self.page(program, &name)?;
-        Ok(format!("wrote {count} pages to {}\n", self.folder.display()).into())
+        self.page(&program)?;
+        Ok(format!("wrote {} pages to {}\n", verbs.len() + 1, self.folder.display()).into())
     }
 
-    fn page(&self, command: Command, name: &str) -> Result<()> {
-        let path: &Path = &self.folder.join(format!("{name}.1"));
+    fn page(&self, command: &Command) -> Result<()> {
+        let is_program = command.has_subcommands();
+        if self.markdown {
+            let text =
+                if is_program { markdown::of_program(command) } else { markdown::of_verb(command) };
+            let path = self.folder.join(format!("{}.md", command.get_name()));
+            return write(&path, text.as_bytes());
+        }
+        let name = command.get_bin_name().unwrap_or(command.get_name()).replace(' ', "-");
+        let path = self.folder.join(format!("{name}.1"));
         let mut text = Vec::new();
-        Man::new(command).title(name).render(&mut text).map_err(|e| Error::io(path, e))?;
-        write(path, &text)
+        let made = Man::new(command.clone()).title(name).render(&mut text);
+        made.map_err(|e| Error::io(&path, e))?;
+        write(&path, &text)
     }
+}
+
+/// The verbs of the program, in the order of its help.
+pub fn verbs(program: &Command) -> impl Iterator<Item = &Command> {
+    program.get_subcommands().filter(|verb| verb.get_name() != "help")
 }

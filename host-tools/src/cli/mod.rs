@@ -16,6 +16,7 @@ mod ik;
 mod import;
 mod inspect;
 mod man;
+mod markdown;
 mod own;
 mod pack;
 mod page;

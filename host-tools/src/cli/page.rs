@@ -13,11 +13,21 @@ pub fn write_page(path: &Path, page: &Page, figures: bool) -> Result<()> {
     Ok(())
 }
 
-/// Writes every figure of a page as a file of its own.
+/// Writes every figure of a page as a file of its own, with the feature `png` as two.
 pub fn write_figures(folder: &Path, page: &Page) -> Result<()> {
     page.figures().try_for_each(|figure| {
-        write(&folder.join(format!("{}.svg", figure.name)), figure.svg().as_bytes())
+        let (path, svg) = (folder.join(format!("{}.svg", figure.name)), figure.svg());
+        #[cfg(feature = "png")]
+        write_png(&path.with_extension("png"), &svg)?;
+        write(&path, svg.as_bytes())
     })
+}
+
+#[cfg(feature = "png")]
+fn write_png(path: &Path, svg: &str) -> Result<()> {
+    let drawn = truearm_host::plot::png::png(svg);
+    let drawn = drawn.map_err(|why| truearm_host::Error::io(path, std::io::Error::other(why)))?;
+    write(path, &drawn)
 }
 
 /// The command that comes next, for the end of what is said.

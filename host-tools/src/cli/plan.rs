@@ -34,7 +34,8 @@ pub struct Plan {
     /// Write a page about the poses into this file
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
-    /// Write each figure of the page as SVG beside it
+    /// Write each figure of the page as SVG beside it; as PNG, too, if truearm was built with
+    /// the feature png
     #[arg(long, requires = "html")]
     figures: bool,
     #[command(flatten)]

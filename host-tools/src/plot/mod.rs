@@ -7,6 +7,8 @@
 mod axis;
 mod frame;
 mod marks;
+#[cfg(feature = "png")]
+pub mod png;
 mod series;
 mod strokes;
 mod style;

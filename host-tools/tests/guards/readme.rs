@@ -1,4 +1,4 @@
-//! The README says everything once, and names every room of the house.
+//! README and the pages beside it say everything once, and name every room of the house.
 
 use std::path::Path;
 
@@ -8,7 +8,11 @@ fn root() -> &'static Path {
 
 #[test]
 fn nothing_stands_there_twice() {
-    for name in ["README.md", "src/README.md", "CHANGELOG.md"] {
+    let pages = ["files", "identification", "effects", "methods", "map", "first-arm"];
+    let pages = pages.map(|page| format!("docs/{page}.md"));
+    for name in
+        ["README.md", "src/README.md", "CHANGELOG.md"].map(str::to_owned).iter().chain(&pages)
+    {
         let text = std::fs::read_to_string(root().join(name)).unwrap();
         let mut seen = std::collections::HashSet::new();
         for line in text.lines().filter(|line| line.len() > 30) {
@@ -19,8 +23,8 @@ fn nothing_stands_there_twice() {
 
 #[test]
 fn the_statuses_are_those_of_the_program() {
-    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
-    let table = readme.split("| status | meaning |").nth(1).unwrap();
+    let page = std::fs::read_to_string(root().join("docs/files.md")).unwrap();
+    let table = page.split("| status | meaning |").nth(1).unwrap();
     let rows: Vec<&str> = table.lines().skip(2).take_while(|l| l.starts_with('|')).collect();
     let numbers: Vec<&str> = rows.iter().map(|row| row.split('|').nth(1).unwrap().trim()).collect();
     assert_eq!(numbers, ["0", "1", "2", "3", "4"]);
@@ -38,8 +42,7 @@ fn the_statuses_are_those_of_the_program() {
 
 #[test]
 fn every_room_is_named() {
-    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
-    let map = readme.split("## Where things are").nth(1).unwrap();
+    let map = std::fs::read_to_string(root().join("docs/map.md")).unwrap();
     for room in std::fs::read_dir(root().join("host-tools/src")).unwrap() {
         let room = room.unwrap();
         let name = room.file_name().into_string().unwrap();

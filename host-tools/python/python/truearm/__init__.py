@@ -127,7 +127,9 @@ def plan(
     candidates: int = 2000,
     target_um: float | None = None,
     seed: int = 1,
+    kind: str = "point",
 ) -> tuple[Any, dict[str, Any]]:
-    """Poses to measure (n x joints, rad or m) and what they will tell."""
-    found, report = _truearm.plan(robot, poses, candidates, target_um, seed)
+    """Poses to measure (n x joints, rad or m) and what they will tell; `kind` is what the
+    instrument measures at each: `point`, or `pose`, its orientation as well."""
+    found, report = _truearm.plan(robot, poses, candidates, target_um, seed, kind)
     return found, json.loads(report)

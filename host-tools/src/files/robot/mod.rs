@@ -20,7 +20,7 @@ use keys::{JointFile, PlacementFile, RobotFile};
 use sense::Sense;
 
 /// What to do about a file that does not have the right keys.
-pub(super) const HELP: &str = "see the README for the keys of this file";
+pub(super) const HELP: &str = "see docs/files.md for the keys of this file";
 /// Standard deviation of a measured coordinate where none is given, mm.
 const USUAL_SIGMA: f64 = 0.03;
 /// Degrees or mm beyond which no joint goes.
