@@ -4,6 +4,7 @@
 //! ([`weigh`]) -> *show* the gap shrink on held-out poses -> verdict on what is
 //! left.
 
+mod answer;
 pub mod candidates;
 mod chi_square;
 mod kinds;
@@ -31,12 +32,13 @@ use crate::identify::{
 use crate::model::{ErrorCurve, Measurements, Model, Robot};
 use crate::observations::{Residual, kind};
 use crate::statistics::Stats;
+use answer::answered;
 use moments::Moments;
 use node::Node;
 use policy::POLICY;
 use question::Question;
 use show::{HeldOut, Show};
-use weigh::{Weighed, weigh, with_curves};
+use weigh::{Weighed, with_curves};
 
 /// The result.
 #[derive(Debug, Clone)]
@@ -155,22 +157,6 @@ fn diagnosed(
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
     let show = Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot };
     shown(&show, Found { weighed, best, root, start, not_testable })
-}
-
-/// Geometry alone, at a lambda that it bears out, and what is weighed beyond it.
-fn answered(
-    question: &mut Question,
-    start: &State,
-    progress: &dyn Fn(&'static str),
-) -> Result<(Node, Weighed)> {
-    progress("geometry");
-    question.flags.lambda = 1.0;
-    let first = node::geometry(question, start)?;
-    question.flags.lambda = believable_lambda(question.problem, &first);
-    let root = node::geometry(question, &first.fit.fit.state)?;
-    progress("weighing effects");
-    let weighed = weigh(question, &root, &|| progress("weighing effects"))?;
-    Ok((root, weighed))
 }
 
 /// Torques that were read count in place of computed ones: in both files or in none.
@@ -293,13 +279,4 @@ fn findings<'a>(
             q.folds.len()
         ),
     })
-}
-
-/// The tolerances of the prior are a guess; corrections that are larger all
-/// over say that the arm was made to wider ones (one step towards the maximum of
-/// the marginal likelihood).
-fn believable_lambda(problem: &Problem, node: &Node) -> f64 {
-    let norm = problem.corrections(&node.fit.fit.state).norm_squared();
-    let count = 5.0 * problem.nominal.len() as f64;
-    (count / norm.max(1e-9)).clamp(POLICY.least_lambda, 1.0)
 }

@@ -8,7 +8,7 @@ use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{Problem, Scaling, State};
 use truearm_host::model::{Measurements, Robot};
-use truearm_host::observations::measuring;
+use truearm_host::observations::{KINDS, measuring};
 use truearm_simulate::arm::Arm;
 use truearm_simulate::body::{Body, apply};
 use truearm_simulate::effects::{Defect, Kind, drawn};
@@ -44,6 +44,9 @@ const NAMES: [&str; 6] = [
 /// Sizes as a share of the largest that nobody would see without a tool, log-uniform.
 const SIZES: [f64; 2] = [0.01, 0.5];
 
+/// By how much a sigma is stated wrongly at most.
+const MISSTATED: f64 = 2.0;
+
 /// A file tells an effect that is so many standard deviations of its own bound away
 /// from nothing and from any one other effect: 18 nats, where a name costs 4 or 5.
 pub const TOLD: f64 = 6.0;
@@ -51,48 +54,72 @@ pub const TOLD: f64 = 6.0;
 /// A name and its joints.
 type Place = (String, Vec<usize>);
 
+/// A hidden effect and what became of it.
+pub struct Truth {
+    /// Its name and joints.
+    pub place: Place,
+    /// Standard deviations of its bound, the best rival projected off too.
+    pub sure: f64,
+    /// It is named.
+    pub named: bool,
+    /// Suspected, or in an alternative.
+    pub mentioned: bool,
+}
+
 /// A set and its answer.
 pub struct Answered {
     /// What was measured.
     pub file: &'static str,
-    /// What was hidden.
-    pub hidden: Option<Place>,
-    /// Standard deviations of its bound, the best rival projected off too.
-    pub sure: f64,
-    /// It is named and nothing else is.
-    pub right: bool,
+    /// What was hidden: nothing, one effect or two.
+    pub hidden: Vec<Truth>,
     /// What else is named.
     pub wrong: Vec<Place>,
-    /// Suspected, or in an alternative.
-    pub mentioned: bool,
     /// The verdict.
     pub verdict: Verdict,
 }
 
-/// Draws a set, has it diagnosed, and opens it. Every sixth hides nothing.
+/// Draws a set, has it diagnosed, and opens it. The sigma of each kind is stated
+/// wrongly, by up to a factor of [`MISSTATED`] either way.
 ///
 /// # Errors
 /// As of `diagnose`.
 pub fn answered(seed: u64) -> Result<Answered> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (file, wanted) = FILES[seed as usize % FILES.len()];
-    let robot = robot(robots::ALL[ARMS[(seed as usize / FILES.len()) % ARMS.len()]]);
+    let text = robots::ALL[ARMS[(seed as usize / FILES.len()) % ARMS.len()]];
+    let robot = robot(&format!("gravity_m_s2 = [0.0, 0.0, -9.81]\n{text}"));
     let mut cell = cell(&robot, &mut rng);
     let arm = heavy(&robot, &cell);
-    let hidden = (!rng.random_ratio(1, 6)).then(|| defect(&robot, &arm.body, &cell, &mut rng));
-    cell.bent = hidden.clone().map(|defect| Arm { defects: vec![defect], ..arm.clone() });
+    let mut hidden: Vec<Defect> = Vec::new();
+    for _ in 0..[0, 1, 1, 1, 2, 2][rng.random_range(0..6)] {
+        let next = defect(&robot, &arm.body, &cell, &mut rng);
+        if hidden.iter().all(|d| place(d) != place(&next)) {
+            hidden.push(next);
+        }
+    }
+    cell.bent = (!hidden.is_empty()).then(|| Arm { defects: hidden.clone(), ..arm.clone() });
     let data = read(&robot, &cell, &cell.file(wanted, &mut rng));
-    let found = diagnose(&robot, &data, None, &DiagnoseOptions::default(), &|_| ())?.outcome;
-    let place = hidden.as_ref().map(place);
+    let mut stated = data.clone();
+    let mut wrong = || MISSTATED.powf(rng.random_range(-1.0..1.0));
+    let factors: Vec<f64> = KINDS.iter().map(|_| wrong()).collect();
+    stated.rows.iter_mut().for_each(|row| row.sigma *= factors[usize::from(row.kind.0)]);
+    let found = diagnose(&robot, &stated, None, &DiagnoseOptions::default(), &|_| ())?.outcome;
     let named = of(&found.effects);
-    let wrong: Vec<Place> = named.iter().filter(|p| Some(*p) != place.as_ref()).cloned().collect();
-    let right = wrong.is_empty() && place.as_ref().is_none_or(|p| named.contains(p));
-    let sure = match &hidden {
-        Some(defect) => sure(&robot, &data, &arm, defect)?,
-        None => f64::INFINITY,
+    let places: Vec<Place> = hidden.iter().map(place).collect();
+    let truth = |k: usize| {
+        Ok(Truth {
+            place: places[k].clone(),
+            sure: sure(&robot, &data, &arm, &hidden, k)?,
+            named: named.contains(&places[k]),
+            mentioned: mentioned(&found, &places[k]),
+        })
     };
-    let mentioned = place.as_ref().is_some_and(|p| mentioned(&found, p));
-    Ok(Answered { file, hidden: place, sure, right, wrong, mentioned, verdict: found.verdict })
+    Ok(Answered {
+        file,
+        hidden: (0..hidden.len()).map(truth).collect::<Result<_>>()?,
+        wrong: named.iter().filter(|p| !places.contains(p)).cloned().collect(),
+        verdict: found.verdict,
+    })
 }
 
 fn place(defect: &Defect) -> Place {
@@ -128,24 +155,44 @@ fn defect(robot: &Robot, body: &Body, cell: &Cell, rng: &mut ChaCha8Rng) -> Defe
 }
 
 /// How far an effect is from nothing and from its best rival, in standard deviations
-/// of what the rows leave open of geometry, instruments and that rival.
-fn sure(robot: &Robot, data: &Measurements, arm: &Arm, hidden: &Defect) -> Result<f64> {
+/// of what the rows leave open of geometry, instruments, other effects and that rival.
+fn sure(
+    robot: &Robot,
+    data: &Measurements,
+    arm: &Arm,
+    hidden: &[Defect],
+    which: usize,
+) -> Result<f64> {
     let problem = Problem::new(data, robot, Scaling::Prior);
     let start = register(data, &problem.nominal, robot.tool)?;
     let problem = problem.about(&start);
     let state = most_probable(&problem, robot)?.fit.state;
-    let (geometry, own) = columns(&problem, &state, arm, std::slice::from_ref(hidden));
-    let left = rest(&geometry, &own);
-    let own_rivals =
-        rivals(arm).into_iter().filter(|g| g.iter().all(|d| place(d) != place(hidden)));
-    let beside = own_rivals.map(|group| {
+    let (geometry, effects) = columns(&problem, &state, arm, hidden);
+    let all = rest(&geometry, &effects);
+    let (own, others) = (all.columns(which, 1).into_owned(), all.remove_column(which));
+    let left = without(&own, &others);
+    let rivals = rivals(arm)
+        .into_iter()
+        .filter(|group| group.iter().all(|d| hidden.iter().all(|h| place(d) != place(h))));
+    let beside = rivals.map(|group| {
         let theirs = rest(&geometry, &columns(&problem, &state, arm, &group).1);
-        match theirs.clone().svd(true, true).solve(&left, 1e-9) {
-            Ok(fitted) => (&left - theirs * fitted).norm(),
-            Err(_) => left.norm(),
-        }
+        let count = others.ncols();
+        let mut both = others.clone().resize_horizontally(count + theirs.ncols(), 0.0);
+        both.columns_mut(count, theirs.ncols()).copy_from(&theirs);
+        without(&own, &both).norm()
     });
     Ok(beside.fold(left.norm(), f64::min))
+}
+
+/// A column with others projected off.
+fn without(own: &DMatrix<f64>, others: &DMatrix<f64>) -> DMatrix<f64> {
+    if others.ncols() == 0 {
+        return own.clone();
+    }
+    match others.clone().svd(true, true).solve(own, 1e-9) {
+        Ok(fitted) => own - others * fitted,
+        Err(_) => own.clone(),
+    }
 }
 
 /// What geometry and its tolerances leave of columns.

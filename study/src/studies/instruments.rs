@@ -9,7 +9,7 @@ use truearm_simulate::robots;
 
 use super::Result;
 use crate::instruments::cases::{CASES, OTHERS, Wanted, needed, open};
-use crate::instruments::named::{Answered, FILES, TOLD, answered};
+use crate::instruments::named::{Answered, FILES, TOLD, Truth, answered};
 use crate::instruments::scanner::{Setup, means};
 use crate::instruments::{held, mixed};
 use crate::judged::efficiency;
@@ -126,7 +126,7 @@ fn mixed(name: &str, robot: &Robot, arms: u64) -> Result<Vec<String>> {
     Ok(wrong.into_iter().collect())
 }
 
-/// Least share of what can be told that is to be named, alone.
+/// Least share of what can be told that is to be named.
 const NAMED: f64 = 0.9;
 
 /// Effects behind lengths, touches and holes, a row a file; whether enough are named.
@@ -140,37 +140,38 @@ fn blind(first: u64, sets: u64) -> Result {
         }
     }
     println!(
-        "| measured | sets | told | of them right | mentioned | other names | not told, named | nothing hidden | clean |"
+        "| measured | sets | effects told | named | mentioned | not told | named | other names | \
+         nothing hidden | clean |\n|---|---|---|---|---|---|---|---|---|---|"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
     let mut share = [0, 0];
     for (file, _) in FILES {
-        let own: Vec<_> = answers.iter().map(|(_, a)| a).filter(|a| a.file == file).collect();
-        let (empty, with): (Vec<&Answered>, Vec<&Answered>) =
-            own.iter().partition(|a| a.hidden.is_none());
-        let (told, dark): (Vec<&Answered>, Vec<&Answered>) =
-            with.iter().partition(|a| a.sure >= TOLD);
-        let right = told.iter().filter(|a| a.right).count();
-        share = [share[0] + right, share[1] + told.len()];
+        let own: Vec<&Answered> =
+            answers.iter().map(|(_, a)| a).filter(|a| a.file == file).collect();
+        let truths = own.iter().flat_map(|a| &a.hidden);
+        let (told, dark): (Vec<&Truth>, Vec<&Truth>) = truths.partition(|t| t.sure >= TOLD);
+        let named = |all: &[&Truth]| all.iter().filter(|t| t.named).count();
+        let empty: Vec<_> = own.iter().filter(|a| a.hidden.is_empty()).collect();
+        share = [share[0] + named(&told), share[1] + told.len()];
         println!(
-            "| {file} | {} | {} | {right} | {} | {} | {} of {} | {} | {} |",
+            "| {file} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
             own.len(),
             told.len(),
-            told.iter().filter(|a| !a.right && a.mentioned).count(),
-            own.iter().map(|a| a.wrong.len()).sum::<usize>(),
-            dark.iter().filter(|a| a.right).count(),
+            named(&told),
+            told.iter().filter(|t| !t.named && t.mentioned).count(),
             dark.len(),
+            named(&dark),
+            own.iter().map(|a| a.wrong.len()).sum::<usize>(),
             empty.len(),
             empty.iter().filter(|a| a.verdict == Verdict::Clean).count(),
         );
     }
-    for (seed, a) in
-        answers.iter().filter(|(_, a)| !a.wrong.is_empty() || a.sure >= TOLD && !a.right)
-    {
-        println!(
-            "  set {seed}, {}: {:?} by {:.1}, {:?}, other names {:?}",
-            a.file, a.hidden, a.sure, a.verdict, a.wrong
-        );
+    for (seed, answer) in &answers {
+        for t in answer.hidden.iter().filter(|t| t.sure >= TOLD && !t.named) {
+            println!("  set {seed}, {}: {:?} by {:.1} is not named", answer.file, t.place, t.sure);
+        }
+        if !answer.wrong.is_empty() {
+            println!("  set {seed}, {}: {:?} is named", answer.file, answer.wrong);
+        }
     }
     if (share[0] as f64) < NAMED * share[1] as f64 {
         return Err(format!("{} of {} that can be told are named", share[0], share[1]).into());
