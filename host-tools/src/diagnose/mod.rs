@@ -113,7 +113,7 @@ fn diagnosed(
     let rows = data.distinct();
     let start = register(data, &problem.nominal, robot.tool)?;
     let problem = problem.about(&start);
-    let (offered, not_testable) = candidates::all(&problem, robot);
+    let (offered, not_testable) = candidates::all(&problem, robot, assumed.is_some());
     let folds = folds::random(data, &rows, folds::SEED);
     // Torques that were read need no masses.
     let moments = (!read).then(|| Moments::of(robot, assumed.is_some())).flatten();

@@ -134,14 +134,14 @@ impl Nameless {
         match self {
             Self::Wobble { times, .. } => {
                 let (sin, cos) = (*times as f64 * q).sin_cos();
-                let [x, y] = tilts(d, joint);
+                let [x, y] = d.links[joint].tilts();
                 vec![x * cos, x * sin, y * cos, y * sin]
             }
             Self::Bend { .. } => {
                 let torque = problem.conditions.rows[index].torque[joint];
                 let square = torque * torque.abs();
                 let (sin, cos) = q.sin_cos();
-                let [x, y] = tilts(d, joint);
+                let [x, y] = d.links[joint].tilts();
                 [x * cos, x * sin, y * cos, y * sin].map(|c| c * square).to_vec()
             }
             Self::Memory { .. } => {
@@ -160,17 +160,4 @@ impl Nameless {
             }
         }
     }
-}
-
-/// How the target moves when the axis of a joint tilts about the x and the y of
-/// the frame that it turns in. Rotations about x and z, and translations along
-/// them, are columns of the link; the rotation about y follows from them.
-fn tilts(d: &Derivatives, joint: usize) -> [Vector3<f64>; 2] {
-    let link = &d.links[joint];
-    let (x, z) = (link.a, link.d);
-    let y = z.cross(&x);
-    // With r from the frame's origin: x cross r and z cross r are known.
-    let along_x = link.theta.dot(&y);
-    let along_z = -link.alpha.dot(&y);
-    [link.alpha, x * along_z - z * along_x]
 }
