@@ -3,7 +3,7 @@ use nalgebra::Vector3;
 use super::chain::Chain;
 use super::folded_joint::{FoldedJoint, TurnedJoint};
 use super::link::{JointKind, Link, LinkParameter, MdhParameters};
-use super::pose::{Pose, axes, cross, dot, from_axes, rotate};
+use super::pose::{Pose, axes, cross, from_axes, rotate};
 use crate::scalar::Scalar;
 
 /// Velocity of the tool for one joint moving at 1 rad/s or 1 m/s.
@@ -77,16 +77,6 @@ impl<T: Scalar> LinkColumns<T> {
             JointKind::Revolute => &self.theta,
             JointKind::Prismatic => &self.d,
         }
-    }
-
-    /// With respect to a rotation of the joint's axis about the x and about the y of
-    /// the frame that the joint turns in, behind alpha and a. A rotation about that x
-    /// is one by alpha; the one about y follows from the lever, of which the products
-    /// with x and z are known.
-    #[must_use]
-    pub fn tilts(&self) -> [Vector3<T>; 2] {
-        let y = cross(&self.d, &self.a);
-        [self.alpha, -(self.a * dot(&self.alpha, &y) + self.d * dot(&self.theta, &y))]
     }
 
     /// All five in the order of [`LinkParameter::ALL`].

@@ -7,7 +7,8 @@ use nalgebra::Vector3;
 use super::chain::Chain;
 use super::deflection::Deflection;
 use super::folded_joint::Turns;
-use super::pose::{Pose, axes, cross, rotate};
+use super::jacobian::LinkColumns;
+use super::pose::{Pose, axes, cross, dot, rotate};
 use crate::scalar::Scalar;
 
 impl<T: Scalar, const N: usize> Chain<T, N> {
@@ -60,5 +61,17 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         let [about, shift] = [about, shift].map(|v| rotate(&self.root.rotation, &v));
         let arm = self.root.translation - self.base.translation;
         [about, shift - cross(&about, &arm)]
+    }
+}
+
+impl<T: Scalar> LinkColumns<T> {
+    /// With respect to a rotation of the joint's axis about the x and about the y of
+    /// the frame that the joint turns in, behind alpha and a. A rotation about that x
+    /// is one by alpha; the one about y follows from the lever, of which the products
+    /// with x and z are known.
+    #[must_use]
+    pub fn tilts(&self) -> [Vector3<T>; 2] {
+        let y = cross(&self.d, &self.a);
+        [self.alpha, -(self.a * dot(&self.alpha, &y) + self.d * dot(&self.theta, &y))]
     }
 }

@@ -125,11 +125,7 @@ fn of_joint(joint: usize, seen: &Seen) -> (String, f64) {
 /// How targets move with an amount of a term, m per SI.
 fn action(seen: &Seen, term: &ModelTerm) -> Vec<Vector3<f64>> {
     let of = |(k, d): (usize, &crate::model::arm::Derivatives)| match term {
-        ModelTerm::Arm(t) => {
-            let row = seen.kept[k];
-            let inputs = &seen.conditions.rows[row];
-            d.action(t, inputs, &seen.on.data.rows[row].q, &seen.state.links)
-        }
+        ModelTerm::Arm(t) => seen.action(t, d, k),
         ModelTerm::Remount { axis, .. } => d.tool[*axis],
         ModelTerm::Lag { joint, .. } => d.links[*joint].theta,
         ModelTerm::Drift { component, .. } => {
