@@ -36,10 +36,18 @@ fn masses<const N: usize>(rng: &mut ChaCha8Rng) -> Masses<f64, N> {
     Masses { gravity: Vector3::new(3.1, -4.2, -8.3), mass, com, payload_com }
 }
 
-/// Potential energy, J, of an arm on a base.
+/// The transform of a link whose axis is turned about x and y of the frame before.
+fn tilted(base: &Link<f64>, [x, y]: [f64; 2], q: f64) -> Matrix<f64> {
+    let [alpha, a, theta, d, beta] = base.parameters.to_array();
+    let before = link(JointKind::Revolute, [alpha, a, 0.0, 0.0, 0.0], 0.0);
+    let tilt = product(&rotation(0, x), &rotation(1, y));
+    product(&product(&before, &tilt), &link(base.kind, [0.0, 0.0, theta, d, beta], q))
+}
+
+/// Potential energy, J, of an arm on a base, the axis of one joint tilted.
 fn potential<const N: usize>(
     base: &Matrix<f64>,
-    links: &[Link<f64>; N],
+    (links, axis, tilt): (&[Link<f64>; N], usize, [f64; 2]),
     masses: &Masses<f64, N>,
     payload: f64,
     q: &[f64; N],
@@ -52,18 +60,19 @@ fn potential<const N: usize>(
     };
     let mut energy = 0.0;
     for i in 0..N {
-        frame = product(&frame, &link(links[i].kind, links[i].parameters.to_array(), q[i]));
+        let own = if i == axis { tilt } else { [0.0; 2] };
+        frame = product(&frame, &tilted(&links[i], own, q[i]));
         energy += masses.mass[i] * height(&frame, &masses.com[i]);
     }
     energy + payload * height(&frame, &masses.payload_com)
 }
 
-/// Largest error of joint torques and of base moments, N m or N.
-fn load_errors<const N: usize>(links: &[Link<f64>; N]) -> [f64; 2] {
+/// Largest error of joint torques, of base moments and of those across axes, N m or N.
+fn load_errors<const N: usize>(links: &[Link<f64>; N]) -> [f64; 3] {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let chain = Chain::new(links, Pose::identity(), tool());
     let h = 1e-5;
-    let mut worst = [0.0_f64; 2];
+    let mut worst = [0.0_f64; 3];
     for payload in [0.0, 7.5] {
         for _ in 0..50 {
             let masses = masses(&mut rng);
@@ -73,14 +82,24 @@ fn load_errors<const N: usize>(links: &[Link<f64>; N]) -> [f64; 2] {
                 let energy = |step: f64| {
                     let mut moved = q;
                     moved[j] += step;
-                    potential(&identity(), links, &masses, payload, &moved)
+                    potential(&identity(), (links, 0, [0.0; 2]), &masses, payload, &moved)
                 };
                 let torque = -(energy(h) - energy(-h)) / (2.0 * h);
                 worst[0] = worst[0].max((torque - load.torque[j]).abs());
+                for axis in 0..2 {
+                    let energy = |turn: f64| {
+                        let tilt = [[turn, 0.0], [0.0, turn]][axis];
+                        potential(&identity(), (links, j, tilt), &masses, payload, &q)
+                    };
+                    let moment = -(energy(h) - energy(-h)) / (2.0 * h);
+                    worst[2] = worst[2].max((moment - load.across.unwrap()[j][axis]).abs());
+                }
             }
             for axis in 0..2 {
-                let energy =
-                    |turn: f64| potential(&rotation(axis, turn), links, &masses, payload, &q);
+                let energy = |turn: f64| {
+                    let rigid = (links, 0, [0.0; 2]);
+                    potential(&rotation(axis, turn), rigid, &masses, payload, &q)
+                };
                 let moment = -(energy(h) - energy(-h)) / (2.0 * h);
                 worst[1] = worst[1].max((moment - load.moment[axis]).abs());
             }
@@ -96,7 +115,7 @@ fn gravity_loads_are_the_slope_of_the_potential_energy() {
         ("spherical wrist", load_errors(&puma())),
         ("SCARA, prismatic", load_errors(&scara())),
     ] {
-        println!("{name}: torque {:.1e}, base moment {:.1e} N m", worst[0], worst[1]);
+        println!("{name}: torque, base moment, moment across {worst:?} N m");
         assert!(worst.iter().all(|w| *w < 1e-6), "{name}: {worst:?}");
     }
 }
@@ -148,9 +167,9 @@ fn column_error<const N: usize>(links: &[Link<f64>; N]) -> (f64, usize) {
             let bent =
                 |bend: f64| deflection(&[Term { coefficient: bend / basis, ..term }], &inputs);
             let point = |bend: f64| chain.forward_deflected(&q, &bent(bend)).translation;
-            // The base turns by a rotation vector: its column is that of small ones.
-            let bends =
-                if term.effect.acts_on() == ActsOn::Base { vec![0.0] } else { vec![0.0, 2e-3] };
+            // Base and axes turn by a rotation vector: their columns are those of small ones.
+            let turns = matches!(term.effect.acts_on(), ActsOn::Base | ActsOn::Axis);
+            let bends = if turns { vec![0.0] } else { vec![0.0, 2e-3] };
             for bend in bends {
                 let jacobian = chain.identification_jacobian(&bent(bend).deflected(&q));
                 let about = |axis: usize| {
@@ -158,7 +177,7 @@ fn column_error<const N: usize>(links: &[Link<f64>; N]) -> (f64, usize) {
                     (0..3).map(|i| jacobian.base_rotation[i] * own[i]).sum::<Vector3<f64>>()
                 };
                 let column =
-                    term.column(basis, links, &jacobian.links, &[about(0), about(1), about(2)]);
+                    term.column(&inputs, links, &jacobian.links, &[about(0), about(1), about(2)]);
                 let h = 1e-5;
                 let difference = (point(bend + h) - point(bend - h)) / (2.0 * h) * basis;
                 if column.norm() < 1e-9 * basis.abs() {
@@ -184,6 +203,40 @@ fn columns_are_the_slope_of_the_bent_chain() {
         println!("{name}: {count} columns, relative error {error:.1e}");
         assert!(error < 1e-6 && count > 1000, "{name}: {error:e}");
     }
+}
+
+/// To first order in the tilts, axes tilt where they stand: 0.1 mrad of every one.
+#[test]
+fn axes_tilt_where_they_stand() {
+    fn check<const N: usize>(links: &[Link<f64>; N]) {
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let chain = Chain::new(links, Pose::identity(), tool());
+        for _ in 0..50 {
+            let q = joints(&mut rng, links);
+            let tilts = [0; N].map(|_| [0; 2].map(|_| rng.random_range(-1e-4..1e-4)));
+            let bent = Deflection { axes: Some(tilts), ..Deflection::none() };
+            let pose = chain.forward_deflected(&q, &bent);
+            let mut exact = identity();
+            for ((l, q), tilt) in links.iter().zip(q).zip(tilts) {
+                exact = product(&exact, &tilted(l, tilt, q));
+            }
+            exact = product(&exact, &common::translation(TOOL));
+            for i in 0..3 {
+                assert!((exact[i][3] - pose.translation[i]).abs() < 5e-7);
+                for j in 0..3 {
+                    assert!((exact[i][j] - pose.rotation[(i, j)]).abs() < 5e-7);
+                }
+            }
+        }
+    }
+    check(&ur10());
+    check(&puma());
+    check(&scara());
+    // A beta next to parallel axes turns the frames that the chain works in.
+    check(&ur10().map(|mut link| {
+        link.parameters.beta = 1e-3;
+        link
+    }));
 }
 
 #[test]
@@ -243,7 +296,7 @@ fn sides_of_a_gap() {
         (Unknown, 5.1, 5.0, -1.0),
         (Unknown, -5.1, 5.0, 1.0),
     ] {
-        let load = Load { torque: [0.0, torque], moment: [0.0; 2] };
+        let load = Load { torque: [0.0, torque], ..Load::none() };
         let approaches = [Unknown, approach];
         let inputs = TermInputs { q: [0.3, 0.4], load, approach: approaches, warmth: 0.0 };
         let term = Term { order: friction, ..term(Effect::Backlash, 1, 0) };
@@ -349,7 +402,10 @@ fn folded_terms_give_the_sum_of_the_terms() {
         };
         let folded = arm.deflection(&q, &state);
         let sum = deflection(&parameters.terms, &inputs);
-        let parts = |d: &Deflection<f64, 6>| [&d.joints[..], &d.base[..], &d.growth[..]].concat();
+        let parts = |d: &Deflection<f64, 6>| {
+            let axes = d.axes.unwrap_or([[0.0; 2]; 6]);
+            [&d.joints[..], &d.base[..], axes.as_flattened(), &d.growth[..]].concat()
+        };
         for (folded, sum) in parts(&folded).into_iter().zip(parts(&sum)) {
             assert!((folded - sum).abs() < 1e-14, "{folded} {sum}");
         }
@@ -369,8 +425,10 @@ fn descriptors_are_consistent() {
         let friction = effect.order() == Order::Friction;
         assert!(friction || effect.load() != NeedsLoad::WithFriction, "{name}");
         assert!(effect.suits(JointKind::Revolute), "{name}");
-        // What counts cycles a turn is nothing of a joint that slides.
-        assert_eq!(effect.suits(JointKind::Prismatic), !effect.order().is_cycles(), "{name}");
+        // What counts cycles a turn, or tilts what it turns about, is nothing of a joint
+        // that slides.
+        let turns = effect.order().is_cycles() || effect.acts_on() == ActsOn::Axis;
+        assert_eq!(effect.suits(JointKind::Prismatic), !turns, "{name}");
         let [turns, slides] = [JointKind::Revolute, JointKind::Prismatic];
         let own = effect.acts_on() == ActsOn::Joint;
         assert_eq!(effect.unit(turns, turns) != effect.unit(slides, slides), own, "{name}");
@@ -393,7 +451,7 @@ fn a_basis_depends_on_what_its_effect_needs() {
             let torque = [0; 6].map(|_| rng.random_range(-40.0..40.0));
             let inputs = TermInputs {
                 q: [0; 6].map(|_| rng.random_range(-3.0..3.0)),
-                load: Load { torque, moment: [7.0, -9.0] },
+                load: Load { torque, moment: [7.0, -9.0], across: Some([[3.0, -2.0]; 6]) },
                 approach: [Positive; 6],
                 warmth: 5.0,
             };
@@ -464,7 +522,7 @@ fn the_format_lists_every_effect() {
             ActsOn::Base => "0",
             ActsOn::Lengths => "the link, or 0 and \"all links\"",
             ActsOn::Joint if effect.is_coupled() => "yes, and another as source",
-            ActsOn::Joint => "yes",
+            ActsOn::Joint | ActsOn::Axis => "yes",
         };
         assert_eq!(joint, place, "{name}");
         let orders = match effect.order() {

@@ -59,6 +59,7 @@ fn golden_blobs_mean_what_they_meant() {
     layout_3_full().holds();
     layout_3_covariance().holds();
     layout_3_stiffening().holds();
+    layout_3_lateral().holds();
     #[cfg(feature = "curves")]
     layout_3_curves().holds();
 }
@@ -70,6 +71,7 @@ fn write_missing_golden_blobs() {
     layout_3_full().write_if_missing();
     layout_3_covariance().write_if_missing();
     layout_3_stiffening().write_if_missing();
+    layout_3_lateral().write_if_missing();
     #[cfg(feature = "curves")]
     layout_3_curves().write_if_missing();
 }
@@ -92,14 +94,23 @@ fn layout_3_covariance() -> Golden<1> {
 
 /// One joint with the effect that format 1.1 added.
 fn layout_3_stiffening() -> Golden<1> {
-    let name = "layout-3-stiffening.blob";
+    loaded("layout-3-stiffening.blob", Effect::JointStiffening, -2.5e-6)
+}
+
+/// One joint with the effect that format 1.3 added.
+fn layout_3_lateral() -> Golden<1> {
+    loaded("layout-3-lateral.blob", Effect::LateralCompliance, 1.5e-5)
+}
+
+/// One joint with masses and what they bend.
+fn loaded(name: &'static str, effect: Effect, coefficient: f32) -> Golden<1> {
     let masses = Masses {
         gravity: Vector3::new(0.0, -9.8, 0.0),
         mass: [4.5],
         com: [Vector3::new(0.1, 0.0, 0.0)],
         payload_com: Vector3::new(0.1, 0.0, 0.0),
     };
-    let terms = heapless::Vec::from_iter([term(Effect::JointStiffening, 0, 0.0, -2.5e-6)]);
+    let terms = heapless::Vec::from_iter([term(effect, 0, 0.0, coefficient)]);
     let parameters = ArmParameters { terms, masses: Some(masses), ..least() };
     Golden { name, layout: 3, parameters, factor: None }
 }

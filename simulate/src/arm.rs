@@ -74,7 +74,7 @@ impl Arm {
             }
             let moved = |a: &Shape, b: &Shape| {
                 let all = |s: &Shape| {
-                    let pairs = s.bend.iter().chain([&s.tilt]).flatten().copied();
+                    let pairs = s.bend.iter().chain(&s.nod).chain([&s.tilt]).flatten().copied();
                     pairs.chain(s.joints.iter().copied()).collect::<Vec<_>>()
                 };
                 all(a).iter().zip(&all(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)

@@ -110,6 +110,11 @@ impl Body {
         (at(-STEP) - at(STEP)) / (2.0 * STEP)
     }
 
+    /// Load across the axis of a joint, about the x and y of the frame it turns in.
+    pub(crate) fn across(&self, shape: &Shape, payload: f64, joint: usize) -> [f64; 2] {
+        [0, 1].map(|axis| self.load(shape, payload, |s| &mut s.nod[joint][axis]))
+    }
+
     /// Gravity torque on a joint of the undeflected arm, N m.
     pub fn torque(&self, moment: &Moment, joint: usize) -> f64 {
         let shape = self.unloaded(moment);
@@ -132,6 +137,23 @@ impl Body {
 /// because floor and axes lean a little no robot file can tell, and a spring
 /// there would be in the measurements but not in any model.
 pub(crate) fn loaded(joint: usize, robot: &Robot, body: &Body, poses: &[Moment]) -> bool {
+    known(robot, body, poses, |body, moment| [body.torque(moment, joint), 0.0])
+}
+
+/// The same of what its bearing carries.
+pub(crate) fn loaded_across(joint: usize, robot: &Robot, body: &Body, poses: &[Moment]) -> bool {
+    known(robot, body, poses, |body, moment| {
+        body.across(&body.unloaded(moment), moment.payload, joint)
+    })
+}
+
+/// Whether a load of the arm as it is stated is that of the arm as it is.
+fn known(
+    robot: &Robot,
+    body: &Body,
+    poses: &[Moment],
+    load: impl Fn(&Body, &Moment) -> [f64; 2],
+) -> bool {
     let stated = Body {
         links: robot.joints.iter().map(|j| j.link).collect(),
         masses: robot.masses.clone(),
@@ -141,9 +163,9 @@ pub(crate) fn loaded(joint: usize, robot: &Robot, body: &Body, poses: &[Moment])
     };
     let (mut all, mut unknown) = (0.0, 0.0);
     for moment in poses {
-        let torque = body.torque(moment, joint);
-        all += torque.powi(2);
-        unknown += (torque - stated.torque(moment, joint)).powi(2);
+        let (real, stated) = (load(body, moment), load(&stated, moment));
+        all += real[0].powi(2) + real[1].powi(2);
+        unknown += (real[0] - stated[0]).powi(2) + (real[1] - stated[1]).powi(2);
     }
     unknown < 0.2_f64.powi(2) * all
 }

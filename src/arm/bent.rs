@@ -60,7 +60,7 @@ impl<T: Scalar, const N: usize> Arm<'_, T, N> {
         offset: &mut [T; N],
         bent: &mut Bent<T, N>,
     ) {
-        bent.deflection = self.folded.smooth(&self.inputs_at(turns, state));
+        self.folded.smooth(&self.inputs_at(turns, state), &mut bent.deflection);
         let mut joints = *command;
         let smooth = bent.deflection.joints.iter().zip(share);
         let places = offset.iter_mut().zip(&mut joints);

@@ -84,7 +84,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         Link::correct(&mut links, &p.corrections);
         let nominal = Chain::new(&p.nominal, Pose::identity(), tool);
         let folded = FoldedTerms::new(&p.terms);
-        let gravity = p.masses.filter(|_| folded.needs_load()).map(|masses| masses.on(&nominal));
+        let masses = p.masses.filter(|_| folded.needs_load());
+        let gravity = masses.map(|masses| masses.on(&nominal));
         Self {
             robot_id: p.robot_id,
             sequence: p.sequence,
@@ -212,6 +213,16 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     /// The same with the sines of the nominal chain taken already.
     #[inline]
     fn inputs_at(&self, turns: &Turns<T, N>, state: &State<T, N>) -> TermInputs<T, N> {
+        let mut inputs = self.inputs_within_joints(turns, state);
+        if let (true, Some(gravity)) = (self.folded.tilts_axes(), &self.gravity) {
+            inputs.load.across = Some(gravity.across(&self.nominal, turns, state.payload));
+        }
+        inputs
+    }
+
+    /// All of them but the moments across the axes.
+    #[inline(never)]
+    fn inputs_within_joints(&self, turns: &Turns<T, N>, state: &State<T, N>) -> TermInputs<T, N> {
         let load = self
             .gravity
             .as_ref()

@@ -6,7 +6,7 @@ use super::layout::{RECORD, uncertain_parameters};
 use super::term;
 use super::values::{mdh, vector};
 use crate::arm::{Arm, State};
-use crate::effects::{MAX_TERMS, Term};
+use crate::effects::MAX_TERMS;
 use crate::kinematics::{Link, LinkParameter};
 use crate::scalar::Scalar;
 
@@ -140,9 +140,8 @@ impl<'a> Covariance<'a> {
         // ones to within the small residual base, as in the identification.
         let mut of_terms = [zero; MAX_TERMS];
         for (column, term) in of_terms.iter_mut().zip(terms) {
-            let basis = Term::basis(term, &inputs);
             *column =
-                term.column(basis, arm.real().links(), &jacobian.links, &jacobian.base_rotation);
+                term.column(&inputs, arm.real().links(), &jacobian.links, &jacobian.base_rotation);
         }
         let [bx, by, bz] = jacobian.base_translation;
         let [rx, ry, rz] = jacobian.base_rotation;

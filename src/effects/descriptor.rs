@@ -35,6 +35,8 @@ pub enum ActsOn {
     /// The rotation of the base about its x (component 0) or y axis, rad; such a
     /// term has no joint.
     Base,
+    /// The direction of its joint's axis: a rotation about the moment across it, rad.
+    Axis,
     /// The lengths a and d of its link, or of all links: relative growth.
     Lengths,
 }

@@ -10,11 +10,17 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
         self.needs_load
     }
 
+    /// Whether that includes the moments across the axes.
+    pub(crate) fn tilts_axes(&self) -> bool {
+        self.bearings.any()
+    }
+
     /// What all terms together do.
     #[must_use]
     #[inline]
     pub fn deflection(&self, inputs: &TermInputs<T, N>) -> Deflection<T, N> {
-        let mut out = self.smooth(inputs);
+        let mut out = Deflection::none();
+        self.smooth(inputs, &mut out);
         let _ = self.add_waves(&inputs.q, &mut out.joints);
         out
     }

@@ -30,6 +30,7 @@ mod joint_error_curve;
 mod joint_gain;
 mod joint_periodic_error;
 mod joint_stiffening;
+mod lateral_compliance;
 mod thermal_expansion;
 
 use heapless::Vec;
@@ -72,12 +73,15 @@ repertoire! {
         ThermalExpansion in thermal_expansion,
         /// What its gravity torque turns a joint by beyond a linear spring.
         JointStiffening in joint_stiffening,
+        /// The axis of a joint tilts under the moment across it.
+        LateralCompliance in lateral_compliance,
     }
     // What they fold into, in the order of the sum.
     smooth {
         springs: joint_compliance::Springs<T, N>,
         stiffening: joint_stiffening::Stiffening<T, N>,
         tilt: base_compliance::Tilt<T>,
+        bearings: lateral_compliance::Bearings<T, N>,
         slopes: joint_coupling::Slopes<T>,
         gaps: backlash::Gaps<T>,
         growth: thermal_expansion::Growth<T, N>,

@@ -160,12 +160,12 @@ macro_rules! repertoire {
             }
 
             /// What all but the periodic terms do: those which hardly change
-            /// from the command to the corrected joints.
+            /// from the command to the corrected joints. In place of `out`: a tick has
+            /// no time for copies.
             #[inline]
-            pub(crate) fn smooth(&self, inputs: &TermInputs<T, N>) -> Deflection<T, N> {
-                let mut out = Deflection::none();
-                $(self.$part.bend(inputs, &mut out);)+
-                out
+            pub(crate) fn smooth(&self, inputs: &TermInputs<T, N>, out: &mut Deflection<T, N>) {
+                *out = Deflection::none();
+                $(self.$part.bend(inputs, out);)+
             }
         }
     };

@@ -1,6 +1,6 @@
 use nalgebra::Vector3;
 
-use crate::kinematics::{Chain, Turns, axes, cross, dot, rotate};
+use crate::kinematics::{Chain, FoldedJoint, Turns, axes, cross, dot, rotate};
 use crate::scalar::Scalar;
 
 /// Masses that load an arm; SI units.
@@ -29,13 +29,25 @@ pub struct Load<T, const N: usize> {
     pub torque: [T; N],
     /// Overturning moment about the base's x and y axes, N m.
     pub moment: [T; 2],
+    /// Moment across each joint's axis, about the x and y of the frame that the joint
+    /// turns in, behind its link's alpha and a, N m; `None` where it is not wanted.
+    pub across: Option<[[T; 2]; N]>,
 }
 
 impl<T: Scalar, const N: usize> Load<T, N> {
     /// No load.
     #[must_use]
     pub fn none() -> Self {
-        Self { torque: [T::ZERO; N], moment: [T::ZERO; 2] }
+        Self { torque: [T::ZERO; N], moment: [T::ZERO; 2], across: None }
+    }
+
+    /// Size of the moment across a joint's axis, N m, and its direction: x and y of a
+    /// unit vector, or of none without a moment.
+    pub(crate) fn across_axis(&self, joint: usize) -> Option<[T; 3]> {
+        let [x, y] = *self.across.as_ref()?.get(joint)?;
+        let size = (x * x + y * y).sqrt();
+        let per = if size > T::ZERO { T::ONE / size } else { T::ZERO };
+        Some([size, x * per, y * per])
     }
 }
 
@@ -65,37 +77,69 @@ impl<T: Scalar, const N: usize> Masses<T, N> {
         GravityModel { gravity: self.gravity, mass: self.mass, moment, payload }
     }
 
-    /// Gravity torque of every joint and overturning moment of the base, at
-    /// joint values `q` with `payload` kg at the payload point; exact for the
+    /// Gravity torque of every joint, moment across its axis, and overturning moment of
+    /// the base, at joint values `q` with `payload` kg at the payload point; exact for the
     /// rigid arm. The chain's base pose must be the frame of `gravity`.
     #[must_use]
     pub fn load(&self, chain: &Chain<T, N>, q: &[T; N], payload: T) -> Load<T, N> {
-        self.on(chain).load(chain, &chain.turns(q), payload)
+        let (model, turns) = (self.on(chain), chain.turns(q));
+        let across = Some(model.across(chain, &turns, payload));
+        Load { across, ..model.load(chain, &turns, payload) }
     }
 }
 
 impl<T: Scalar, const N: usize> GravityModel<T, N> {
-    /// As [`Masses::load`]: gravity is turned outwards from joint to joint, the
-    /// first moment of all that hangs on a joint is summed inwards.
+    /// As [`Masses::load`], but for the moments across the axes.
     #[must_use]
     #[inline]
     pub fn load(&self, chain: &Chain<T, N>, turns: &Turns<T, N>, payload: T) -> Load<T, N> {
         let mut load = Load::none();
+        let pull = self.pull(chain, turns);
+        let mut loads = pull.iter().zip(&mut load.torque).rev();
+        let (moment, mass) = self.hang(chain, turns, payload, |joint, moment, mass| {
+            let Some((g, torque)) = loads.next() else { return };
+            *torque =
+                if joint.prismatic() { g[2] * mass } else { moment[0] * g[1] - moment[1] * g[0] };
+        });
+        let [x, y, z] = moment;
+        let (root, base) = (chain.root(), chain.base());
+        let arm = root.translation - base.translation;
+        let moment = rotate(&root.rotation, &Vector3::new(x, y, z)) + arm * mass;
+        let about = cross(&moment, &self.gravity);
+        let [x, y, _] = axes(&base.rotation);
+        load.moment = [dot(&x, &about), dot(&y, &about)];
+        load
+    }
+
+    /// Gravity in the turned frame of each joint, outwards from joint to joint.
+    #[inline(always)]
+    fn pull(&self, chain: &Chain<T, N>, turns: &Turns<T, N>) -> [[T; 3]; N] {
         let mut pull = [[T::ZERO; 3]; N];
-        let root = &chain.root().rotation;
-        let mut g = axes(root).map(|axis| dot(&axis, &self.gravity));
+        let mut g = axes(&chain.root().rotation).map(|axis| dot(&axis, &self.gravity));
         for ((joint, (turn, _)), pull) in chain.joints().iter().zip(turns.each()).zip(&mut pull) {
             g = turn.undo(g);
             *pull = g;
             g = joint.untwist(g);
         }
+        pull
+    }
+
+    /// First moment and mass of all that hangs on a joint, inwards from the last: `see`
+    /// is shown those of each in its turned frame. Returns those of the arm.
+    #[inline(always)]
+    fn hang(
+        &self,
+        chain: &Chain<T, N>,
+        turns: &Turns<T, N>,
+        payload: T,
+        mut see: impl FnMut(&FoldedJoint<T>, &[T; 3], T),
+    ) -> ([T; 3], T) {
         let mut mass = payload;
         let mut moment = self.payload.map(|x| x * payload);
         let joints = chain.joints().iter().zip(turns.each());
         let links = self.mass.iter().zip(&self.moment);
-        let loads = pull.iter().zip(&mut load.torque);
         let mut tip = true;
-        for (((joint, (turn, q)), (m, own)), (g, torque)) in joints.zip(links).zip(loads).rev() {
+        for ((joint, (turn, q)), (m, own)) in joints.zip(links).rev() {
             if !core::mem::take(&mut tip) {
                 moment = joint.twist(moment);
                 for (moment, offset) in moment.iter_mut().zip(&joint.offset) {
@@ -106,21 +150,31 @@ impl<T: Scalar, const N: usize> GravityModel<T, N> {
                 *moment += *own;
             }
             mass += *m;
-            *torque = if joint.prismatic() {
+            if joint.prismatic() {
                 moment[2] += *q * mass;
-                g[2] * mass
-            } else {
-                moment[0] * g[1] - moment[1] * g[0]
-            };
+            }
+            see(joint, &moment, mass);
             moment = turn.apply(moment);
         }
-        let [x, y, z] = moment;
-        let base = chain.base();
-        let arm = chain.root().translation - base.translation;
-        let moment = rotate(root, &Vector3::new(x, y, z)) + arm * mass;
-        let about = cross(&moment, &self.gravity);
-        let [x, y, _] = axes(&base.rotation);
-        load.moment = [dot(&x, &about), dot(&y, &about)];
-        load
+        (moment, mass)
+    }
+
+    /// Moment across each joint's axis, as [`Load::across`] has it.
+    // On its own and cold: most arms need none.
+    #[cold]
+    #[inline(never)]
+    pub fn across(&self, chain: &Chain<T, N>, turns: &Turns<T, N>, payload: T) -> [[T; 2]; N] {
+        let mut out = [[T::ZERO; 2]; N];
+        let pull = self.pull(chain, turns);
+        let joints = chain.links().iter().zip(turns.each());
+        let mut places = joints.zip(&pull).zip(&mut out).rev();
+        let _ = self.hang(chain, turns, payload, |joint, moment, _| {
+            let Some((((link, (turn, _)), g), out)) = places.next() else { return };
+            let x = moment[1] * g[2] - moment[2] * g[1];
+            let y = moment[2] * g[0] - moment[0] * g[2];
+            let [x, y, _] = joint.behind(link).undo(turn.apply([x, y, T::ZERO]));
+            *out = [x, y];
+        });
+        out
     }
 }

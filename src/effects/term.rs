@@ -67,12 +67,25 @@ impl<T: Scalar> Term<T> {
     }
 
     /// Derivative of the tool point to the coefficient, m per unit: the basis
-    /// times a geometric column (of the chain at the bent joint values). The
-    /// columns of `base_rotation` are to rotations about the base's own axes.
+    /// times the [`Self::action`].
     #[must_use]
-    pub fn column(
+    pub fn column<const N: usize>(
         &self,
-        basis: T,
+        inputs: &TermInputs<T, N>,
+        links: &[Link<T>],
+        columns: &[LinkColumns<T>],
+        base_rotation: &[Vector3<T>; 3],
+    ) -> Vector3<T> {
+        self.action(inputs, links, columns, base_rotation) * self.basis(inputs)
+    }
+
+    /// Derivative of the tool point to what the term deflects: a geometric column
+    /// (of the chain at the bent joint values). The columns of `base_rotation` are
+    /// to rotations about the base's own axes.
+    #[must_use]
+    pub fn action<const N: usize>(
+        &self,
+        inputs: &TermInputs<T, N>,
         links: &[Link<T>],
         columns: &[LinkColumns<T>],
         base_rotation: &[Vector3<T>; 3],
@@ -81,6 +94,13 @@ impl<T: Scalar> Term<T> {
         let joint = usize::from(self.joint);
         let column = match self.effect.acts_on() {
             ActsOn::Base => base_rotation.get(usize::from(self.component)).copied(),
+            ActsOn::Axis => {
+                let across = inputs.load.across_axis(joint);
+                columns.get(joint).zip(across).map(|(c, [_, x, y])| {
+                    let [about_x, about_y] = c.tilts();
+                    about_x * x + about_y * y
+                })
+            }
             ActsOn::Lengths => {
                 let mut sum = none;
                 for (i, (link, c)) in links.iter().zip(columns).enumerate() {
@@ -94,7 +114,7 @@ impl<T: Scalar> Term<T> {
                 columns.get(joint).zip(links.get(joint)).map(|(c, link)| *c.joint(link.kind))
             }
         };
-        column.unwrap_or(none) * basis
+        column.unwrap_or(none)
     }
 }
 
@@ -110,6 +130,16 @@ pub fn deflection<T: Scalar, const N: usize>(
         let amount = term.coefficient * term.basis(inputs);
         let slot = match term.effect.acts_on() {
             ActsOn::Base => out.base.get_mut(usize::from(term.component)),
+            ActsOn::Axis => {
+                let joint = usize::from(term.joint);
+                let axes = out.axes.get_or_insert([[T::ZERO; 2]; N]);
+                if let (Some(axis), Some([_, x, y])) =
+                    (axes.get_mut(joint), inputs.load.across_axis(joint))
+                {
+                    *axis = [axis[0] + x * amount, axis[1] + y * amount];
+                }
+                None
+            }
             ActsOn::Lengths if term.joint == Term::<T>::ALL => {
                 for growth in &mut out.growth {
                     *growth += amount;

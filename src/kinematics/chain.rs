@@ -136,16 +136,6 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p }
     }
 
-    /// Tilts a pose with the base.
-    #[inline]
-    pub(super) fn tilt(&self, pose: &mut Pose<T>, deflection: &Deflection<T, N>) {
-        let [x, y] = deflection.base;
-        if x != T::ZERO || y != T::ZERO {
-            let [about_x, about_y, _] = axes(&self.base.rotation);
-            pose.tilt(&self.base.translation, &(about_x * x + about_y * y));
-        }
-    }
-
     /// Every joint with its angle.
     #[inline]
     pub(super) fn turned<'a>(

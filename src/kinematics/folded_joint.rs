@@ -175,6 +175,18 @@ impl<T: Scalar> FoldedJoint<T> {
         [c * x + s * y, c * y - s * x, z]
     }
 
+    /// By how much the frame that this `link` turns in, behind its alpha and a, is
+    /// turned against the one that the folded joint turns in.
+    pub fn behind(&self, link: &Link<T>) -> Turn<T> {
+        let angle = self.theta - self.before - link.parameters.theta;
+        // Where no beta is, as in most nominal arms, nothing is.
+        if angle == T::ZERO {
+            return Turn::none();
+        }
+        let (sin, cos) = angle.sin_cos_once();
+        Turn { sin, cos }
+    }
+
     /// The angle at joint value `q`, rad or m.
     #[inline]
     pub fn turn(&self, q: T) -> Turn<T> {

@@ -9,11 +9,12 @@ mod link;
 mod pose;
 mod shared;
 mod step;
+mod tilted;
 mod walk;
 
 pub use chain::Chain;
 pub use deflection::Deflection;
-pub(crate) use folded_joint::{Turn, Turns};
+pub(crate) use folded_joint::{FoldedJoint, Turn, Turns};
 pub use jacobian::{IdentificationJacobian, Jacobian, LinkColumns, LinkTurns, Twist};
 pub use link::{JointKind, Link, LinkParameter, MdhParameters};
 pub use pose::Pose;

@@ -132,6 +132,8 @@ impl<T: Scalar> Pose<T> {
     /// Turns the frame about `centre` by the small rotation `w`, rad. By Cayley's
     /// formula, without sine or root: always a rotation, about `w`, by an
     /// angle whose half has the tangent |w| / 2, so |w|^3 / 12 less than |w|.
+    // Where it is not inlined, what was walked to the pose goes through memory.
+    #[inline(always)]
     pub(crate) fn tilt(&mut self, centre: &Vector3<T>, w: &Vector3<T>) {
         let half = *w * T::from_f32(0.5);
         let scale = (T::ONE + T::ONE) / (T::ONE + dot(&half, &half));

@@ -151,7 +151,7 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         let grown = Self::grown(&deflected.growth);
         let [x, y, p] = self.axes_to_base(joints, grown, &root, &tip, |_, _| ());
         let mut pose = Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p };
-        self.tilt(&mut pose, deflected);
+        self.tilt(&mut pose, turns, deflected);
         let [x, y, _] = axes(&pose.rotation);
         [x, y, pose.translation]
     }

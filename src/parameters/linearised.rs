@@ -78,8 +78,7 @@ impl<T: Scalar, const N: usize> Linearised<'_, T, N> {
             Parameter::Term(term) => {
                 let term = self.arm.terms().get(usize::from(term));
                 term.map_or(none, |term| {
-                    let basis = term.basis(&self.inputs);
-                    term.column(basis, links, &jacobian.links, &self.own_rotation())
+                    term.column(&self.inputs, links, &jacobian.links, &self.own_rotation())
                 })
             }
             Parameter::StationRotation(axis) => {

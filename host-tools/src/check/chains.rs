@@ -7,6 +7,7 @@ use crate::model::arm::{Kinematics, RowInputs};
 pub const PLAIN: RowInputs = RowInputs {
     torque: Vec::new(),
     moment: [0.0; 2],
+    across: Vec::new(),
     approach: Vec::new(),
     warmth: 0.0,
     curves: Vec::new(),

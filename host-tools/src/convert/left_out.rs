@@ -93,13 +93,12 @@ fn states(model: &Model) -> Vec<(Vec<f64>, RowInputs)> {
     let ranges = ranges(model);
     let state = |_| {
         let q: Vec<f64> = ranges.iter().map(|[low, high]| rng.random_range(*low..=*high)).collect();
-        let (torque, moment) =
-            masses.as_ref().map(|m| unloaded.load(m, &q, 0.0)).unwrap_or_default();
+        let load = masses.as_ref().map(|m| unloaded.load(m, &q, 0.0)).unwrap_or_default();
         let side = |forward: bool| if forward { Approach::Positive } else { Approach::Negative };
         let approach = q.iter().map(|_| side(rng.random())).collect();
         let warmth = rng.random_range(-WARMTH..=WARMTH);
         let curves = tables.bend(&q);
-        (q, RowInputs { torque, moment, approach, warmth, curves })
+        (q, RowInputs { approach, warmth, curves, ..load })
     };
     (0..POSES).map(state).collect()
 }

@@ -35,10 +35,11 @@ impl From<Offer> for Candidate {
 }
 
 /// All candidates but those that a scan finds, and what cannot be tested for
-/// want of a column.
+/// want of a column. Masses of the robot may be `assumed` only.
 #[must_use]
-pub fn all(problem: &Problem, robot: &Robot) -> (Vec<Candidate>, Vec<String>) {
-    let (offers, missing) = effects::offers(&Data { robot, conditions: &problem.conditions });
+pub fn all(problem: &Problem, robot: &Robot, assumed: bool) -> (Vec<Candidate>, Vec<String>) {
+    let conditions = &problem.conditions;
+    let (offers, missing) = effects::offers(&Data { robot, conditions, assumed });
     (offers.into_iter().map(Candidate::from).collect(), missing)
 }
 

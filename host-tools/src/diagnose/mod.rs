@@ -115,7 +115,7 @@ fn diagnosed(
     let start = register(data, &problem.nominal, robot.tool)?;
     let mut problem = problem.about(&start);
     problem.noise = kinds::noise(&problem, &rows, &start, crowd)?;
-    let (offered, not_testable) = candidates::all(&problem, robot);
+    let (offered, not_testable) = candidates::all(&problem, robot, assumed.is_some());
     let folds = folds::random(data, &rows, folds::SEED);
     // Torques that were read need no masses.
     let moments = (!read).then(|| Moments::of(robot, assumed.is_some())).flatten();

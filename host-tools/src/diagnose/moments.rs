@@ -68,7 +68,9 @@ impl Moments {
         if self.found.iter().all(|m| *m == 0.0) {
             return None;
         }
-        let mut robot = within_reach(self.with(&self.found));
+        let found = self.with(&self.found);
+        // What was stated is near enough.
+        let mut robot = if self.assumed { within_reach(found) } else { found };
         robot.warnings.push(format!(
             "{}: the masses of its links were fitted beside the springs",
             robot.path.display()
@@ -157,7 +159,8 @@ fn within_reach(mut robot: Robot) -> Robot {
 /// Whether an effect is one that is linear in the moments.
 #[must_use]
 pub fn bends(name: &str) -> bool {
-    [Effect::JointCompliance, Effect::BaseCompliance].iter().any(|e| e.name() == name)
+    let linear = [Effect::JointCompliance, Effect::BaseCompliance, Effect::LateralCompliance];
+    linear.iter().any(|e| e.name() == name)
 }
 
 /// How a state's springs bend with the moments.
@@ -184,8 +187,8 @@ impl Bending {
         let column = |loads: &Surroundings| {
             let there: RowInputs = loads.inputs(row, &row.q);
             let of = |term: &Term<f64>| {
-                let by = there.basis(&row.q, term) - here.basis(&row.q, term);
-                d.column(term, by, &problem.nominal) * term.coefficient
+                let at = |inputs| d.column(term, inputs, &row.q, &problem.nominal);
+                (at(&there) - at(here)) * term.coefficient
             };
             self.springs.iter().map(of).sum()
         };

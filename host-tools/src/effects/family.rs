@@ -25,6 +25,8 @@ pub struct Data<'a> {
     pub robot: &'a Robot,
     /// What is known of the rows.
     pub conditions: &'a Conditions,
+    /// Its masses are only assumed.
+    pub assumed: bool,
 }
 
 impl Data<'_> {
@@ -49,6 +51,12 @@ impl Data<'_> {
     /// An error where the load of the base is not known.
     pub fn massive(&self) -> Result<(), &'static str> {
         if self.conditions.masses { Ok(()) } else { Err("gravity_m_s2 and [[links]]") }
+    }
+
+    /// An error where moments in all directions are not known: masses that are only
+    /// assumed take the shape of what turns the joints.
+    pub fn weighed(&self) -> Result<(), &'static str> {
+        self.massive().and(if self.assumed { Err("[[links]]") } else { Ok(()) })
     }
 }
 

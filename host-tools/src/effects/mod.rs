@@ -16,6 +16,7 @@ mod joint_coupling;
 mod joint_gain;
 mod joint_periodic_error;
 mod joint_stiffening;
+mod lateral_compliance;
 mod measurement_drift;
 mod outliers;
 mod readout_lag;
@@ -39,6 +40,7 @@ pub const ALL: &[Family] = &[
     backlash::FAMILY,
     thermal_expansion::FAMILY,
     joint_stiffening::FAMILY,
+    lateral_compliance::FAMILY,
     measurement_drift::FAMILY,
     readout_lag::FAMILY,
     tool_remount::FAMILY,

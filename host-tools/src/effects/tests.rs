@@ -67,7 +67,8 @@ fn conditions(known: bool) -> Conditions {
 
 #[test]
 fn what_counts_turns_is_not_offered_to_a_rail() {
-    let (offers, missing) = offers(&Data { robot: &robot(), conditions: &conditions(true) });
+    let (offers, missing) =
+        offers(&Data { robot: &robot(), conditions: &conditions(true), assumed: false });
     assert_eq!(missing, Vec::<String>::new());
     let at = |effect: Effect| {
         let of = |offer: &&Offer| offer.terms[0].effect_name() == effect.name();
@@ -79,6 +80,7 @@ fn what_counts_turns_is_not_offered_to_a_rail() {
     };
     assert_eq!(at(Effect::EncoderEccentricity), [1, 3]);
     assert_eq!(at(Effect::GearTransmissionError), [1, 3]);
+    assert_eq!(at(Effect::LateralCompliance), [3]);
     for effect in [Effect::JointGain, Effect::JointCoupling, Effect::Backlash] {
         assert_eq!(at(effect), [1, 2, 3], "{}", effect.name());
     }
@@ -90,16 +92,27 @@ fn what_counts_turns_is_not_offered_to_a_rail() {
 }
 
 #[test]
+fn assumed_masses_do_not_tell_moments_across() {
+    let known = conditions(true);
+    let data = Data { robot: &robot(), conditions: &known, assumed: true };
+    let (offers, missing) = offers(&data);
+    assert_eq!(missing, ["lateral-compliance: needs [[links]]"]);
+    let name = Effect::LateralCompliance.name();
+    assert!(offers.iter().all(|offer| offer.terms[0].effect_name() != name));
+}
+
+#[test]
 fn what_is_missing_is_said() {
     let mut robot = robot();
     robot.joints.iter_mut().for_each(|joint| joint.gear_ratio = None);
-    let (_, missing) = offers(&Data { robot: &robot, conditions: &conditions(false) });
+    let (_, missing) =
+        offers(&Data { robot: &robot, conditions: &conditions(false), assumed: false });
     assert_eq!(
         missing,
         [
             "joint-compliance, joint-stiffening: need gravity_m_s2 and [[links]], or columns \
              torque1_nm..",
-            "base-compliance: needs gravity_m_s2 and [[links]]",
+            "base-compliance, lateral-compliance: need gravity_m_s2 and [[links]]",
             "gear-transmission-error: needs gear_ratio",
             "backlash: needs columns dir1..",
             "thermal-expansion: needs a column temperature_c that varies",

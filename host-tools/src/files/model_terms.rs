@@ -144,7 +144,7 @@ fn places(effect: Effect, joints: &[usize], count: usize) -> Result<(u8, u8), St
         _ if effect.is_coupled() => {
             Err("joints must be [source, target], two different ones".to_owned())
         }
-        (ActsOn::Joint | ActsOn::Lengths, [joint]) => Ok((place(*joint)?, 0)),
+        (ActsOn::Joint | ActsOn::Axis | ActsOn::Lengths, [joint]) => Ok((place(*joint)?, 0)),
         _ => Err(format!("joints = {joints:?} do not suit {}", effect.name())),
     }
 }

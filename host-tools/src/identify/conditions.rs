@@ -77,13 +77,12 @@ impl Surroundings {
     #[must_use]
     pub fn inputs(&self, row: &Row, q: &[f64]) -> RowInputs {
         let payload = row.payload.unwrap_or(0.0);
-        let (torque, moment) =
-            self.masses.as_ref().map(|m| self.arm.load(m, q, payload)).unwrap_or_default();
+        let load = self.masses.as_ref().map(|m| self.arm.load(m, q, payload)).unwrap_or_default();
         let warmth = row.temperature.map_or(0.0, |t| t - self.reference);
         let approach = row.directions.iter().map(|d| Approach::of_motion(f64::from(*d)));
         let curves = self.curves.as_ref().map_or_else(Vec::new, |tables| tables.bend(q));
         let approach = approach.collect();
-        RowInputs { torque, moment, approach, warmth, curves }
+        RowInputs { approach, warmth, curves, ..load }
     }
 }
 
@@ -131,8 +130,8 @@ impl Conditions {
     pub fn with_loads(mut self, data: &Measurements, robot: &Robot) -> Self {
         let surroundings = Surroundings::new(robot);
         for (inputs, row) in self.rows.iter_mut().zip(&data.rows) {
-            let RowInputs { torque, moment, .. } = surroundings.inputs(row, &row.q);
-            (inputs.torque, inputs.moment) = (torque, moment);
+            let RowInputs { torque, moment, across, .. } = surroundings.inputs(row, &row.q);
+            (inputs.torque, inputs.moment, inputs.across) = (torque, moment, across);
         }
         self
     }

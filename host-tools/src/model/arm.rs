@@ -54,10 +54,33 @@ pub struct Derivatives {
 }
 
 impl Derivatives {
-    /// To the coefficient of a term with this basis, in an arm of these links.
+    /// To the coefficient of a term at a row, at joint values `q`, in an arm of these
+    /// links.
     #[must_use]
-    pub fn column(&self, term: &Term<f64>, basis: f64, links: &[Link<f64>]) -> Vector3<f64> {
-        term.column(basis, links, &self.links, &self.about)
+    pub fn column(
+        &self,
+        term: &Term<f64>,
+        row: &RowInputs,
+        q: &[f64],
+        links: &[Link<f64>],
+    ) -> Vector3<f64> {
+        with_joints!(q.len(), N => {
+            term.column(&row.fixed::<N>(q), links, &self.links, &self.about)
+        })
+    }
+
+    /// The same to what the term deflects.
+    #[must_use]
+    pub fn action(
+        &self,
+        term: &Term<f64>,
+        row: &RowInputs,
+        q: &[f64],
+        links: &[Link<f64>],
+    ) -> Vector3<f64> {
+        with_joints!(q.len(), N => {
+            term.action(&row.fixed::<N>(q), links, &self.links, &self.about)
+        })
     }
 
     /// How the last frame is turned.
@@ -89,6 +112,8 @@ pub struct RowInputs {
     pub torque: Vec<f64>,
     /// Overturning moment about the base's x and y.
     pub moment: [f64; 2],
+    /// Moment across each joint's axis; empty without masses.
+    pub across: Vec<[f64; 2]>,
     /// How each joint came to rest; empty if unknown.
     pub approach: Vec<Approach>,
     /// Temperature above reference, K.
@@ -103,7 +128,11 @@ impl RowInputs {
         let or_zero = |v: &[f64]| v.try_into().unwrap_or([0.0; N]);
         TermInputs {
             q: fixed(q),
-            load: Load { torque: or_zero(&self.torque), moment: self.moment },
+            load: Load {
+                torque: or_zero(&self.torque),
+                moment: self.moment,
+                across: self.across.as_slice().try_into().ok(),
+            },
             approach: self.approach.as_slice().try_into().unwrap_or([Approach::Unknown; N]),
             warmth: self.warmth,
         }
@@ -146,9 +175,9 @@ pub trait Kinematics: Send + Sync {
         terms: &[Term<f64>],
         inputs: &RowInputs,
     ) -> (Derivatives, Vec<Vector3<f64>>);
-    /// Gravity torques and overturning moment; the base must be the frame of
-    /// gravity.
-    fn load(&self, masses: &ArmMasses, q: &[f64], payload: f64) -> (Vec<f64>, [f64; 2]);
+    /// What gravity does, and nothing else that terms depend on; the base must be the
+    /// frame of gravity.
+    fn load(&self, masses: &ArmMasses, q: &[f64], payload: f64) -> RowInputs;
 }
 
 /// Masses for any number of joints.
@@ -202,8 +231,7 @@ impl<const N: usize> Kinematics for SizedArm<N> {
                 + j.base_rotation[2] * r[(2, k)]
         };
         let about = [turn(0), turn(1), turn(2)];
-        let columns =
-            terms.iter().map(|t| t.column(t.basis(&inputs), &self.links, &j.links, &about));
+        let columns = terms.iter().map(|t| t.column(&inputs, &self.links, &j.links, &about));
         let columns = columns.collect();
         let [rx, ry, rz] = j.base_rotation;
         let [tx, ty, tz] = j.base_translation;
@@ -212,7 +240,7 @@ impl<const N: usize> Kinematics for SizedArm<N> {
         (Derivatives { point, base: [rx, ry, rz, tx, ty, tz], about, tool: j.tool, links }, columns)
     }
 
-    fn load(&self, masses: &ArmMasses, q: &[f64], payload: f64) -> (Vec<f64>, [f64; 2]) {
+    fn load(&self, masses: &ArmMasses, q: &[f64], payload: f64) -> RowInputs {
         let links: [(f64, Vector3<f64>); N] = fixed(&masses.links);
         let masses = Masses {
             gravity: masses.gravity,
@@ -220,8 +248,9 @@ impl<const N: usize> Kinematics for SizedArm<N> {
             com: links.map(|l| l.1),
             payload_com: masses.payload,
         };
-        let load = masses.load(&self.chain, &fixed(q), payload);
-        (load.torque.to_vec(), load.moment)
+        let Load { torque, moment, across } = masses.load(&self.chain, &fixed(q), payload);
+        let across = across.map_or_else(Vec::new, Vec::from);
+        RowInputs { torque: torque.to_vec(), moment, across, ..RowInputs::default() }
     }
 }
 

@@ -57,7 +57,7 @@ fn listed(arm: &Arm, columns: &Columns, masses: bool, rng: &mut ChaCha8Rng) -> D
         let joint = *revolute.choose(rng).unwrap_or(&0);
         let wrist = joint + 3 >= n;
         let phase = rng.random_range(0.0..std::f64::consts::TAU);
-        let (kind, size) = match rng.random_range(0..16) {
+        let (kind, size) = match rng.random_range(0..17) {
             0..4 if masses => {
                 let size = if wrist { size(2e-5, 3e-4, rng) } else { size(1e-6, 1.5e-5, rng) };
                 (Kind::JointCompliance { joint }, size)
@@ -95,6 +95,10 @@ fn listed(arm: &Arm, columns: &Columns, masses: bool, rng: &mut ChaCha8Rng) -> D
             15 if columns.time => {
                 let (shift, turn) = (vector(rng).normalize(), vector(rng).normalize());
                 (Kind::MeasurementDrift { shift, turn }, size(1e-5, 2e-4, rng))
+            }
+            16 if masses && joint > 0 => {
+                let size = if wrist { size(1e-4, 5e-4, rng) } else { size(1e-6, 1.5e-5, rng) };
+                (Kind::LateralCompliance { joint }, size)
             }
             _ => continue,
         };

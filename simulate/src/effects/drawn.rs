@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use truearm::JointKind;
 
 use super::Kind;
-use crate::body::{Body, Moment, loaded};
+use crate::body::{Body, Moment, loaded, loaded_across};
 use crate::{Robot, vector};
 
 /// A kind by its name, at a random place.
@@ -29,6 +29,13 @@ pub fn drawn(
             let loaded: Vec<usize> =
                 revolute.into_iter().filter(|j| loaded(*j, robot, body, poses)).collect();
             spring(name, loaded[rng.random_range(0..loaded.len())])
+        }
+        // Under the first joint it would be the base.
+        "lateral-compliance" => {
+            let behind = revolute.into_iter().filter(|j| *j > 0);
+            let loaded: Vec<usize> =
+                behind.filter(|j| loaded_across(*j, robot, body, poses)).collect();
+            Kind::LateralCompliance { joint: loaded[rng.random_range(0..loaded.len())] }
         }
         "base-compliance" => Kind::BaseCompliance { ratio: rng.random_range(0.5..2.0) },
         "encoder-eccentricity" => Kind::EncoderEccentricity { joint, phase },

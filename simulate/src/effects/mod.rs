@@ -23,6 +23,8 @@ pub enum Kind {
     JointCompliance { joint: usize },
     /// A spring that is not linear: rad per (N m)^2, with the torque's sign.
     JointStiffening { joint: usize },
+    /// A bearing that gives way across its axis, as far in either direction: rad per N m.
+    LateralCompliance { joint: usize },
     /// Two springs: rad per N m about x; about y `ratio` times as much.
     BaseCompliance { ratio: f64 },
     /// The disc's centre off the axis, in radii.
@@ -63,6 +65,7 @@ impl Kind {
         match self {
             Self::JointCompliance { .. } => "joint-compliance",
             Self::JointStiffening { .. } => "joint-stiffening",
+            Self::LateralCompliance { .. } => "lateral-compliance",
             Self::BaseCompliance { .. } => "base-compliance",
             Self::EncoderEccentricity { .. } => "encoder-eccentricity",
             Self::GearTransmissionError { .. } => "gear-transmission-error",
@@ -87,6 +90,7 @@ impl Kind {
             Self::JointCoupling { source, joint } => vec![source + 1, joint + 1],
             Self::JointCompliance { joint }
             | Self::JointStiffening { joint }
+            | Self::LateralCompliance { joint }
             | Self::EncoderEccentricity { joint, .. }
             | Self::GearTransmissionError { joint, .. }
             | Self::JointPeriodicError { joint, .. }
@@ -117,7 +121,7 @@ impl Kind {
     /// A larger one would be seen without any tool.
     pub fn largest(&self) -> f64 {
         match self {
-            Self::JointCompliance { .. } => 2e-4,
+            Self::JointCompliance { .. } | Self::LateralCompliance { .. } => 2e-4,
             Self::JointStiffening { .. } => 5e-6,
             Self::BaseCompliance { .. } => 5e-5,
             Self::EncoderEccentricity { .. } => 4e-3,
@@ -194,6 +198,11 @@ impl Defect {
             Kind::JointStiffening { joint } => {
                 let load = body.load(now, moment.payload, |s| &mut s.joints[joint]);
                 next.joints[joint] += size * load * load.abs();
+            }
+            Kind::LateralCompliance { joint } => {
+                for (axis, moment) in body.across(now, moment.payload, joint).iter().enumerate() {
+                    next.nod[joint][axis] += size * moment;
+                }
             }
             Kind::BaseCompliance { ratio } => {
                 for (axis, size) in [size, size * ratio].into_iter().enumerate() {

@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use crate::identify::Problem;
-use crate::model::arm::Derivatives;
+use crate::model::arm::{Derivatives, RowInputs};
 
 /// An action of a joint and what it goes with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +18,7 @@ pub enum Nameless {
         /// 1, 2, 3...
         times: usize,
     },
-    /// The link behind the joint bends with the square of the gravity torque.
+    /// The link behind the joint bends with the square of its load.
     Bend {
         /// Counted from 0.
         joint: usize,
@@ -134,15 +134,13 @@ impl Nameless {
         match self {
             Self::Wobble { times, .. } => {
                 let (sin, cos) = (*times as f64 * q).sin_cos();
-                let [x, y] = tilts(d, joint);
+                let [x, y] = d.links[joint].tilts();
                 vec![x * cos, x * sin, y * cos, y * sin]
             }
             Self::Bend { .. } => {
-                let torque = problem.conditions.rows[index].torque[joint];
-                let square = torque * torque.abs();
-                let (sin, cos) = q.sin_cos();
-                let [x, y] = tilts(d, joint);
-                [x * cos, x * sin, y * cos, y * sin].map(|c| c * square).to_vec()
+                let inputs = &problem.conditions.rows[index];
+                let turn = q + problem.nominal[joint].parameters.theta;
+                bends(inputs, joint, turn, d.links[joint].tilts()).to_vec()
             }
             Self::Memory { .. } => {
                 let before = problem.conditions.before[index];
@@ -162,15 +160,23 @@ impl Nameless {
     }
 }
 
-/// How the target moves when the axis of a joint tilts about the x and the y of
-/// the frame that it turns in. Rotations about x and z, and translations along
-/// them, are columns of the link; the rotation about y follows from them.
-fn tilts(d: &Derivatives, joint: usize) -> [Vector3<f64>; 2] {
-    let link = &d.links[joint];
-    let (x, z) = (link.a, link.d);
-    let y = z.cross(&x);
-    // With r from the frame's origin: x cross r and z cross r are known.
-    let along_x = link.theta.dot(&y);
-    let along_z = -link.alpha.dot(&y);
-    [link.alpha, x * along_z - z * along_x]
+/// How the target moves when the link behind a joint bends about its x and y: with the
+/// square of the torque on the joint, and with that of the moment about the same axis.
+/// Without masses the moment is not known, and about which axes the link bends is left
+/// open instead. A joint turned so far `tilts` its axis about the x and y before it.
+fn bends(
+    inputs: &RowInputs,
+    joint: usize,
+    turn: f64,
+    [x, y]: [Vector3<f64>; 2],
+) -> [Vector3<f64>; 4] {
+    let square = |load: f64| load * load.abs();
+    let torque = square(inputs.torque[joint]);
+    let (sin, cos) = turn.sin_cos();
+    let Some([mx, my]) = inputs.across.get(joint) else {
+        return [x * cos, x * sin, y * cos, y * sin].map(|column| column * torque);
+    };
+    let (x, y) = (x * cos + y * sin, y * cos - x * sin);
+    let [mx, my] = [mx * cos + my * sin, my * cos - mx * sin].map(square);
+    [x * torque, y * torque, x * mx, y * my]
 }

@@ -107,8 +107,7 @@ pub fn column(
     let row = &problem.data.rows[index];
     match term {
         ModelTerm::Arm(term) => {
-            let basis = problem.conditions.rows[index].basis(&row.q, term);
-            d.column(term, basis, &problem.nominal)
+            d.column(term, &problem.conditions.rows[index], &row.q, &problem.nominal)
         }
         _ => measurement_column(term, row, d, &bases[row.station]),
     }

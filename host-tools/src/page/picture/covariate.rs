@@ -23,6 +23,8 @@ pub enum Covariate {
     Torque(usize),
     /// Overturning moment about the base's x or y.
     Moment(usize),
+    /// Size of the gravity moment across a joint's axis.
+    Across(usize),
     /// Temperature above reference.
     Warmth,
     /// Side of its gap on which a joint rests, by this term.
@@ -47,6 +49,7 @@ impl Covariate {
         let (joint, source) = (usize::from(term.joint), usize::from(term.source));
         match (term.effect.acts_on(), term.effect.order()) {
             (ActsOn::Base, _) => Self::Moment(usize::from(term.component)),
+            (ActsOn::Axis, _) => Self::Across(joint),
             (ActsOn::Lengths, _) => Self::Warmth,
             (_, Order::Cycles) if term.order > FOLDED => Self::Cycle(joint, term.order),
             (_, Order::Friction) => Self::Side(*term),
@@ -73,6 +76,7 @@ impl Covariate {
             Self::Moment(k) => {
                 format!("overturning moment about the base's {}, N m", ["x", "y"][*k % 2])
             }
+            Self::Across(j) => format!("gravity moment across the axis of joint {}, N m", j + 1),
             Self::Warmth => "temperature above reference, K".to_owned(),
             Self::Side(t) => format!("side of its gap on which joint {} rests", t.joint + 1),
             Self::Arrival(j) => format!("side that joint {} came to rest moving to", j + 1),
@@ -91,6 +95,7 @@ impl Covariate {
             Self::Cycle(j, n) => of.q[*j].to_degrees().rem_euclid(360.0 / n),
             Self::Torque(j) => inputs.torque.get(*j).copied().unwrap_or(f64::NAN),
             Self::Moment(k) => inputs.moment[*k % 2],
+            Self::Across(j) => inputs.across.get(*j).map_or(f64::NAN, |[x, y]| x.hypot(*y)),
             Self::Warmth => inputs.warmth,
             Self::Side(term) => place(inputs.basis(&of.q, term)),
             Self::Arrival(j) => of.directions.get(*j).map_or(f64::NAN, |d| place(f64::from(*d))),
@@ -130,6 +135,10 @@ impl Covariate {
             Self::Cycle(j, _) => q[*j] = x.to_radians(),
             Self::Torque(j) => inputs.torque[*j] = x,
             Self::Moment(k) => inputs.moment[*k % 2] = x,
+            Self::Across(j) => {
+                inputs.across = vec![[0.0; 2]; joints];
+                inputs.across[*j] = [x, 0.0];
+            }
             Self::Warmth => inputs.warmth = x,
             Self::Side(_) => return side(x),
             Self::Arrival(_) | Self::Session(_) | Self::Series => {}

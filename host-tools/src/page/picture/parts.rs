@@ -108,6 +108,7 @@ fn amount(term: &ModelTerm, seen: &Seen) -> (String, f64) {
                 let axis = ["x", "y"][usize::from(t.component) % 2];
                 (format!("turn of the base about its {axis}, mrad"), MILLI)
             }
+            ActsOn::Axis => (format!("tilt of the axis of joint {}, mrad", t.joint + 1), MILLI),
             ActsOn::Lengths => ("growth of lengths, um/m".to_owned(), MICRO),
             ActsOn::Joint => of_joint(usize::from(t.joint), seen),
         },
@@ -124,7 +125,7 @@ fn of_joint(joint: usize, seen: &Seen) -> (String, f64) {
 /// How targets move with an amount of a term, m per SI.
 fn action(seen: &Seen, term: &ModelTerm) -> Vec<Vector3<f64>> {
     let of = |(k, d): (usize, &crate::model::arm::Derivatives)| match term {
-        ModelTerm::Arm(t) => d.column(t, 1.0, &seen.state.links),
+        ModelTerm::Arm(t) => seen.action(t, d, k),
         ModelTerm::Remount { axis, .. } => d.tool[*axis],
         ModelTerm::Lag { joint, .. } => d.links[*joint].theta,
         ModelTerm::Drift { component, .. } => {

@@ -1,4 +1,5 @@
 use nalgebra::Vector3;
+use truearm::effects::Term;
 
 use crate::error::Result;
 use crate::evaluate::{Reregister, state_on};
@@ -57,6 +58,13 @@ impl<'a> Seen<'a> {
     /// What the model leaves of a kept row, m, in the tracker's frame.
     pub fn left(&self, k: usize) -> Vector3<f64> {
         self.on.rows[self.kept[k]].identified.point()
+    }
+
+    /// How the target of a kept row moves with what a term deflects.
+    pub fn action(&self, term: &Term<f64>, d: &Derivatives, k: usize) -> Vector3<f64> {
+        let row = self.kept[k];
+        let inputs = &self.conditions.rows[row];
+        d.action(term, inputs, &self.on.data.rows[row].q, &self.state.links)
     }
 
     /// Which kept rows tell of an action: how far their targets move with it
