@@ -27,7 +27,7 @@
 /*
  Bytes of memory that `truearm_init` needs.
  */
-#define TRUEARM_MEMORY_SIZE 4160
+#define TRUEARM_MEMORY_SIZE 4288
 
 /*
  Alignment of that memory.

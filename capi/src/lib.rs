@@ -28,7 +28,7 @@ use types::{settings_of, state_of};
 /// memory it needs does.
 pub const TRUEARM_VERSION: u32 = 3;
 /// Bytes of memory that `truearm_init` needs.
-pub const TRUEARM_MEMORY_SIZE: usize = 4160;
+pub const TRUEARM_MEMORY_SIZE: usize = 4288;
 /// Alignment of that memory.
 pub const TRUEARM_MEMORY_ALIGN: usize = 8;
 
