@@ -1,6 +1,5 @@
 //! Where an effect sits and how it is turned, at random.
 
-use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use truearm::JointKind;
@@ -59,10 +58,7 @@ pub fn drawn(
         "readout-lag" => Kind::ReadoutLag { joint },
         "thermal-expansion" => Kind::ThermalExpansion,
         "tool-remount" => Kind::ToolRemount { direction: vector(rng).normalize() },
-        "measurement-drift" => Kind::MeasurementDrift {
-            shift: vector(rng).normalize(),
-            turn: Vector3::normalize(&vector(rng)),
-        },
+        "measurement-drift" => drift(rng),
         "joint-periodic-error" => {
             let ratio = robot.joints[joint].gear_ratio.unwrap_or(0.0);
             Kind::JointPeriodicError { joint, order: order(ratio, rng), phase }
@@ -74,6 +70,12 @@ pub fn drawn(
         "memory of the last pose" => Kind::Memory { joint },
         other => panic!("{other} is no effect"),
     }
+}
+
+/// A tracker that moves and turns.
+fn drift(rng: &mut ChaCha8Rng) -> Kind {
+    let shift = vector(rng).normalize();
+    Kind::MeasurementDrift { shift, turn: vector(rng).normalize() }
 }
 
 /// A joint's spring, linear or not.

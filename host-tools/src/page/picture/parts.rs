@@ -6,8 +6,7 @@ use truearm::JointKind;
 use truearm::effects::ActsOn;
 
 use super::super::numbers::{cycles, period};
-use super::Seen;
-use super::covariate::Covariate;
+use super::{Seen, covariate::Covariate};
 use crate::diagnose::Effect;
 use crate::identify::measurement_column;
 use crate::model::{CURVE, Course, JointTables, ModelTerm};
