@@ -64,6 +64,14 @@ mod tests {
         }
     }
 
+    /// However many levels a grid has.
+    #[test]
+    fn fine_grids_have_aliases_too() {
+        let grid: Vec<f64> = (0..720).map(|k| f64::from(k % 180) * 2_f64.to_radians()).collect();
+        let aliases = Aliases::of(&grid, 400.0);
+        assert_eq!(aliases.count(5.0, &(3.0..=400.0)), 5, "5, 175, 185, 355, 365");
+    }
+
     #[test]
     fn values_all_over_tell_every_order() {
         let free: Vec<f64> = (0..70).map(|k| f64::from(k * k) * 7.31e-4).collect();

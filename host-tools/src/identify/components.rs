@@ -201,3 +201,36 @@ pub fn left_open(data: &Measurements) -> Vec<String> {
     };
     kinds.into_iter().map(words).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::model::{Robot, Values};
+
+    /// Three rows of a kind may all be gross errors, of four no more than two.
+    #[test]
+    fn few_rows_may_all_be_lost() {
+        let joint = "[[joints]]\nalpha_deg = 0.0\na_mm = 0.0\ntheta_offset_deg = 0.0\nd_mm = 0.0\n";
+        let robot = Robot::parse(Path::new("robot.toml"), joint).unwrap();
+        let file = |touches: usize| {
+            let rows = (0..touches).map(|k| format!("{k},touch,plane,,,\n"));
+            let points = (0..9).map(|k| format!("{},point,,{k},0,0\n", 10 * k));
+            let head = "q1_deg,kind,surface,x_mm,y_mm,z_mm\n".to_owned();
+            head + &rows.chain(points).collect::<String>()
+        };
+        for (touches, lost, fine) in [(3, 3, true), (4, 2, true), (4, 3, false), (4, 4, false)] {
+            let data = Measurements::parse(Path::new("m.csv"), &file(touches), &robot).unwrap();
+            let outlier = |row: usize| Outlier {
+                row,
+                components: Vec::new(),
+                residual: Residual::new(&data.rows[row], Values::repeat(1, 0.0)),
+            };
+            let outliers: Vec<Outlier> = (0..lost).map(outlier).collect();
+            let rows: Vec<usize> = (0..data.rows.len()).collect();
+            let said = none_is_lost(&data, &rows, &outliers);
+            assert_eq!(said.is_ok(), fine, "{lost} of {touches}: {said:?}");
+        }
+    }
+}
