@@ -150,4 +150,10 @@ fn several_files_of_a_session() {
         let report = fs::read_to_string(folder.path().join(verb).join("report.json")).unwrap();
         assert!(report.contains("\"file\": \"touches.csv\""), "{verb}");
     }
+    write("ranges.csv", &cell.file(&[("range", 3)], &mut rng));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
+    command.current_dir(&folder).args(["diagnose", "robot.toml", "--data", "lengths.csv"]);
+    let out = command.args(["--data", "ranges.csv"]).output().unwrap();
+    let warned = String::from_utf8(out.stderr).unwrap();
+    assert!(warned.contains("ranges.csv:2: a row of kind range"), "{warned}");
 }

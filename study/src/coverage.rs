@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use truearm_host::identify::error_bars::{Covariances, FACTOR};
+use truearm_host::identify::error_bars::{Covariances, FACTOR, spread};
 use truearm_host::identify::estimate::estimate;
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{LambdaRule, Problem, Scaling};
@@ -21,16 +21,30 @@ pub const DETERMINED: f64 = 0.3;
 pub struct Cell {
     poses: usize,
     sigma: f64,
+    rule: LambdaRule,
+    tolerances: f64,
     arm: Truth,
 }
 
 impl Cell {
-    /// So many poses, measured with this sigma, m.
+    /// So many poses, measured with this sigma, m; arms made to the tolerances, and the
+    /// rule that takes their word.
     pub fn new(poses: usize, sigma: f64, seed: u64) -> Self {
+        Self::made(1.0, LambdaRule::MaximumAPosteriori, (poses, sigma), seed)
+    }
+
+    /// The same of arms made to so many tolerances, identified by a rule.
+    pub fn made(
+        tolerances: f64,
+        rule: LambdaRule,
+        (poses, sigma): (usize, f64),
+        seed: u64,
+    ) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut robot = robot(UR10_LIKE);
         robot.sigma = sigma;
-        Self { poses, sigma, arm: Truth::draw(&robot, 1, 1, &mut rng) }
+        let arm = Truth::draw_sized(&robot, 1, 1, tolerances, &mut rng);
+        Self { poses, sigma, rule, tolerances, arm }
     }
 }
 
@@ -82,16 +96,15 @@ impl Tally {
 /// same one.
 pub fn identified_once(cell: &Cell, fresh: bool, rng: &mut ChaCha8Rng) -> Simulated {
     let robot = &cell.arm.robot;
-    let drawn = Truth::draw(robot, 1, 1, rng);
+    let drawn = Truth::draw_sized(robot, 1, 1, cell.tolerances, rng);
     let truth = if fresh { &drawn } else { &cell.arm };
     let data = parse(robot, &truth.measure(cell.poses, cell.sigma, rng));
     let check = parse(robot, &truth.measure(JUDGED, 0.0, rng));
     let problem = Problem::new(&data, robot, Scaling::Prior);
     let start = register(&data, &robot.nominal(), robot.tool).unwrap();
     let rows: Vec<usize> = (0..data.rows.len()).collect();
-    let rule = LambdaRule::MaximumAPosteriori;
-    let found = estimate(&problem, rule, &rows, &start, false).unwrap();
-    let covariances = Covariances::of(&problem, &found, 1.0);
+    let found = estimate(&problem, cell.rule, &rows, &start, false).unwrap();
+    let covariances = Covariances::of(&problem, &found, spread(cell.rule, found.lambda));
 
     let mut out = [Held::default(); 3];
     let judged = Problem::new(&check, robot, Scaling::Prior);

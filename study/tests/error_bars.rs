@@ -2,7 +2,7 @@
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use truearm_host::identify::{Options, identify};
+use truearm_host::identify::{LambdaRule, Options, identify};
 use truearm_study::coverage::{Cell, Tally, identified_once};
 use truearm_study::simulated::{Truth, UR10_LIKE, robot};
 
@@ -20,6 +20,21 @@ fn intervals_hold_the_truth() {
             assert!((0.925..0.975).contains(&total), "{what}");
             assert!(!weak || noise < total, "{what}");
         }
+    }
+}
+
+/// Of arms made far worse than the tolerances too: lambda says by how much.
+#[test]
+fn intervals_of_worse_arms_widen() {
+    let cell = Cell::made(10.0, LambdaRule::default(), (20, 2e-5), 1);
+    let each: Vec<_> = (0..60)
+        .map(|k| identified_once(&cell, true, &mut ChaCha8Rng::seed_from_u64(700 + k)))
+        .collect();
+    for (what, [total, noise]) in Tally::of(&each) {
+        println!("{what}: {total:.3} with bias, {noise:.3} from noise alone");
+        assert!((0.92..0.98).contains(&total), "{what}");
+        // That much of the parameters is bias, which the tolerances would not know.
+        assert!(what != "parameters" || noise < 0.85, "{what}");
     }
 }
 

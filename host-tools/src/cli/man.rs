@@ -21,7 +21,7 @@ pub struct Manual {
 impl Manual {
     pub fn run(self, mut program: Command) -> Result<Said> {
         program.build();
-        let verbs: Vec<&Command> = verbs(&program).collect();
+        let verbs: Vec<&Command> = markdown::verbs(&program).collect();
         for verb in &verbs {
             self.page(verb)?;
         }
@@ -44,9 +44,4 @@ impl Manual {
         made.map_err(|e| Error::io(&path, e))?;
         write(&path, &text)
     }
-}
-
-/// The verbs of the program, in the order of its help.
-pub fn verbs(program: &Command) -> impl Iterator<Item = &Command> {
-    program.get_subcommands().filter(|verb| verb.get_name() != "help")
 }

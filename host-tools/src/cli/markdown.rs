@@ -3,10 +3,15 @@
 use clap::builder::StyledStr;
 use clap::{Arg, ArgAction, Command};
 
+/// The verbs of the program, in the order of its help.
+pub fn verbs(program: &Command) -> impl Iterator<Item = &Command> {
+    program.get_subcommands().filter(|verb| verb.get_name() != "help")
+}
+
 /// The page of the program: its verbs, what all of them take, how they end.
 pub fn of_program(program: &Command) -> String {
     let mut text = head(program) + "| verb | |\n|---|---|\n";
-    for verb in super::man::verbs(program) {
+    for verb in verbs(program) {
         let name = verb.get_name();
         text += &format!("| [{name}]({name}.md) | {} |\n", cell(verb.get_about()));
     }

@@ -2,11 +2,11 @@
 
 use super::node::Node;
 use super::question::Question;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Kind, Result};
 use crate::identify::robust::Crowd;
 use crate::identify::{Noise, Problem, State, components};
-use crate::model::{KindId, Measurements};
-use crate::observations::kind;
+use crate::model::Measurements;
+use crate::observations::{kind, not_taken, to_point};
 
 /// Rows as effects are named from them: of a pose its point, of other kinds what they
 /// measure of where the target is.
@@ -16,24 +16,11 @@ use crate::observations::kind;
 /// the arm: how effects move those is not worked out.
 pub fn taken(data: &Measurements) -> Result<Measurements> {
     let mut out = data.clone();
-    for row in &mut out.rows {
+    for (i, row) in out.rows.iter_mut().enumerate() {
         let own = kind(row);
-        if own.point(row).is_some() {
-            row.measured = row.measured.point().into();
-            row.kind = KindId::default();
-            row.refers.clear();
-        } else if own.turns() || own.joined_by().is_some() {
-            return Err(Error::data(
-                Kind::Usage,
-                format!(
-                    "{}:{}: a row of kind {}, which diagnose does not take yet",
-                    data.path.display(),
-                    row.line,
-                    own.name()
-                ),
-                "`truearm identify` and `truearm evaluate` take every kind; give points, poses, \
-                 distances, touches, holes of a plate or closures here",
-            ));
+        if !to_point(row) && (own.turns() || own.joined_by().is_some()) {
+            let give = "points, poses, distances, touches, holes of a plate or closures";
+            return Err(not_taken(data, i, "diagnose", give));
         }
     }
     let used: Vec<usize> = (0..out.instruments.len())

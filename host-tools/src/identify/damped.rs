@@ -42,7 +42,7 @@ const LESS: f64 = 1e-9;
 /// ...or RMS motion of what is predicted, in sigmas: a thousandth is nothing.
 const MOVES: f64 = 1e-3;
 /// Corrections beyond so many tolerances are another arm.
-const ANOTHER_ARM: f64 = 300.0;
+pub const ANOTHER_ARM: f64 = 300.0;
 
 /// Where a fit stands.
 struct Place {

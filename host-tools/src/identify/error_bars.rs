@@ -15,11 +15,12 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::State;
+use super::damped::ANOTHER_ARM;
 use super::estimate::Estimate;
 use super::problem::{Problem, Scaling};
 use super::redundancy::correlated;
 use super::unknowns::Unknown;
+use super::{LambdaRule, State};
 use crate::model::Values;
 use crate::statistics::median;
 use crate::tikhonov;
@@ -79,6 +80,17 @@ impl Covariances {
         };
         let (noise, bias) = (variance(&self.noise), variance(&self.bias));
         [noise, noise.zip_map(&bias, |n, b| n + b)].map(|v| v.map(f64::sqrt))
+    }
+}
+
+/// Standard deviation of an arm's corrections, in tolerances, as a rule for lambda
+/// knows it. Lambda from the marginal likelihood *is* an estimate of it, of arms made
+/// worse than the tolerances; that one is made better, it does not prove.
+#[must_use]
+pub fn spread(rule: LambdaRule, lambda: f64) -> f64 {
+    match rule {
+        LambdaRule::MaximumLikelihood => lambda.sqrt().recip().clamp(1.0, ANOTHER_ARM),
+        _ => 1.0,
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use truearm::{MdhParameters, Pose};
 
-use super::error_bars::{Covariances, uncertainty};
+use super::error_bars::{Covariances, spread, uncertainty};
 use super::estimate::Estimate;
 use super::figures::{AllRows, Figures, FlaggedRow};
 use super::l_curve::l_curve;
@@ -185,13 +185,7 @@ impl Findings<'_> {
 
     /// Covariance of all unknowns, from noise and from regularisation.
     fn covariances(&self) -> Covariances {
-        // Lambda from the marginal likelihood *is* an estimate of the spread: of arms
-        // made worse than the tolerances. That one is made better, it does not prove.
-        let spread = match self.rule {
-            LambdaRule::MaximumLikelihood => self.found.lambda.sqrt().recip().clamp(1.0, WIDEST),
-            _ => 1.0,
-        };
-        Covariances::of(self.problem, &self.found, spread)
+        Covariances::of(self.problem, &self.found, spread(self.rule, self.found.lambda))
     }
 
     /// One standard deviation of every unknown, SI.
@@ -250,9 +244,6 @@ fn flagged_row(data: &Measurements, outlier: &robust::Outlier) -> FlaggedRow {
         residual_mm: outlier.residual.in_files(),
     }
 }
-
-/// Errors of more tolerances are another arm's.
-const WIDEST: f64 = 100.0;
 
 /// Poses that must have said how the last frame is turned.
 const TURNED: usize = 6;

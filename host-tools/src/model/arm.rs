@@ -64,9 +64,8 @@ impl Derivatives {
         q: &[f64],
         links: &[Link<f64>],
     ) -> Vector3<f64> {
-        with_joints!(q.len(), N => {
-            term.column(&row.fixed::<N>(q), links, &self.links, &self.about)
-        })
+        let (action, basis) = self.action_and_basis(term, row, q, links);
+        action * basis
     }
 
     /// The same to what the term deflects.
@@ -78,8 +77,19 @@ impl Derivatives {
         q: &[f64],
         links: &[Link<f64>],
     ) -> Vector3<f64> {
+        self.action_and_basis(term, row, q, links).0
+    }
+
+    fn action_and_basis(
+        &self,
+        term: &Term<f64>,
+        row: &RowInputs,
+        q: &[f64],
+        links: &[Link<f64>],
+    ) -> (Vector3<f64>, f64) {
         with_joints!(q.len(), N => {
-            term.action(&row.fixed::<N>(q), links, &self.links, &self.about)
+            let inputs = row.fixed::<N>(q);
+            (term.action(&inputs, links, &self.links, &self.about), term.basis(&inputs))
         })
     }
 

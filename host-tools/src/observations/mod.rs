@@ -224,28 +224,42 @@ pub fn measuring(rows: &[Row]) -> Vec<usize> {
     (0..rows.len()).filter(|row| equations_of(&rows[*row]) > 0).collect()
 }
 
+/// Makes a row that measures a point a row of kind point, a pose without its turn; of
+/// another kind, leaves it as it is and says no.
+pub fn to_point(row: &mut Row) -> bool {
+    if kind(row).point(row).is_none() {
+        return false;
+    }
+    row.measured = row.measured.point().into();
+    row.kind = KindId::default();
+    row.refers.clear();
+    true
+}
+
+/// That a verb does not take a row of this kind, and what to give.
+pub fn not_taken(data: &Measurements, row: usize, verb: &str, give: &str) -> crate::Error {
+    let (file, own) = (data.file_of(row).display(), &data.rows[row]);
+    crate::Error::data(
+        crate::Kind::Usage,
+        format!(
+            "{file}:{}: a row of kind {}, which {verb} does not take yet",
+            own.line,
+            kind(own).name()
+        ),
+        format!("`truearm identify` and `truearm evaluate` take every kind; give {give} here"),
+    )
+}
+
 /// The same rows for a verb that takes points only: poses without their turns.
 ///
 /// # Errors
 /// Another kind, by name.
 pub fn points_only(data: &Measurements, verb: &str) -> crate::Result<Measurements> {
     let mut out = data.clone();
-    for row in &mut out.rows {
-        if kind(row).point(row).is_none() {
-            return Err(crate::Error::data(
-                crate::Kind::Usage,
-                format!(
-                    "{}:{}: a row of kind {}, which {verb} does not take yet",
-                    data.path.display(),
-                    row.line,
-                    kind(row).name()
-                ),
-                "`truearm identify` and `truearm evaluate` take every kind; give points or poses here",
-            ));
+    for (i, row) in out.rows.iter_mut().enumerate() {
+        if !to_point(row) {
+            return Err(not_taken(data, i, verb, "points or poses"));
         }
-        row.measured = row.measured.point().into();
-        row.kind = KindId::default();
-        row.refers.clear();
     }
     out.instruments.clear();
     Ok(out)
