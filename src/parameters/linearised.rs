@@ -61,7 +61,7 @@ impl<T: Scalar, const N: usize> Linearised<'_, T, N> {
     }
 
     /// Derivative of [`Self::point`] to a parameter, m per unit of it. Zero for a
-    /// parameter that the arm does not have, and for a rotation about an axis on which
+    /// parameter that neither arm nor tracker has, and for a rotation about an axis on which
     /// the tool point lies to 64 `EPSILON` of the longest lever.
     #[must_use]
     pub fn column(&self, parameter: Parameter) -> Vector3<T> {
@@ -86,7 +86,7 @@ impl<T: Scalar, const N: usize> Linearised<'_, T, N> {
                 return cross(&axis.unit(), &(self.point() - centre));
             }
             Parameter::StationTranslation(axis) => return axis.unit(),
-            Parameter::JointOffset(_) => none,
+            _ => none,
         };
         if dot(&of_arm, &of_arm) < self.noise && !matches!(parameter, Parameter::Term(_)) {
             return none;
