@@ -11,6 +11,7 @@ mod demo;
 mod embassy;
 mod firmware;
 mod image;
+mod least_squares;
 mod line;
 mod log;
 mod m7;
@@ -29,6 +30,7 @@ mod store;
 mod study;
 mod test;
 mod tools;
+mod touches;
 mod vectors;
 
 use std::path::PathBuf;
