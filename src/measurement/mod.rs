@@ -179,7 +179,7 @@ impl<T: Scalar> Reading<T> {
 
     /// What it is beyond the model of a tool point in its frame; planes and anchors of
     /// unknown place are where `change` of `parameters` has them.
-    #[inline]
+    #[inline(always)]
     fn rest(&self, point: &Vector3<T>, parameters: &[Parameter], change: &[T]) -> Rest<T> {
         let moved = || Moved::by(parameters, change, |parameter| self.has(parameter));
         match self {

@@ -47,8 +47,14 @@ impl<T: Scalar, const N: usize> Linearised<'_, T, N> {
     /// The same seen by a tracker; the pose is that of the commanded frame in the
     /// tracker's.
     #[must_use]
-    pub fn seen_from(self, station: &Pose<T>) -> Self {
-        Self { station: Some(*station), ..self }
+    pub fn seen_from(mut self, station: &Pose<T>) -> Self {
+        self.move_to(station);
+        self
+    }
+
+    /// The same in place: what it holds is not copied.
+    pub(crate) fn move_to(&mut self, station: &Pose<T>) {
+        self.station = Some(*station);
     }
 
     /// The tool point, m, in the commanded frame or the tracker's.

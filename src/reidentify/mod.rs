@@ -9,10 +9,10 @@
 //! of a plane or an anchor, have none; they are fitted and not stored.
 //!
 //! Memory: the measurements stay with the caller; beside them one [`Triangle`] of P
-//! parameters with a copy for the solve and an [`Arm`] with two sets of
-//! parameters. On a Cortex-M4F in
-//! `f32` ten points take 0.27 million instructions for five unknowns, 0.77 million
-//! for eleven (counted by tests/firmware/src/bin/reidentify.rs).
+//! parameters with a copy for the solve and an [`Arm`] with two sets of parameters. On a
+//! Cortex-M4F in `f32` ten points take 0.34 million instructions for five unknowns, 0.98
+//! million for eleven, 60 touches 1.34 million for four (counted by `reidentify` and
+//! `touches` in tests/firmware/src/bin).
 
 mod error;
 mod station;
@@ -236,7 +236,8 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
             weight: T::ONE / self.sigma,
         };
         for (index, measurement) in all.enumerate() {
-            let seen = arm.linearised(&measurement.q, &measurement.state).seen_from(&at.station);
+            let mut seen = arm.linearised(&measurement.q, &measurement.state);
+            seen.move_to(&at.station);
             let equations = measurement.equations_at(&seen, &unknowns);
             match equations.map_err(|why| ReidentifyError::BadMeasurement { index, why })? {
                 Equations::Point(columns, rhs) => triangle.push(&columns, &rhs)?,
