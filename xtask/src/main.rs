@@ -21,6 +21,8 @@ mod peers;
 mod proof;
 mod python;
 mod qemu;
+#[path = "../../tests/firmware/src/records.rs"]
+mod records;
 mod refusals;
 mod reidentification_poses;
 mod reidentify;

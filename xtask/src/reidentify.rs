@@ -15,10 +15,10 @@ use truearm_host::blob::pack;
 use truearm_host::identify::{Identification, Options, identify};
 use truearm_host::model::Robot;
 
+use crate::records::{HEADER, header};
 use crate::run::{Result, target_dir};
 use crate::vectors::{Files, shipped};
 use crate::{image, qemu, reidentification_poses};
-use format::records::{HEADER, header};
 use format::{BEHIND, JOINTS, Known, MAGIC, Moved, POINTS, Run, Runs, SIGMA};
 use truearm_study::simulated::{Truth, UR10_LIKE, normal, parse, rms, robot, state_of};
 

@@ -2,13 +2,10 @@
 //! calibrated, touches before and after. Shared by the image and xtask, so it needs no
 //! std.
 //!
-//! [`records`] whose blob is followed by where the plate is about (a point, a normal) and
+//! [`Records`] whose blob is followed by where the plate is about (a point, a normal) and
 //! the joint values of [`BEFORE`] and [`AFTER`] touches: `f32`, m and rad.
 
 #![allow(dead_code, reason = "each of its users needs a part")]
-
-#[path = "records.rs"]
-pub mod records;
 
 use crc::{CRC_64_XZ, Crc};
 use truearm::measurement::{Measurement, Plane};
@@ -17,7 +14,7 @@ use truearm::reidentify::{Reidentified, Reidentify};
 use truearm::streaming::{Identified, Lambda, Settings, StreamingIdentification};
 use truearm::{ArmParameters, Pose};
 
-use records::{Records, numbers};
+use crate::records::{Records, numbers};
 
 /// First four bytes.
 pub const MAGIC: [u8; 4] = *b"TATO";

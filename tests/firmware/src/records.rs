@@ -10,6 +10,8 @@
 //! | 16 | u64 | hash of the results that the host computed |
 //! | 24 | records | each: the blob, as many bytes as the file's kind has |
 
+#![allow(dead_code, reason = "each of its users needs a part")]
+
 use truearm::blob::Blob;
 use truearm::{ArmParameters, Scalar};
 

@@ -1,15 +1,12 @@
 //! The file of re-identification runs: blobs of arms before an accident and
 //! points measured after it. Shared by the image and xtask, so it needs no std.
 //!
-//! [`records`] whose blob is followed by two joints (u32) and [`POINTS`] points.
+//! [`Records`] whose blob is followed by two joints (u32) and [`POINTS`] points.
 //!
 //! A point is six joint values, the tool point in the commanded frame and the
 //! same as a tracker elsewhere sees it: 12 `f32`, rad and m.
 
 #![allow(dead_code, reason = "each of its users needs a part")]
-
-#[path = "records.rs"]
-pub mod records;
 
 use crc::{CRC_64_XZ, Crc};
 use truearm::check_point::CheckPoint;
@@ -17,7 +14,7 @@ use truearm::parameters::Parameter;
 use truearm::reidentify::{Reidentified, Reidentify, ReidentifyError};
 use truearm::{ArmParameters, Pose};
 
-use records::{Records, numbers};
+use crate::records::{Records, numbers};
 
 /// First four bytes.
 pub const MAGIC: [u8; 4] = *b"TARI";

@@ -12,6 +12,8 @@ mod measure;
 #[path = "../memory.rs"]
 #[allow(dead_code, reason = "the parameters come with the runs")]
 mod memory;
+#[path = "../records.rs"]
+mod records;
 #[path = "../runs.rs"]
 mod runs;
 #[path = "../stack.rs"]

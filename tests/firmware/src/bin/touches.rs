@@ -16,6 +16,8 @@ mod memory;
 mod outcome;
 #[path = "../plates.rs"]
 mod plates;
+#[path = "../records.rs"]
+mod records;
 
 use core::cell::RefCell;
 use core::hint::black_box;
