@@ -467,6 +467,24 @@ fn touches_of_an_unknown_wall_leave_the_scale_open() {
     assert!(sigma > 0.01 && then < 1e-4, "{sigma:e} {then:e}");
 }
 
+/// Labels are counted from 0 in the code and from 1 in a text.
+#[test]
+fn places_have_names_units_and_no_prior() {
+    let mut arm = stored::<f64, 6>(ur10(), TOOL);
+    let same = arm.clone();
+    let names = ["rotation of plane 2 about z", "rotation of plane 2 about x", "offset of plane 2"];
+    let of_plane = Parameter::plane(1, Axis::Y);
+    for (parameter, (name, unit)) in of_plane.iter().zip(names.iter().zip(["rad", "rad", "m"])) {
+        assert_eq!((parameter.to_string().as_str(), parameter.unit(&arm)), (*name, unit));
+    }
+    assert_eq!(Parameter::anchor(0)[2].to_string(), "translation of anchor 1 along z");
+    for parameter in of_plane.into_iter().chain(Parameter::anchor(0)) {
+        assert!(!parameter.is_of_arm() && parameter.usual_scale(&arm) == f64::INFINITY);
+        parameter.apply(&mut arm, 0.1);
+        assert_eq!(arm, same);
+    }
+}
+
 #[test]
 fn bad_input_is_an_error_that_names_it() {
     let was = stored::<f64, 6>(ur10(), TOOL);
@@ -496,11 +514,11 @@ fn bad_input_is_an_error_that_names_it() {
         (plane.touched(good[4].q, f64::NAN, 20.0), MeasurementError::NotFinite),
         (plane.touched(good[4].q, 0.0, f64::INFINITY), MeasurementError::NotFinite),
         (plane.touched([f64::NAN; 6], 0.0, 20.0), MeasurementError::NotFinite),
-        (Anchor::new(far).distant(good[4].q, 1.0, 20.0), MeasurementError::NotFinite),
-        (Anchor::new(at).distant(good[4].q, 0.0, 20.0), MeasurementError::AtAnchor),
+        (Anchor::new(far).distance(good[4].q, 1.0, 20.0), MeasurementError::NotFinite),
+        (Anchor::new(at).distance(good[4].q, 0.0, 20.0), MeasurementError::AtAnchor),
         (plane.unknown(0).touched(good[4].q, 0.0, 20.0), MeasurementError::PlaceNotChosen),
         (
-            Anchor::new(at).unknown(7).distant(good[4].q, 1.0, 20.0),
+            Anchor::new(at).unknown(7).distance(good[4].q, 1.0, 20.0),
             MeasurementError::PlaceNotChosen,
         ),
     ];
@@ -595,8 +613,8 @@ proptest! {
             all.push(match (plane, kind) {
                 (Ok(plane), 0) => plane.touched(q, value, 20.0),
                 (Ok(plane), 1) => plane.unknown(0).touched(q, value, 20.0),
-                (_, 2) => Anchor::new(point).distant(q, value, 20.0),
-                (_, 3) => Anchor::new(point).unknown(0).distant(q, value, 20.0),
+                (_, 2) => Anchor::new(point).distance(q, value, 20.0),
+                (_, 3) => Anchor::new(point).unknown(0).distance(q, value, 20.0),
                 _ => CheckPoint::plain(q, point, 20.0).into(),
             });
         }

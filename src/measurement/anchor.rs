@@ -16,7 +16,7 @@ use crate::scalar::Scalar;
 /// use truearm::nalgebra::Vector3;
 ///
 /// let foot = Anchor::new(Vector3::new(-0.5, 0.3, 0.0));
-/// let measured = foot.distant([0.1, -1.2, 1.6, -1.2, -1.57, 0.8], 0.3, 20.0);
+/// let measured = foot.distance([0.1, -1.2, 1.6, -1.2, -1.57, 0.8], 0.3, 20.0);
 /// assert_eq!(measured.reading, Reading::Distance { anchor: foot, distance: 0.3 });
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,9 +64,10 @@ impl<T: Scalar> Anchor<T> {
         self.label
     }
 
-    /// At joints `q` the tool point was at this distance, m, without payload.
+    /// At joints `q` the tool point was at this distance, m. Without payload: the
+    /// measurement's `state` is there to be changed.
     #[must_use]
-    pub fn distant<const N: usize>(
+    pub fn distance<const N: usize>(
         self,
         q: [T; N],
         distance: T,

@@ -119,7 +119,7 @@ impl<T: Scalar> Plane<T> {
     }
 
     /// Touched at joints `q` with a ball of this radius, m, whose centre is the tool
-    /// point, without payload.
+    /// point. Without payload: the measurement's `state` is there to be changed.
     #[must_use]
     pub fn touched<const N: usize>(
         self,

@@ -178,8 +178,8 @@ impl<T: Scalar, const P: usize> Settings<T, P> {
 }
 
 impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, T, N, P> {
-    /// Takes a measurement in the commanded frame, a [`CheckPoint`](crate::check_point::CheckPoint) or any other;
-    /// returns whether it only judges.
+    /// Takes a measurement in the commanded frame, a
+    /// [`CheckPoint`](crate::check_point::CheckPoint) or any other; whether it only judges.
     ///
     /// # Errors
     /// [`StreamingError::BadMeasurement`], or [`StreamingError::Solve`] where the

@@ -52,8 +52,8 @@ fn measurements<T: Scalar>(at: &CheckPoint<T, 6>) -> Result<[Measurement<T, 6>; 
     Ok(black_box([
         plane.touched(at.q, a, b),
         about.touched(at.q, b, c),
-        Anchor::new(at.point).distant(at.q, a, b),
-        anchor.distant(at.q, b, c),
+        Anchor::new(at.point).distance(at.q, a, b),
+        anchor.distance(at.q, b, c),
         Measurement::from(*at),
     ]))
 }
