@@ -18,10 +18,15 @@ use truearm::{Arm6, ArmParameters6};
 
 /// Of the ball, m; its centre is the tool point.
 const RADIUS: f32 = 3e-3;
+/// Where the plate is: how it leans and its offset.
+const PLATE: [Parameter; 3] = Parameter::plane(0, Axis::Z);
+
+/// The plate as it was found, and one standard deviation of its parameters.
+type Learned = (Plane<f32>, [f32; 3]);
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let stored = stored()?;
-    let plate = learn(&stored)?;
+    let (plate, sure) = learn(&stored)?;
 
     // The crash, of which the controller knows nothing: joints 2 and 4 slipped.
     let [shoulder, wrist] = [1, 3].map(Parameter::JointOffset);
@@ -31,9 +36,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let mut probe = Probe::of(&real);
 
+    // The plate is where it was found, as surely as it was found.
+    let ([a, b, c], [d, e, f, g]) = (PLATE, [1, 2, 3, 4].map(Parameter::JointOffset));
+    let mut reidentify = Reidentify::new(&stored, [a, b, c, d, e, f, g], SIGMA);
+    reidentify.scale.iter_mut().zip(sure).for_each(|(scale, sigma)| *scale = sigma);
+    let Reidentify { parameters: chosen, scale, .. } = reidentify;
+
     // One touch after the other, in memory that does not grow.
-    let chosen = [1, 2, 3, 4].map(Parameter::JointOffset);
-    let mut stream = Settings::new(&stored, chosen, SIGMA).start(&stored)?;
+    let settings = Settings { scale, ..Settings::new(&stored, chosen, SIGMA) };
+    let mut stream = settings.start(&stored)?;
     let touches = [0; 60].map(|_| probe.touch(plate));
     for (touch, count) in touches.iter().zip(1..) {
         match stream.push(touch) {
@@ -49,12 +60,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} touches streamed: {:.3} mm", stream.points(), error_of(&found.parameters));
 
     // What was linearised about the stored arm is iterated, where the touches were kept.
-    let again = Reidentify::new(&stored, chosen, SIGMA).run(&stored, &touches)?;
+    let again = reidentify.run(&stored, &touches)?;
     for (parameter, (change, sigma)) in chosen.iter().zip(again.change.iter().zip(&again.sigma)) {
         println!("{parameter}: {change:+.6} +- {sigma:.6} {}", parameter.unit(&stored));
     }
     // What touches of one plate leave open would stay near its prior.
-    assert!(again.determined.iter().all(|by_touches| *by_touches));
+    assert_eq!(again.determined.get(3..), Some(&[true; 4][..]));
     let left = error_of(&again.parameters);
     println!("re-identified: {left:.3} mm");
     assert!(left < 0.02 * error_of(&stored));
@@ -62,8 +73,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Where the plate is, in the eyes of the calibrated arm: about where it is by three of
-/// its touches, then by all of them.
-fn learn(stored: &ArmParameters6<'static, f32>) -> Result<Plane<f32>, Box<dyn std::error::Error>> {
+/// its touches, then by all of them; and how sure that is.
+fn learn(stored: &ArmParameters6<'static, f32>) -> Result<Learned, Box<dyn std::error::Error>> {
     let truth = Plane::new(Vector3::new(-0.6, 0.0, 0.3), Vector3::new(0.0, 0.0, 1.0))?;
     let mut probe = Probe::of(stored);
     let joints = [0; 20].map(|_| probe.touch(truth).q);
@@ -74,10 +85,9 @@ fn learn(stored: &ArmParameters6<'static, f32>) -> Result<Plane<f32>, Box<dyn st
         plane => plane?.unknown(0),
     };
     let touches = joints.map(|q| about.touched(q, RADIUS, stored.reference_temperature));
-    let unknowns = Parameter::plane(0, Axis::Z);
-    let found = Reidentify::new(stored, unknowns, SIGMA).run(stored, &touches)?;
+    let found = Reidentify::new(stored, PLATE, SIGMA).run(stored, &touches)?;
     println!("plate found to {:.3} mm", found.sigma[2] * 1e3);
-    Ok(about.found(&unknowns, &found.change))
+    Ok((about.found(&PLATE, &found.change).unknown(0), found.sigma))
 }
 
 /// What a controller is told where something is wrong.
@@ -92,17 +102,18 @@ fn refused(
     let few = reidentify.run(stored, touches.get(..3).unwrap_or(&[]));
     assert!(matches!(few, Err(ReidentifyError::TooFewEquations { equations: 3, needed: 4 })));
 
-    let unknown = touches.map(|touch| plate.unknown(0).touched(touch.q, RADIUS, 20.0));
+    // The plate's place is unknown, and not among the parameters.
     let why = MeasurementError::PlaceNotChosen;
-    let not_chosen = reidentify.run(stored, &unknown);
+    let not_chosen = reidentify.run(stored, &touches);
     assert_eq!(not_chosen.err(), Some(ReidentifyError::BadMeasurement { index: 0, why }));
 
     // An offset of the first joint turns the arm along a plate that lies flat: the prior
     // holds it, and that is said.
-    let first = Reidentify::new(stored, [0].map(Parameter::JointOffset), SIGMA);
+    let [a, b, c] = PLATE;
+    let first = Reidentify::new(stored, [a, b, c, Parameter::JointOffset(0)], SIGMA);
     let open = first.run(stored, &touches)?;
-    println!("offset of joint 1, which this plate does not tell: +- {:.4} rad", open.sigma[0]);
-    assert!(!open.determined[0]);
+    println!("offset of joint 1, which this plate does not tell: +- {:.4} rad", open.sigma[3]);
+    assert!(!open.determined[3]);
     Ok(())
 }
 
