@@ -11,7 +11,7 @@
 //! Memory: the measurements stay with the caller; beside them one [`Triangle`] of P
 //! parameters with a copy for the solve and an [`Arm`] with two sets of parameters. On a
 //! Cortex-M4F in `f32` ten points take 0.34 million instructions for five unknowns, 0.98
-//! million for eleven, 60 touches 1.34 million for four (counted by `reidentify` and
+//! million for eleven, 60 touches 2.31 million for seven (counted by `reidentify` and
 //! `touches` in tests/firmware/src/bin).
 
 mod error;

@@ -30,23 +30,22 @@ pub const JOINTS: usize = 6;
 pub const SIGMA: f32 = 2e-5;
 /// Of the ball, m.
 pub const RADIUS: f32 = 3e-3;
-/// What may have slipped. A flat plate does not tell how joint 1 stands, and joint 6
-/// hardly moves the tool.
-pub const CHOSEN: [Parameter; 4] = [
-    Parameter::JointOffset(1),
-    Parameter::JointOffset(2),
-    Parameter::JointOffset(3),
-    Parameter::JointOffset(4),
-];
 /// Where the plate is.
 pub const PLACE: [Parameter; 3] = Parameter::plane(0, Axis::Z);
+/// The plate, and what may have slipped: a flat plate does not tell how joint 1 stands, and
+/// joint 6 hardly moves the tool.
+pub const CHOSEN: [Parameter; 7] = {
+    let [a, b, c] = PLACE;
+    let offset = Parameter::JointOffset;
+    [a, b, c, offset(1), offset(2), offset(3), offset(4)]
+};
 /// Bytes of a record behind its blob.
 pub const BEHIND: usize = 4 * (6 + JOINTS * (BEFORE + AFTER));
 
 /// One touch.
 pub type Touch = Measurement<f32, JOINTS>;
 /// An identification from touches.
-pub type Stream<'t> = StreamingIdentification<'t, f32, JOINTS, 4>;
+pub type Stream<'t> = StreamingIdentification<'t, f32, JOINTS, 7>;
 
 /// A file in place.
 #[derive(Debug, Clone, Copy)]
@@ -65,15 +64,24 @@ pub struct Accident<'t> {
     pub after: [[f32; JOINTS]; AFTER],
 }
 
+/// A plate, and how surely its parameters are known, 1 sigma.
+#[derive(Debug, Clone, Copy)]
+pub struct Learned {
+    /// Where it was found.
+    pub plate: Plane<f32>,
+    /// rad, rad, m
+    pub sigma: [f32; 3],
+}
+
 /// What touches made of it.
 #[derive(Debug, Clone)]
 pub struct Mended<'t> {
     /// Where the calibrated arm found the plate.
-    pub plate: Plane<f32>,
+    pub learned: Learned,
     /// One touch after the other.
-    pub streamed: Identified<'t, f32, JOINTS, 4>,
+    pub streamed: Identified<'t, f32, JOINTS, 7>,
     /// All touches at once.
-    pub again: Reidentified<'t, f32, JOINTS, 4>,
+    pub again: Reidentified<'t, f32, JOINTS, 7>,
 }
 
 impl<'a> Accidents<'a> {
@@ -110,7 +118,7 @@ impl<'a> Accidents<'a> {
             let (one, all) = (&mended.streamed, &mended.again);
             let of_one = one.change.iter().chain(&one.sigma).chain(&one.held_out);
             let of_all = all.change.iter().chain(&all.sigma).chain([&all.rms_after]);
-            for number in mended.plate.point().iter().chain(of_one).chain(of_all) {
+            for number in mended.learned.plate.point().iter().chain(of_one).chain(of_all) {
                 digest.update(&number.to_le_bytes());
             }
             see(&accident, &mended);
@@ -126,10 +134,11 @@ impl<'t> Accident<'t> {
     }
 
     /// Where the arm as it was calibrated finds the plate.
-    pub fn plate(&self) -> Option<Plane<f32>> {
+    pub fn learned(&self) -> Option<Learned> {
         let touches = self.touches(self.before, self.about);
         let found = Reidentify::new(&self.stored, PLACE, SIGMA).run(&self.stored, &touches).ok()?;
-        Some(self.about.found(&PLACE, &found.change))
+        let plate = self.about.found(&PLACE, &found.change).unknown(0);
+        Some(Learned { plate, sigma: found.sigma })
     }
 
     /// Touches of the plate where that was found.
@@ -138,19 +147,31 @@ impl<'t> Accident<'t> {
     }
 
     /// A stream without touches.
-    pub fn stream(&self) -> Option<Stream<'t>> {
-        Settings::new(&self.stored, CHOSEN, SIGMA).start(&self.stored).ok()
+    pub fn stream(&self, learned: &Learned) -> Option<Stream<'t>> {
+        let Reidentify { parameters, scale, sigma } = self.task(learned);
+        let settings = Settings { scale, ..Settings::new(&self.stored, parameters, sigma) };
+        settings.start(&self.stored).ok()
     }
 
     /// All touches at once.
-    pub fn again(&self, touches: &[Touch]) -> Option<Reidentified<'t, f32, JOINTS, 4>> {
-        Reidentify::new(&self.stored, CHOSEN, SIGMA).run(&self.stored, touches).ok()
+    pub fn again(
+        &self,
+        learned: &Learned,
+        touches: &[Touch],
+    ) -> Option<Reidentified<'t, f32, JOINTS, 7>> {
+        self.task(learned).run(&self.stored, touches).ok()
+    }
+
+    fn task(&self, learned: &Learned) -> Reidentify<f32, 7> {
+        let mut task = Reidentify::new(&self.stored, CHOSEN, SIGMA);
+        task.scale.iter_mut().zip(learned.sigma).for_each(|(scale, sigma)| *scale = sigma);
+        task
     }
 
     fn mended(&self) -> Option<Mended<'t>> {
-        let plate = self.plate()?;
-        let touches = self.touched(plate);
-        let mut stream = self.stream()?;
+        let learned = self.learned()?;
+        let touches = self.touched(learned.plate);
+        let mut stream = self.stream(&learned)?;
         for (touch, count) in touches.iter().zip(1..) {
             stream.push(touch).ok()?;
             if count == LOOK {
@@ -159,6 +180,7 @@ impl<'t> Accident<'t> {
             }
         }
         let streamed = stream.identified(Lambda::Prior).ok()?;
-        Some(Mended { plate, streamed, again: self.again(&touches)? })
+        let again = self.again(&learned, &touches)?;
+        Some(Mended { learned, streamed, again })
     }
 }

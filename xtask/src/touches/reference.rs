@@ -23,17 +23,16 @@ pub fn mended(stored: &ArmParameters<f64, JOINTS>, accident: &Accident) -> Truth
         let normal = Vector3::new(x[0], x[1], 1.0).normalize();
         Face { point: about + normal * x[2], normal }
     };
-    let found = least_squares(3, |x| {
-        let plate = plate(x);
-        rests(&arm, &plate, &accident.before)
+    // All touches in one solve, before and after.
+    let found = least_squares(3 + SLIPPING.len(), |x| {
+        let (place, slip) = x.split_at(3);
+        let before = rests(&arm, &plate(place), &accident.before);
+        let after = rests(&slipped(&arm, slip), &plate(place), &accident.after);
+        let prior = slip.iter().map(|x| -x / PRIOR);
+        let all = before.iter().chain(&after).copied().chain(prior).collect();
+        DVector::from_vec(all)
     });
-    let plate = plate(found.as_slice());
-    let slipped = least_squares(SLIPPING.len(), |x| {
-        let rests = rests(&slipped(&arm, x), &plate, &accident.after);
-        let prior = x.iter().map(|x| -x / PRIOR);
-        DVector::from_iterator(rests.len() + x.len(), rests.iter().copied().chain(prior))
-    });
-    self::slipped(&arm, slipped.as_slice())
+    slipped(&arm, &found.as_slice()[3..])
 }
 
 /// Heights at which the ball touched, less those of the model, in standard deviations.

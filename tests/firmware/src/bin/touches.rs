@@ -55,10 +55,11 @@ fn run() -> Option<()> {
     (hash == accidents.0.expected).then_some(())
 }
 
-/// Counts a touch into a stream of four unknowns, and all touches at once.
+/// Counts a touch into a stream of seven unknowns, and all touches at once.
 fn costs(accident: &Accident, counter: &mut Counter) -> Option<()> {
-    let touches = accident.touched(accident.plate()?);
-    let stream = RefCell::new(accident.stream()?);
+    let learned = accident.learned()?;
+    let touches = accident.touched(learned.plate);
+    let stream = RefCell::new(accident.stream(&learned)?);
     let push_one = |touch: &Touch| {
         if let Ok(mut stream) = stream.try_borrow_mut() {
             let _ = push(black_box(&mut *stream), touch);
@@ -66,11 +67,11 @@ fn costs(accident: &Accident, counter: &mut Counter) -> Option<()> {
     };
     touches.iter().for_each(push_one);
     let tenths = counter.tenths_per_call(16, &touches, push_one);
-    hprintln!("instructions touch_push4 {}.{}", tenths / 10, tenths % 10);
+    hprintln!("instructions touch_push7 {}.{}", tenths / 10, tenths % 10);
     let tenths = counter.tenths_per_call(1, &[&touches], |touches| {
-        let _ = black_box(accident.again(*touches));
+        let _ = black_box(accident.again(&learned, *touches));
     });
-    hprintln!("instructions touch_reidentify4 {}", tenths / 10 / AFTER as u64);
+    hprintln!("instructions touch_reidentify7 {}", tenths / 10 / AFTER as u64);
     Some(())
 }
 
