@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let reidentify = Reidentify::new(&stored, chosen, SIGMA);
     // Five unknowns need more than the three equations of one point.
     match reidentify.run(&stored, points.get(..1).unwrap_or(&[])) {
-        Err(error @ ReidentifyError::TooFewPoints { .. }) => println!("one point: {error}"),
+        Err(error @ ReidentifyError::TooFewEquations { .. }) => println!("one point: {error}"),
         other => return Err(format!("one point is too few, but: {other:?}").into()),
     }
 

@@ -9,6 +9,7 @@ pub mod compensate;
 pub mod drift;
 pub mod effects;
 pub mod kinematics;
+pub mod measurement;
 pub mod parameters;
 pub mod position;
 pub mod reidentify;

@@ -4,16 +4,16 @@ pub(crate) const BAD_SIGMA: &str = "sigma must be a positive number";
 pub(crate) const LAST_SEQUENCE: &str = "no sequence number is left after the stored one";
 
 /// Fewer equations than unknowns.
-pub(crate) struct TooFew<I> {
-    pub points: I,
-    pub needed: I,
-}
-
-impl<I: core::fmt::Display> core::fmt::Display for TooFew<I> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { points, needed } = self;
-        write!(f, "{points} points where {needed} or more are needed")
-    }
+pub(crate) fn too_few(
+    f: &mut core::fmt::Formatter<'_>,
+    equations: u32,
+    needed: u32,
+) -> core::fmt::Result {
+    write!(
+        f,
+        "{equations} equations where {needed} or more are needed: a point gives three, a touch \
+         or a distance one"
+    )
 }
 
 /// An error whose `Solve` holds that of a solve: its source, and how one becomes

@@ -10,6 +10,7 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::check_point::CheckPoint;
+use truearm::measurement::MeasurementError;
 use truearm::parameters::{Axis, Parameter};
 use truearm::reidentify::Reidentify;
 use truearm::solve::SolveError;
@@ -65,7 +66,7 @@ fn equals_reidentification<T: Scalar, const N: usize>(links: [Link<f64>; N], tol
         let (was, mut stream) = begun::<T, N>(links, SIGMA);
         let mut tracker = Tracker::<T, N>::new(&changed(links, 2e-3, seed), SIGMA, seed);
         let points = tracker.points(40);
-        let held = points.iter().filter(|point| stream.push(point).unwrap()).count();
+        let held = points.iter().filter(|point| stream.push(*point).unwrap()).count();
         assert_eq!((stream.points(), held), (40, 8));
         let one = stream.identified(Lambda::Prior).unwrap();
         let sigma = T::from_f64(SIGMA);
@@ -230,7 +231,7 @@ fn bad_input_is_an_error_that_names_it() {
     settings.forgetting = 1.0;
     settings.every = 0;
     let mut stream = settings.start(&was).unwrap();
-    let few = StreamingError::TooFewPoints { points: 0, needed: 3 };
+    let few = StreamingError::TooFewEquations { equations: 0, needed: P as u32 };
     assert_eq!(stream.identified(Lambda::Prior), Err(few));
     let mut tracker = Tracker::<f64, 6>::new(&was, SIGMA, 1);
     for point in tracker.points(20) {
@@ -240,8 +241,9 @@ fn bad_input_is_an_error_that_names_it() {
     let mut bad = [tracker.point(); 2];
     bad[0].q[2] = f64::NAN;
     bad[1].state.payload = f64::INFINITY;
+    let not_finite = StreamingError::BadMeasurement(MeasurementError::NotFinite);
     for point in bad {
-        assert_eq!(stream.push(&point), Err(StreamingError::PointNotFinite));
+        assert_eq!(stream.push(&point), Err(not_finite));
     }
     let mut far = tracker.point();
     far.point.z = 1e160;

@@ -11,6 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::check_point::CheckPoint;
 use truearm::effects::{Effect, Term};
+use truearm::measurement::MeasurementError;
 use truearm::parameters::{Axis, Parameter, apply};
 use truearm::reidentify::{Reidentified, Reidentify, ReidentifyError};
 use truearm::{Approach, Arm, ArmParameters, JointKind, Link, LinkParameter, Pose, Scalar, State};
@@ -294,11 +295,11 @@ fn bad_input_is_an_error_that_names_it() {
     assert_eq!(run(CRASHED, 1e-5, &good), Ok(()));
     assert_eq!(
         run(CRASHED, 1e-5, &good[..1]),
-        Err(ReidentifyError::TooFewPoints { points: 1, needed: 2 })
+        Err(ReidentifyError::TooFewEquations { equations: 3, needed: 5 })
     );
     assert_eq!(
         run(CRASHED, 1e-5, &[]),
-        Err(ReidentifyError::TooFewPoints { points: 0, needed: 2 })
+        Err(ReidentifyError::TooFewEquations { equations: 0, needed: 5 })
     );
     for sigma in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert_eq!(run(CRASHED, sigma, &good), Err(ReidentifyError::BadSigma));
@@ -322,7 +323,8 @@ fn bad_input_is_an_error_that_names_it() {
     }
     let mut points = good.clone();
     points[3].state.temperature = f64::NAN;
-    assert_eq!(run(CRASHED, 1e-5, &points), Err(ReidentifyError::PointNotFinite { point: 3 }));
+    let not_finite = ReidentifyError::BadMeasurement { index: 3, why: MeasurementError::NotFinite };
+    assert_eq!(run(CRASHED, 1e-5, &points), Err(not_finite));
     // Only joint 6 turns, and the tool lies on its axis but for a hair: a line.
     let mut line = good.clone();
     for (i, point) in line.iter_mut().enumerate() {

@@ -47,8 +47,14 @@ impl<T: Scalar, const N: usize> Linearised<'_, T, N> {
     /// The same seen by a tracker; the pose is that of the commanded frame in the
     /// tracker's.
     #[must_use]
-    pub fn seen_from(self, station: &Pose<T>) -> Self {
-        Self { station: Some(*station), ..self }
+    pub fn seen_from(mut self, station: &Pose<T>) -> Self {
+        self.move_to(station);
+        self
+    }
+
+    /// The same in place: what it holds is not copied.
+    pub(crate) fn move_to(&mut self, station: &Pose<T>) {
+        self.station = Some(*station);
     }
 
     /// The tool point, m, in the commanded frame or the tracker's.
@@ -61,7 +67,7 @@ impl<T: Scalar, const N: usize> Linearised<'_, T, N> {
     }
 
     /// Derivative of [`Self::point`] to a parameter, m per unit of it. Zero for a
-    /// parameter that the arm does not have, and for a rotation about an axis on which
+    /// parameter that neither arm nor tracker has, and for a rotation about an axis on which
     /// the tool point lies to 64 `EPSILON` of the longest lever.
     #[must_use]
     pub fn column(&self, parameter: Parameter) -> Vector3<T> {
@@ -86,7 +92,7 @@ impl<T: Scalar, const N: usize> Linearised<'_, T, N> {
                 return cross(&axis.unit(), &(self.point() - centre));
             }
             Parameter::StationTranslation(axis) => return axis.unit(),
-            Parameter::JointOffset(_) => none,
+            _ => none,
         };
         if dot(&of_arm, &of_arm) < self.noise && !matches!(parameter, Parameter::Term(_)) {
             return none;

@@ -35,7 +35,7 @@ use crate::scalar::Scalar;
 /// tool, the base; rad or m.
 pub(crate) const USUAL_SCALE: f64 = 0.02;
 
-/// A parameter of an arm, or of where the tracker stands. Joints and terms are
+/// A parameter of an arm, or of where what measured it stands. Joints and terms are
 /// counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -68,6 +68,24 @@ pub enum Parameter {
     StationRotation(Axis),
     /// The same: translation of the commanded frame, m.
     StationTranslation(Axis),
+    /// Where a plane of unknown place lies, see [`Plane`](crate::measurement::Plane):
+    /// rotation about an axis of the points' frame, through the plane's point, rad.
+    PlaneRotation {
+        /// The plane's label.
+        plane: u8,
+        /// The axis.
+        axis: Axis,
+    },
+    /// The same of a plane of this label: translation along its normal, m.
+    PlaneOffset(u8),
+    /// Where an anchor of unknown place is, see [`Anchor`](crate::measurement::Anchor):
+    /// translation along an axis of the points' frame, m.
+    AnchorTranslation {
+        /// The anchor's label.
+        anchor: u8,
+        /// The axis.
+        axis: Axis,
+    },
 }
 
 impl Parameter {
@@ -94,6 +112,39 @@ impl Parameter {
         Self::StationTranslation(Axis::Z),
     ];
 
+    /// The place of the plane of this label: rotations about the two axes that its normal
+    /// is not nearest to, and its offset. A rotation about the normal moves no plane.
+    ///
+    /// ```
+    /// use truearm::parameters::{Axis, Parameter};
+    ///
+    /// let [_, _, offset] = Parameter::plane(0, Axis::Z);
+    /// assert_eq!(offset, Parameter::PlaneOffset(0));
+    /// ```
+    #[must_use]
+    pub const fn plane(plane: u8, normal: Axis) -> [Self; 3] {
+        let [first, second] = match normal {
+            Axis::X => [Axis::Y, Axis::Z],
+            Axis::Y => [Axis::Z, Axis::X],
+            Axis::Z => [Axis::X, Axis::Y],
+        };
+        [
+            Self::PlaneRotation { plane, axis: first },
+            Self::PlaneRotation { plane, axis: second },
+            Self::PlaneOffset(plane),
+        ]
+    }
+
+    /// The place of the anchor of this label.
+    #[must_use]
+    pub const fn anchor(anchor: u8) -> [Self; 3] {
+        [
+            Self::AnchorTranslation { anchor, axis: Axis::X },
+            Self::AnchorTranslation { anchor, axis: Axis::Y },
+            Self::AnchorTranslation { anchor, axis: Axis::Z },
+        ]
+    }
+
     /// All parameters of an arm of so many joints and terms in the order of a
     /// covariance: base translation, base rotation, tool point, links, terms.
     pub fn of_arm(joints: u8, terms: u8) -> impl Iterator<Item = Self> {
@@ -108,6 +159,16 @@ impl Parameter {
     #[must_use]
     pub const fn is_station(self) -> bool {
         matches!(self, Self::StationRotation(_) | Self::StationTranslation(_))
+    }
+
+    /// Whether it is of the arm, to be stored, and not of where a tracker, a plane or an
+    /// anchor stands.
+    #[must_use]
+    pub const fn is_of_arm(self) -> bool {
+        use Parameter::{AnchorTranslation, PlaneOffset, PlaneRotation};
+        let of_place =
+            matches!(self, PlaneRotation { .. } | PlaneOffset(_) | AnchorTranslation { .. });
+        !(of_place || self.is_station())
     }
 
     /// Whether this arm has it. The other functions leave an arm alone that does
@@ -138,7 +199,7 @@ impl Parameter {
     /// | joint offset, tool, base | 20 mrad, 20 mm |
     /// | the rest of a link | 1 mrad, 1 mm |
     /// | coefficient of a term | a fiftieth of the largest plausible |
-    /// | tracker | infinite: no prior |
+    /// | tracker, plane, anchor | infinite: no prior |
     #[must_use]
     pub fn usual_scale<T: Scalar, const N: usize>(self, arm: &ArmParameters<'_, T, N>) -> T {
         if !self.exists_in(arm) {
@@ -153,7 +214,7 @@ impl Parameter {
                 .terms
                 .get(usize::from(term))
                 .map_or(T::ZERO, |term| T::from_f32(term.effect.plausible()) * T::from_f64(0.02)),
-            Self::StationRotation(_) | Self::StationTranslation(_) => T::ONE / T::ZERO,
+            _ if !self.is_of_arm() => T::ONE / T::ZERO,
             _ => T::from_f64(USUAL_SCALE),
         }
     }
@@ -166,7 +227,7 @@ impl Parameter {
             return "";
         }
         match self.canonical(&arm.nominal) {
-            Self::BaseRotation(_) | Self::StationRotation(_) => "rad",
+            Self::BaseRotation(_) | Self::StationRotation(_) | Self::PlaneRotation { .. } => "rad",
             Self::Link { parameter, .. } if !parameter.is_length() => "rad",
             Self::Term(term) => {
                 let kinds = arm.nominal.map(|link| link.kind);
@@ -176,8 +237,8 @@ impl Parameter {
         }
     }
 
-    /// Changes it by `step`, in its unit. Nothing happens for the tracker's place,
-    /// which is not the arm's. Several rotations of the base at once: [`apply`].
+    /// Changes it by `step`, in its unit. Nothing happens for the place of a tracker, a
+    /// plane or an anchor, which is not the arm's. Several rotations of the base at once: [`apply`].
     pub fn apply<T: Scalar, const N: usize>(self, arm: &mut ArmParameters<'_, T, N>, step: T) {
         apply(arm, &[self], &[step]);
     }
@@ -231,6 +292,13 @@ impl fmt::Display for Parameter {
             Self::Term(term) => write!(f, "coefficient of term {}", number(term)),
             Self::StationRotation(a) => write!(f, "tracker's rotation about {}", axis(a)),
             Self::StationTranslation(a) => write!(f, "tracker's translation along {}", axis(a)),
+            Self::PlaneRotation { plane, axis: a } => {
+                write!(f, "rotation of plane {} about {}", number(plane), axis(a))
+            }
+            Self::PlaneOffset(plane) => write!(f, "offset of plane {}", number(plane)),
+            Self::AnchorTranslation { anchor, axis: a } => {
+                write!(f, "translation of anchor {} along {}", number(anchor), axis(a))
+            }
         }
     }
 }

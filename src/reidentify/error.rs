@@ -1,6 +1,7 @@
+use crate::measurement::MeasurementError;
 use crate::parameters::Parameter;
 use crate::solve::SolveError;
-use crate::words::{BAD_SIGMA, LAST_SEQUENCE, TooFew, holds_solve_error};
+use crate::words::{BAD_SIGMA, LAST_SEQUENCE, holds_solve_error, too_few};
 
 /// Why a re-identification gave no parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -8,16 +9,18 @@ use crate::words::{BAD_SIGMA, LAST_SEQUENCE, TooFew, holds_solve_error};
 #[non_exhaustive]
 pub enum ReidentifyError {
     /// Fewer equations than unknowns.
-    TooFewPoints {
-        /// Points given.
-        points: usize,
-        /// Points needed.
-        needed: usize,
+    TooFewEquations {
+        /// Equations of the measurements given.
+        equations: u32,
+        /// Equations needed.
+        needed: u32,
     },
-    /// This point has a number that is none.
-    PointNotFinite {
+    /// This measurement cannot be taken.
+    BadMeasurement {
         /// Its 0-based index.
-        point: usize,
+        index: usize,
+        /// Why.
+        why: MeasurementError,
     },
     /// The arm does not have this parameter, an earlier one is the same, or it is
     /// one of fewer than six of the tracker.
@@ -29,16 +32,16 @@ pub enum ReidentifyError {
     },
     /// The standard deviation is not a positive number.
     BadSigma,
-    /// The points lie on a line, which leaves the tracker's place open.
+    /// The points lie on a line, or are fewer than three, which leaves the tracker's place open.
     PointsOnALine,
-    /// The points do not determine this parameter, which has no prior.
+    /// The measurements do not determine this parameter, which has no prior.
     Undetermined {
         /// Its 0-based index in the list.
         index: usize,
     },
     /// The stored set has the last sequence number that can be followed by one.
     LastSequence,
-    /// The steps do not become small: joints or points are not what they seem.
+    /// The steps do not become small: joints or measurements are not what they seem.
     NotConverged,
     /// A solve failed.
     Solve(SolveError),
@@ -47,8 +50,8 @@ pub enum ReidentifyError {
 impl core::fmt::Display for ReidentifyError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::TooFewPoints { points, needed } => TooFew { points, needed }.fmt(f),
-            Self::PointNotFinite { point } => write!(f, "point {} is not finite", point + 1),
+            Self::TooFewEquations { equations, needed } => too_few(f, *equations, *needed),
+            Self::BadMeasurement { index, why } => write!(f, "measurement {} is {why}", index + 1),
             Self::BadParameter { index, parameter } => {
                 let place = index + 1;
                 write!(
@@ -58,10 +61,12 @@ impl core::fmt::Display for ReidentifyError {
                 )
             }
             Self::BadSigma => f.write_str(BAD_SIGMA),
-            Self::PointsOnALine => f.write_str("the points lie on a line"),
+            Self::PointsOnALine => {
+                f.write_str("three points that are not on a line are needed to place the tracker")
+            }
             Self::Undetermined { index } => {
                 let place = index + 1;
-                write!(f, "the points do not determine parameter {place}, which has no prior")
+                write!(f, "the measurements do not determine parameter {place}, which has no prior")
             }
             Self::LastSequence => f.write_str(LAST_SEQUENCE),
             Self::NotConverged => f.write_str("the steps do not become small"),

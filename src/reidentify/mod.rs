@@ -1,17 +1,18 @@
 //! Re-identification on the controller: after a crash or a tool change a few
-//! parameters are fitted anew to about ten measured points.
+//! parameters are fitted anew to about ten measured points, or some dozen touches of a
+//! plate or distances from an anchor ([`crate::measurement`]).
 //!
 //! Gauss-Newton about the stored parameters. Each chosen [`Parameter`] has a prior:
 //! its `scale` is the standard deviation of how far it may have moved, so that
 //! lambda = 1 is the maximum a posteriori estimate and a direction that the
-//! points do not show stays where it was. The six of a moved tracker
-//! have none; they are fitted and not stored.
+//! measurements do not show stays where it was. The six of a moved tracker, and the place
+//! of a plane or an anchor, have none; they are fitted and not stored.
 //!
-//! Memory: the points stay with the caller; beside them one [`Triangle`] of P
-//! parameters with a copy for the solve and an [`Arm`] with two sets of
-//! parameters. On a Cortex-M4F in
-//! `f32` ten points take 0.27 million instructions for five unknowns, 0.77 million
-//! for eleven (counted by tests/firmware/src/bin/reidentify.rs).
+//! Memory: the measurements stay with the caller; beside them one [`Triangle`] of P
+//! parameters with a copy for the solve and an [`Arm`] with two sets of parameters. On a
+//! Cortex-M4F in `f32` ten points take 0.34 million instructions for five unknowns, 0.98
+//! million for eleven, 60 touches 2.31 million for seven (counted by `reidentify` and
+//! `touches` in tests/firmware/src/bin).
 
 mod error;
 mod station;
@@ -21,8 +22,8 @@ pub use error::ReidentifyError;
 use nalgebra::Vector3;
 
 use crate::arm::{Arm, ArmParameters};
-use crate::check_point::CheckPoint;
-use crate::kinematics::{Pose, dot};
+use crate::kinematics::Pose;
+use crate::measurement::{Equations, Measurement, Unknowns};
 use crate::parameters::{Certainty, Parameter, apply, first_bad};
 use crate::scalar::Scalar;
 use crate::solve::{SolveError, Triangle};
@@ -30,7 +31,7 @@ use crate::solve::{SolveError, Triangle};
 /// Steps at most; three are usual.
 const MOST_STEPS: u8 = 10;
 
-/// What to identify anew, and how well the points are measured.
+/// What to identify anew, and how well it is measured.
 ///
 /// ```
 /// use truearm::parameters::Parameter;
@@ -57,11 +58,12 @@ const MOST_STEPS: u8 = 10;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reidentify<T, const P: usize> {
-    /// The parameters; each once. Those of a tracker's place all six or none.
+    /// The parameters; each once. Those of a tracker's place all six or none; those of the
+    /// place of a plane or an anchor before the arm's.
     pub parameters: [Parameter; P],
     /// How far each may have moved, 1 sigma, in its unit; infinite for no prior.
     pub scale: [T; P],
-    /// Standard deviation of a measured coordinate, m.
+    /// Standard deviation of a measured coordinate, height or distance, m.
     pub sigma: T,
 }
 
@@ -74,21 +76,23 @@ pub struct Reidentified<'t, T, const N: usize, const P: usize> {
     /// From the commanded to the points' frame; the identity unless the
     /// tracker's place was unknown.
     pub station: Pose<T>,
-    /// By how much each parameter changed, in its unit; zero for the tracker.
+    /// By how much each parameter changed, in its unit; zero for the tracker. Of a plane
+    /// or an anchor from where it is stated to be, see
+    /// [`Plane::found`](crate::measurement::Plane::found).
     pub change: [T; P],
     /// Standard deviation of each after the fit, in its unit.
     pub sigma: [T; P],
-    /// Whether the points, rather than the prior, determine it: its standard
+    /// Whether the measurements, rather than the prior, determine it: its standard
     /// deviation is less than half of its scale. Always so without a prior, though
     /// it may be that of another parameter which does, as the base's beside an unknown
     /// tracker: then `rank` is less than the number of parameters.
     pub determined: [bool; P],
-    /// Independent directions among the parameters that the points show.
+    /// Independent directions among the parameters that the measurements show.
     pub rank: usize,
-    /// RMS 3-D distance of the points from the stored model, m; with an
-    /// unknown tracker after fitting its place alone.
+    /// RMS distance of the measurements from the stored model, m; of points in 3-D. With
+    /// a tracker, plane or anchor of unknown place after fitting that alone.
     pub rms_before: T,
-    /// The same from the new model. Of fitted points: no measure of quality.
+    /// The same from the new model. Of fitted measurements: no measure of quality.
     pub rms_after: T,
     /// Gauss-Newton steps taken.
     pub steps: u8,
@@ -97,7 +101,8 @@ pub struct Reidentified<'t, T, const N: usize, const P: usize> {
 /// What is being fitted.
 #[derive(Clone, Copy, PartialEq)]
 enum Freedom {
-    Station,
+    /// Where tracker, planes and anchors stand.
+    Places,
     All,
 }
 
@@ -112,16 +117,21 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         Self { parameters, scale: parameters.map(|p| p.usual_scale(stored)), sigma }
     }
 
-    /// Fits the parameters to the points, starting from the stored parameters.
+    /// Fits the parameters to measurements, [`CheckPoint`](crate::check_point::CheckPoint)s
+    /// or any others, starting from the stored parameters.
     ///
     /// # Errors
     /// See [`ReidentifyError`].
-    pub fn run<'t, const N: usize>(
+    pub fn run<'t, M, const N: usize>(
         &self,
         stored: &ArmParameters<'t, T, N>,
-        points: &[CheckPoint<T, N>],
-    ) -> Result<Reidentified<'t, T, N, P>, ReidentifyError> {
-        let moved = self.check(stored, points)?;
+        measurements: &[M],
+    ) -> Result<Reidentified<'t, T, N, P>, ReidentifyError>
+    where
+        M: Copy + Into<Measurement<T, N>>,
+    {
+        let all = measurements.iter().map(|measurement| (*measurement).into());
+        self.check(stored, all.clone())?;
         let mut out = Reidentified {
             parameters: stored.clone(),
             station: Pose::identity(),
@@ -133,13 +143,15 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
             rms_after: T::ZERO,
             steps: 0,
         };
-        if moved {
-            out.station = station::place(&Arm::new(stored), points)?;
-            self.settle(&mut out, points, Freedom::Station)?;
+        if self.parameters.iter().any(|parameter| parameter.is_station()) {
+            out.station = station::place(&Arm::new(stored), all.clone())?;
         }
-        out.rms_before = rms(&out, points);
-        let triangle = self.settle(&mut out, points, Freedom::All)?;
-        out.rms_after = rms(&out, points);
+        if !self.parameters.iter().all(|parameter| parameter.is_of_arm()) {
+            self.settle(&mut out, all.clone(), Freedom::Places)?;
+        }
+        out.rms_before = self.rms(&out, all.clone());
+        let triangle = self.settle(&mut out, all.clone(), Freedom::All)?;
+        out.rms_after = self.rms(&out, all);
         let certainty = Certainty::of(&triangle, T::ONE, &self.scale)?;
         if let Some(index) = certainty.undetermined() {
             return Err(ReidentifyError::Undetermined { index });
@@ -153,12 +165,11 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         Ok(out)
     }
 
-    /// Whether the tracker's place is among the parameters.
     fn check<const N: usize>(
         &self,
         stored: &ArmParameters<'_, T, N>,
-        points: &[CheckPoint<T, N>],
-    ) -> Result<bool, ReidentifyError> {
+        all: impl Iterator<Item = Measurement<T, N>> + Clone,
+    ) -> Result<(), ReidentifyError> {
         if !(self.sigma > T::ZERO && self.sigma.is_finite()) {
             return Err(ReidentifyError::BadSigma);
         }
@@ -172,32 +183,30 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
                 return Err(ReidentifyError::BadParameter { index, parameter });
             }
         }
-        let needed = P.div_ceil(3);
-        if points.len() < needed {
-            return Err(ReidentifyError::TooFewPoints { points: points.len(), needed });
+        let (mut equations, needed) = (0_u32, P as u32);
+        for measurement in all.clone() {
+            equations = equations.saturating_add(measurement.equations());
         }
-        match points.iter().position(|p| !p.is_finite()) {
-            Some(point) => Err(ReidentifyError::PointNotFinite { point }),
-            None => Ok(of_station > 0),
+        if equations < needed {
+            return Err(ReidentifyError::TooFewEquations { equations, needed });
         }
+        for (index, measurement) in all.enumerate() {
+            let checked = measurement.check(&self.parameters);
+            checked.map_err(|why| ReidentifyError::BadMeasurement { index, why })?;
+        }
+        Ok(())
     }
 
     /// Gauss-Newton steps until they no longer matter; the last triangle.
     fn settle<const N: usize>(
         &self,
         out: &mut Reidentified<T, N, P>,
-        points: &[CheckPoint<T, N>],
+        all: impl Iterator<Item = Measurement<T, N>> + Clone,
         freedom: Freedom,
     ) -> Result<Triangle<T, P>, ReidentifyError> {
         let (fine, coarse) = (T::from_f32(1e-6), T::from_f32(1e-5));
         for step_number in 1..=MOST_STEPS {
-            let arm = Arm::new(&out.parameters);
-            let mut triangle = Triangle::new();
-            let weight = T::ONE / (self.sigma * self.sigma);
-            for point in points {
-                let (columns, rhs) = self.equations(out, &arm, point, freedom);
-                triangle.push_weighted(&columns, &rhs, weight)?;
-            }
+            let triangle = self.triangle(out, all.clone(), freedom)?;
             let x = triangle.solve(T::ONE, &self.scale)?.x;
             let largest = self.step(out, &x);
             out.steps = step_number;
@@ -207,6 +216,35 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
             }
         }
         Err(ReidentifyError::NotConverged)
+    }
+
+    /// The equations of all measurements about where everything is now. Their right-hand
+    /// side is the residual plus what the changes so far explain, so that the prior
+    /// counts from the stored parameters.
+    fn triangle<const N: usize>(
+        &self,
+        at: &Reidentified<'_, T, N, P>,
+        all: impl Iterator<Item = Measurement<T, N>>,
+        freedom: Freedom,
+    ) -> Result<Triangle<T, P>, ReidentifyError> {
+        let arm = Arm::new(&at.parameters);
+        let mut triangle = Triangle::new();
+        let unknowns = Unknowns {
+            parameters: &self.parameters,
+            change: &at.change,
+            arm_held: freedom == Freedom::Places,
+            weight: T::ONE / self.sigma,
+        };
+        for (index, measurement) in all.enumerate() {
+            let mut seen = arm.linearised(&measurement.q, &measurement.state);
+            seen.move_to(&at.station);
+            let equations = measurement.equations_at(&seen, &unknowns);
+            match equations.map_err(|why| ReidentifyError::BadMeasurement { index, why })? {
+                Equations::Point(columns, rhs) => triangle.push(&columns, &rhs)?,
+                Equations::Number(columns, rhs) => triangle.push(&columns, &rhs)?,
+            }
+        }
+        Ok(triangle)
     }
 
     /// Moves the arm and the tracker to the solution `x`; the largest step, in the
@@ -237,43 +275,19 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         largest
     }
 
-    /// The three equations of a point, a column a parameter. The right-hand side
-    /// is the residual plus what the changes so far explain, so that the prior
-    /// counts from the stored parameters.
-    fn equations<const N: usize>(
+    /// RMS distance of the measurements from the model, m.
+    fn rms<const N: usize>(
         &self,
-        at: &Reidentified<'_, T, N, P>,
-        arm: &Arm<'_, T, N>,
-        point: &CheckPoint<T, N>,
-        freedom: Freedom,
-    ) -> ([[T; 3]; P], [T; 3]) {
-        let linearised = point.linearised(arm).seen_from(&at.station);
-        let mut rhs = point.point - linearised.point();
-        let mut columns = [[T::ZERO; 3]; P];
-        for ((column, parameter), change) in
-            columns.iter_mut().zip(&self.parameters).zip(&at.change)
-        {
-            // A column of zeros holds its parameter.
-            if freedom == Freedom::All || parameter.is_station() {
-                let derivative = linearised.column(*parameter);
-                rhs += derivative * *change;
-                *column = [derivative.x, derivative.y, derivative.z];
-            }
+        at: &Reidentified<T, N, P>,
+        all: impl Iterator<Item = Measurement<T, N>>,
+    ) -> T {
+        let arm = Arm::new(&at.parameters);
+        let (mut sum, mut count) = (T::ZERO, T::ZERO);
+        for measurement in all {
+            let point = at.station.transform_point(&measurement.predicted(&arm));
+            sum += measurement.reading.miss_square(&point, &self.parameters, &at.change);
+            count += T::ONE;
         }
-        (columns, [rhs.x, rhs.y, rhs.z])
+        (sum / count).sqrt()
     }
-}
-
-/// RMS 3-D distance of the points from the model, m.
-fn rms<T: Scalar, const N: usize, const P: usize>(
-    at: &Reidentified<T, N, P>,
-    points: &[CheckPoint<T, N>],
-) -> T {
-    let arm = Arm::new(&at.parameters);
-    let mut sum = T::ZERO;
-    for point in points {
-        let rest = point.point - at.station.transform_point(&point.predicted(&arm));
-        sum += dot(&rest, &rest);
-    }
-    (sum / T::from_f32(points.len() as f32)).sqrt()
 }

@@ -4,27 +4,29 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::ReidentifyError;
 use crate::arm::Arm;
-use crate::check_point::CheckPoint;
 use crate::kinematics::{Pose, cross, dot, from_axes};
+use crate::measurement::{Measurement, Reading};
 use crate::scalar::Scalar;
 
-/// Where the tracker stands, from three of the points: the first, the one
+/// Where the tracker stands, from three of the measured points: the first, the one
 /// farthest from it, the one farthest from the line of these two.
 pub(super) fn place<T: Scalar, const N: usize>(
     arm: &Arm<T, N>,
-    points: &[CheckPoint<T, N>],
+    all: impl Iterator<Item = Measurement<T, N>> + Clone,
 ) -> Result<Pose<T>, ReidentifyError> {
-    let Some((first, rest)) = points.split_first() else {
-        return Err(ReidentifyError::TooFewPoints { points: 0, needed: 3 });
+    let points = all.filter_map(|measurement| match measurement.reading {
+        Reading::Point(point) => Some((measurement.predicted(arm), point)),
+        _ => None,
+    });
+    let Some(origin) = points.clone().next() else {
+        return Err(ReidentifyError::PointsOnALine);
     };
-    let origin = (first.predicted(arm), first.point);
     let farthest = |measure: &dyn Fn(&Vector3<T>) -> T| {
         let mut most = (T::ZERO, origin);
-        for point in rest {
-            let predicted = point.predicted(arm);
+        for (predicted, point) in points.clone() {
             let size = measure(&(predicted - origin.0));
             if size > most.0 {
-                most = (size, (predicted, point.point));
+                most = (size, (predicted, point));
             }
         }
         (most.1.0 - origin.0, most.1.1 - origin.1)

@@ -1,8 +1,9 @@
+use crate::measurement::MeasurementError;
 use crate::parameters::Parameter;
 use crate::solve::SolveError;
-use crate::words::{BAD_SIGMA, LAST_SEQUENCE, TooFew, holds_solve_error};
+use crate::words::{BAD_SIGMA, LAST_SEQUENCE, holds_solve_error, too_few};
 
-/// Why a point was not taken or no parameters were given.
+/// Why a measurement was not taken or no parameters were given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -17,20 +18,20 @@ pub enum StreamingError {
     },
     /// The standard deviation is not a positive number.
     BadSigma,
-    /// The point has a number that is none.
-    PointNotFinite,
+    /// The measurement cannot be taken.
+    BadMeasurement(MeasurementError),
     /// Fewer equations than parameters.
-    TooFewPoints {
-        /// Points given.
-        points: u32,
-        /// Points needed.
+    TooFewEquations {
+        /// Equations of the measurements taken.
+        equations: u32,
+        /// Equations needed.
         needed: u32,
     },
     /// The L-curve has no corner.
     NoCorner,
-    /// No point was held out to judge lambda by.
+    /// No measurement was held out to judge lambda by.
     NothingHeldOut,
-    /// Neither the points nor lambda determine this parameter.
+    /// Neither the measurements nor lambda determine this parameter.
     Undetermined {
         /// Its 0-based index in the list.
         index: usize,
@@ -49,13 +50,13 @@ impl core::fmt::Display for StreamingError {
                 write!(f, "parameter {place}, {parameter}: not of this arm, or there twice")
             }
             Self::BadSigma => f.write_str(BAD_SIGMA),
-            Self::PointNotFinite => f.write_str("the point is not finite"),
-            Self::TooFewPoints { points, needed } => TooFew { points, needed }.fmt(f),
+            Self::BadMeasurement(why) => write!(f, "the measurement is {why}"),
+            Self::TooFewEquations { equations, needed } => too_few(f, *equations, *needed),
             Self::NoCorner => f.write_str("the L-curve has no corner"),
-            Self::NothingHeldOut => f.write_str("no point was held out to judge lambda by"),
+            Self::NothingHeldOut => f.write_str("no measurement was held out to judge lambda by"),
             Self::Undetermined { index } => {
                 let place = index + 1;
-                write!(f, "the points do not determine parameter {place}, and lambda is zero")
+                write!(f, "the measurements do not determine parameter {place}, and lambda is zero")
             }
             Self::LastSequence => f.write_str(LAST_SEQUENCE),
             Self::Solve(error) => write!(f, "{error}"),

@@ -1,12 +1,13 @@
-//! Streaming identification: one measured point of this arm after the other, in
-//! memory that does not grow, and at any time parameters of this arm.
+//! Streaming identification: one measured point of this arm after the other, or touch, or
+//! distance, in memory that does not grow, and at any time parameters of this arm.
 //!
-//! Linear in the parameters: each point's equations are taken at the stored ones. What
+//! Linear in the parameters: each measurement's equations are taken at the stored ones. What
 //! that leaves out is of second order, half of the distance that a rotation of the
 //! identified size moves the tool, times that rotation: 0.5 um a metre for 1 mrad, 50 um
-//! for 10 mrad. [`StreamingIdentification::relinearise`] takes the points from then on at
-//! what was found; where only a few points are there and the change is large,
-//! [`crate::reidentify`] iterates over them instead.
+//! for 10 mrad. [`StreamingIdentification::relinearise`] takes the measurements from then on
+//! at what was found; where only a few are there and the change is large,
+//! [`crate::reidentify`] iterates over them instead. Touches and distances, also of planes
+//! and anchors of unknown place: [`crate::measurement`].
 //!
 //! ```
 //! use truearm::check_point::CheckPoint;
@@ -44,26 +45,27 @@ mod error;
 pub use error::StreamingError;
 
 use crate::arm::{Arm, ArmParameters};
-use crate::check_point::CheckPoint;
+use crate::measurement::{Equations, Measurement, Unknowns};
 use crate::parameters::{Certainty, Parameter, apply, first_bad};
 use crate::scalar::Scalar;
 use crate::solve::{StreamingTikhonov, Triangle};
 
-/// What to identify, and how well the points are measured.
+/// What to identify, and how well it is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings<T, const P: usize> {
-    /// The parameters; each once, none of the tracker's.
+    /// The parameters; each once, none of a tracker's place. Those of the place of a plane
+    /// or an anchor are beside the arm's.
     pub parameters: [Parameter; P],
     /// How far each may be from the stored one, 1 sigma, in its unit; the unit in which
     /// lambda weighs it. Infinite for no penalty; such parameters come first.
     pub scale: [T; P],
-    /// Standard deviation of a measured coordinate, m.
+    /// Standard deviation of a measured coordinate, height or distance, m.
     pub sigma: T,
-    /// Every so many points one only judges; none if 0.
+    /// Every so many measurements one only judges; none if 0.
     pub every: u32,
-    /// Weight of all earlier points at each new one, above 0, at most 1: they fade with
-    /// a time constant of `1 / (1 - forgetting)` points.
+    /// Weight of all earlier measurements at each new one, above 0, at most 1: they fade
+    /// with a time constant of `1 / (1 - forgetting)` measurements.
     pub forgetting: T,
 }
 
@@ -86,29 +88,32 @@ pub enum Lambda<T> {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Identified<'t, T, const N: usize, const P: usize> {
-    /// To be stored: the chosen parameters changed, `sequence` one higher than stored.
+    /// To be stored: the chosen parameters of the arm changed, `sequence` one higher than
+    /// stored.
     pub parameters: ArmParameters<'t, T, N>,
-    /// By how much each parameter differs from the stored one, in its unit.
+    /// By how much each parameter differs from the stored one, in its unit; of a plane or
+    /// an anchor from where it is stated to be, see
+    /// [`Plane::found`](crate::measurement::Plane::found).
     pub change: [T; P],
-    /// Standard deviation of each, in its unit, as lambda / scale^2 and the points
+    /// Standard deviation of each, in its unit, as lambda / scale^2 and the measurements
     /// leave it: of noise and prior alone. What linearising leaves comes on top, which
-    /// after a change of some milliradians is more; and points that faded count as
+    /// after a change of some milliradians is more; and those that faded count as
     /// measured the worse, which overstates it by up to sqrt(2) where nothing moved.
     pub sigma: [T; P],
-    /// Whether the points, rather than the scale, determine it: its standard
+    /// Whether the measurements, rather than the scale, determine it: its standard
     /// deviation is less than half of `scale / sqrt(lambda)`. Always so without a
     /// scale, though it may be that of another parameter which does.
     pub determined: [bool; P],
-    /// Independent directions among the parameters that the points show.
+    /// Independent directions among the parameters that the measurements show.
     pub rank: usize,
     /// The lambda used.
     pub lambda: T,
-    /// RMS 3-D distance of all points from the stored model, m.
+    /// RMS distance of all measurements from the stored model, m; of points in 3-D.
     pub rms_before: T,
-    /// The same from the new model, linearised. Of fitted points: no measure of
+    /// The same from the new model, linearised. Of fitted measurements: no measure of
     /// quality.
     pub rms_after: T,
-    /// RMS 3-D distance of the held-out points from the model of the fitted points
+    /// RMS distance of the held-out measurements from the model of the fitted ones
     /// alone, m, linearised; `None` where none was held out.
     pub held_out: Option<T>,
 }
@@ -126,8 +131,9 @@ pub struct StreamingIdentification<'t, T, const N: usize, const P: usize> {
     arm: Arm<'t, T, N>,
     change: [T; P],
     stream: StreamingTikhonov<T, P>,
-    /// Weights of the points that are fitted and that judge.
+    /// Weights of the measurements that are fitted and that judge.
     weights: [T; 2],
+    equations: u32,
 }
 
 impl<T: Scalar, const P: usize> Settings<T, P> {
@@ -166,33 +172,35 @@ impl<T: Scalar, const P: usize> Settings<T, P> {
             change: [T::ZERO; P],
             stream: StreamingTikhonov::new(self.every, self.forgetting)?,
             weights: [T::ZERO; 2],
+            equations: 0,
         })
     }
 }
 
 impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, T, N, P> {
-    /// Takes a point in the commanded frame; returns whether it only judges.
+    /// Takes a measurement in the commanded frame, a
+    /// [`CheckPoint`](crate::check_point::CheckPoint) or any other; whether it only judges.
     ///
     /// # Errors
-    /// [`StreamingError::PointNotFinite`], or [`StreamingError::Solve`] where the
-    /// model makes no number of it or it is too far from the model; no point has been
+    /// [`StreamingError::BadMeasurement`], or [`StreamingError::Solve`] where the
+    /// model makes no number of it or it is too far from the model; nothing has been
     /// added then.
-    pub fn push(&mut self, point: &CheckPoint<T, N>) -> Result<bool, StreamingError> {
-        if !point.is_finite() {
-            return Err(StreamingError::PointNotFinite);
-        }
-        let at = point.linearised(&self.arm);
-        let weight = T::ONE / self.settings.sigma;
-        let mut rest = point.point - at.point();
-        let mut columns = [[T::ZERO; 3]; P];
-        let all = columns.iter_mut().zip(&self.settings.parameters).zip(&self.change);
-        for ((column, parameter), change) in all {
-            let derivative = parameter.column(&at);
-            // Counted from the stored parameters, wherever it is linearised.
-            rest += derivative * *change;
-            *column = [derivative.x, derivative.y, derivative.z].map(|v| v * weight);
-        }
-        let judges = self.stream.push(&columns, &[rest.x, rest.y, rest.z].map(|v| v * weight))?;
+    pub fn push<M>(&mut self, measurement: &M) -> Result<bool, StreamingError>
+    where
+        M: Copy + Into<Measurement<T, N>>,
+    {
+        let measurement: Measurement<T, N> = (*measurement).into();
+        let Settings { parameters, sigma, .. } = &self.settings;
+        measurement.check(parameters).map_err(StreamingError::BadMeasurement)?;
+        let at = self.arm.linearised(&measurement.q, &measurement.state);
+        let unknowns =
+            Unknowns { parameters, change: &self.change, arm_held: false, weight: T::ONE / *sigma };
+        let equations = measurement.equations_at(&at, &unknowns);
+        let judges = match equations.map_err(StreamingError::BadMeasurement)? {
+            Equations::Point(columns, rhs) => self.stream.push(&columns, &rhs)?,
+            Equations::Number(columns, rhs) => self.stream.push(&columns, &rhs)?,
+        };
+        self.equations = self.equations.saturating_add(measurement.equations());
         let [fitted, held_out] = &mut self.weights;
         for (sum, counts) in [(fitted, !judges), (held_out, judges)] {
             *sum *= self.settings.forgetting;
@@ -203,23 +211,23 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
         Ok(judges)
     }
 
-    /// Points taken.
+    /// Measurements taken.
     #[must_use]
     pub fn points(&self) -> u32 {
         self.stream.points()
     }
 
-    /// The parameters as all points so far have them.
+    /// The parameters as all measurements so far have them.
     ///
     /// # Errors
-    /// See [`StreamingError`]; the points stay.
+    /// See [`StreamingError`]; the measurements stay.
     pub fn identified(
         &mut self,
         rule: Lambda<T>,
     ) -> Result<Identified<'t, T, N, P>, StreamingError> {
-        let (points, needed) = (self.points(), (P as u32).div_ceil(3));
-        if points < needed {
-            return Err(StreamingError::TooFewPoints { points, needed });
+        let (equations, needed) = (self.equations, P as u32);
+        if equations < needed {
+            return Err(StreamingError::TooFewEquations { equations, needed });
         }
         let (lambda, scale) = (self.lambda(rule)?, self.settings.scale);
         let held_out = self.judge(lambda)?;
@@ -250,10 +258,10 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
         })
     }
 
-    /// From now on points are linearised about what was found; those before stay as
+    /// From now on measurements are linearised about what was found; those before stay as
     /// they are, and what they and the scale say is still counted from the stored
     /// parameters. Worth it where the change is large, see [`crate::streaming`];
-    /// with a forgetting factor the error of the earlier points fades. `found` is a
+    /// with a forgetting factor the error of the earlier ones fades. `found` is a
     /// result of this identification.
     pub fn relinearise(&mut self, found: &Identified<'t, T, N, P>) {
         self.arm = Arm::new(&found.parameters);
@@ -275,7 +283,7 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
         }
     }
 
-    /// RMS of the held-out points from the solution of the fitted ones, m.
+    /// RMS of the held-out measurements from the solution of the fitted ones, m.
     #[inline(never)]
     fn judge(&mut self, lambda: T) -> Result<Option<T>, StreamingError> {
         let [_, judging] = self.weights;
@@ -286,8 +294,8 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
         Ok(Some(self.rms(self.stream.held_out(), &x, judging)))
     }
 
-    /// RMS 3-D distance of so many points, m.
-    fn rms(&self, triangle: &Triangle<T, P>, x: &[T; P], points: T) -> T {
-        (triangle.residual_square(x) / points).sqrt() * self.settings.sigma
+    /// RMS distance of so many measurements, m.
+    fn rms(&self, triangle: &Triangle<T, P>, x: &[T; P], measurements: T) -> T {
+        (triangle.residual_square(x) / measurements).sqrt() * self.settings.sigma
     }
 }

@@ -8,7 +8,7 @@ use crate::image::{
 };
 use crate::run::{Result, call, step};
 use crate::vectors::{self, Files};
-use crate::{budgets, m7, proof, qemu, refusals, reidentify, sigma, tools};
+use crate::{budgets, m7, proof, qemu, refusals, reidentify, sigma, tools, touches};
 
 pub fn run(blob: Option<&Path>) -> Result {
     tools::ensure()?;
@@ -44,6 +44,7 @@ fn run_all(files: &Files) -> Result {
     output += &step("run with curves", curves)?;
     output += &step("uncertainty of the tool point", sigma::check)?;
     output += &step("re-identification", reidentify::check)?;
+    output += &step("touches of a plate", touches::check)?;
     output += &step("a controller and nothing else", budgets::controller)?;
     step("budgets", || budgets::check(&output))
 }

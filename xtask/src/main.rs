@@ -11,6 +11,7 @@ mod demo;
 mod embassy;
 mod firmware;
 mod image;
+mod least_squares;
 mod line;
 mod log;
 mod m7;
@@ -20,6 +21,8 @@ mod peers;
 mod proof;
 mod python;
 mod qemu;
+#[path = "../../tests/firmware/src/records.rs"]
+mod records;
 mod refusals;
 mod reidentification_poses;
 mod reidentify;
@@ -29,6 +32,7 @@ mod store;
 mod study;
 mod test;
 mod tools;
+mod touches;
 mod vectors;
 
 use std::path::PathBuf;

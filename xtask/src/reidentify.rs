@@ -15,10 +15,11 @@ use truearm_host::blob::pack;
 use truearm_host::identify::{Identification, Options, identify};
 use truearm_host::model::Robot;
 
+use crate::records::{HEADER, header};
 use crate::run::{Result, target_dir};
 use crate::vectors::{Files, shipped};
 use crate::{image, qemu, reidentification_poses};
-use format::{HEADER, JOINTS, Known, MAGIC, Moved, POINTS, Run, Runs, SIGMA};
+use format::{BEHIND, JOINTS, Known, MAGIC, Moved, POINTS, Run, Runs, SIGMA};
 use truearm_study::simulated::{Truth, UR10_LIKE, normal, parse, rms, robot, state_of};
 
 const RUNS: u64 = 60;
@@ -56,12 +57,9 @@ pub fn check() -> Result<String> {
         (SEEDS..SEEDS + RUNS).into_par_iter().map(|seed| simulate(seed, &poses)).collect();
     let accidents =
         accidents.into_iter().collect::<std::result::Result<Vec<_>, truearm_host::Error>>()?;
-    let mut file = MAGIC.to_vec();
-    let blob = accidents.first().map_or(0, |a| a.bytes.len()) - 8 - POINTS * 4 * (JOINTS + 6);
-    for word in [accidents.len() as u32, blob as u32, 0] {
-        file.extend(word.to_le_bytes());
-    }
-    file.extend([0; 8]);
+    let blob = accidents.first().map_or(0, |a| a.bytes.len()) - BEHIND;
+    let begin = |expected| header(MAGIC, accidents.len(), blob, expected);
+    let mut file = begin(0).to_vec();
     file.extend(accidents.iter().flat_map(|a| &a.bytes));
     let runs = Runs::parse(&file).ok_or("the file of runs is not whole")?;
     let mut judged = Vec::new();
@@ -70,7 +68,7 @@ pub fn check() -> Result<String> {
         judged.extend(left.next().map(|accident| accident.judge(run, known, moved)));
     });
     let hash = hash.ok_or("a re-identification failed on the host")?;
-    file[HEADER - 8..HEADER].copy_from_slice(&hash.to_le_bytes());
+    file[..HEADER].copy_from_slice(&begin(hash));
     let path = target_dir().join("firmware/reidentify.vectors");
     fs::write(&path, &file)?;
     let files = Files { vectors: path, ..shipped() };

@@ -1,31 +1,23 @@
 //! The file of re-identification runs: blobs of arms before an accident and
 //! points measured after it. Shared by the image and xtask, so it needs no std.
 //!
-//! | offset | type | field |
-//! |---|---|---|
-//! | 0 | 4 bytes | `TARI` |
-//! | 4 | u32 | runs |
-//! | 8 | u32 | bytes of a blob |
-//! | 12 | u32 | 0 |
-//! | 16 | u64 | expected hash, see [`Runs::hash`] |
-//! | 24 | runs | each: the blob, two joints (u32), [`POINTS`] points |
+//! [`Records`] whose blob is followed by two joints (u32) and [`POINTS`] points.
 //!
 //! A point is six joint values, the tool point in the commanded frame and the
-//! same as a tracker elsewhere sees it: 12 `f32`, rad and m. Little-endian.
+//! same as a tracker elsewhere sees it: 12 `f32`, rad and m.
 
 #![allow(dead_code, reason = "each of its users needs a part")]
 
 use crc::{CRC_64_XZ, Crc};
-use truearm::blob::Blob;
 use truearm::check_point::CheckPoint;
 use truearm::parameters::Parameter;
 use truearm::reidentify::{Reidentified, Reidentify, ReidentifyError};
 use truearm::{ArmParameters, Pose};
 
+use crate::records::{Records, numbers};
+
 /// First four bytes.
 pub const MAGIC: [u8; 4] = *b"TARI";
-/// Bytes before the first run.
-pub const HEADER: usize = 24;
 /// Points of a run.
 pub const POINTS: usize = 10;
 /// Joints of the arm.
@@ -33,7 +25,10 @@ pub const JOINTS: usize = 6;
 /// Standard deviation of a measured coordinate, m.
 pub const SIGMA: f32 = 2e-5;
 
-const POINT_BYTES: usize = 4 * (JOINTS + 6);
+/// Numbers of a point.
+const POINT: usize = JOINTS + 6;
+/// Bytes of a run behind its blob.
+pub const BEHIND: usize = 8 + POINTS * POINT * 4;
 
 /// With the tracker where it was.
 pub type Known<'t> = Reidentified<'t, f32, JOINTS, 5>;
@@ -42,12 +37,7 @@ pub type Moved<'t> = Reidentified<'t, f32, JOINTS, 11>;
 
 /// A file in place.
 #[derive(Debug, Clone, Copy)]
-pub struct Runs<'a> {
-    /// Hash that the results must give.
-    pub expected: u64,
-    blob: usize,
-    runs: &'a [u8],
-}
+pub struct Runs<'a>(pub Records<'a>);
 
 /// One accident.
 #[derive(Debug, Clone)]
@@ -65,35 +55,17 @@ pub struct Run<'t> {
 impl<'a> Runs<'a> {
     /// Finds the runs in the front of `bytes`; `None` if they are not whole.
     pub fn parse(bytes: &'a [u8]) -> Option<Self> {
-        let (header, rest) = bytes.split_first_chunk::<HEADER>()?;
-        let word = |index: usize| {
-            let bytes = header.as_chunks::<4>().0.get(index).copied().unwrap_or_default();
-            u32::from_le_bytes(bytes)
-        };
-        if word(0).to_le_bytes() != MAGIC {
-            return None;
-        }
-        let (runs, blob) = (word(1) as usize, word(2) as usize);
-        let expected = u64::from(word(5)) << 32 | u64::from(word(4));
-        let size = blob.checked_add(8 + POINTS * POINT_BYTES)?;
-        Some(Self { expected, blob, runs: rest.get(..runs.checked_mul(size)?)? })
+        Records::parse(bytes, MAGIC, BEHIND).map(Self)
     }
 
     /// The runs; `None` for a blob that is refused.
     pub fn iter(&self) -> impl Iterator<Item = Option<Run<'a>>> + use<'a> {
-        let blob = self.blob;
-        self.runs.chunks_exact(blob + 8 + POINTS * POINT_BYTES).map(move |bytes| {
-            let (blob, rest) = bytes.split_at_checked(blob)?;
-            let (joints, points) = rest.split_at_checked(8)?;
-            let stored: ArmParameters<f32, JOINTS> = Blob::check(blob).ok()?.parameters().ok()?;
+        self.0.iter().map(|record| {
+            let (stored, behind): (ArmParameters<f32, JOINTS>, _) = record?;
+            let (joints, points) = behind.split_at_checked(8)?;
             let warmth = stored.reference_temperature;
             let point = |index: usize, moved: bool| {
-                let mut numbers = [0.0; JOINTS + 6];
-                let bytes = points.chunks_exact(POINT_BYTES).nth(index).unwrap_or_default();
-                for (number, bytes) in numbers.iter_mut().zip(bytes.as_chunks::<4>().0) {
-                    *number = f32::from_le_bytes(*bytes);
-                }
-                let [q @ .., x, y, z, u, v, w] = numbers;
+                let [q @ .., x, y, z, u, v, w] = numbers::<POINT>(points, index);
                 let [x, y, z] = if moved { [u, v, w] } else { [x, y, z] };
                 CheckPoint::plain(q, Pose::translation(x, y, z).translation, warmth)
             };

@@ -3,18 +3,14 @@
 //! and joints that put the tool on its target. Kinematics of 4x4 matrices in
 //! `f64`; nothing is the crate's but the blob it begins with.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DVector, Vector3};
 use truearm::ArmParameters;
 
 use super::cell::{Cell, Event, Joints};
+use crate::least_squares::least_squares;
 use truearm_simulate::arm::Arm;
 use truearm_simulate::oracle::{self, Matrix};
 use truearm_simulate::{at_rest, rigid};
-
-/// Step of the difference quotients, rad or m.
-const STEP: f64 = 1e-6;
-/// Gauss-Newton steps, of which two or three matter.
-const STEPS: usize = 6;
 
 /// A model of the arm, in the commanded frame.
 pub struct Reference(Arm);
@@ -83,24 +79,4 @@ impl Reference {
         });
         at(x.as_slice())
     }
-}
-
-/// Least squares from zero on; of many solutions the shortest.
-fn least_squares(unknowns: usize, residual: impl Fn(&[f64]) -> DVector<f64>) -> DVector<f64> {
-    let mut x = DVector::zeros(unknowns);
-    for _ in 0..STEPS {
-        let rest = residual(x.as_slice());
-        let columns: Vec<DVector<f64>> = (0..unknowns)
-            .map(|k| {
-                let mut moved = x.clone();
-                moved[k] += STEP;
-                (&rest - residual(moved.as_slice())) / STEP
-            })
-            .collect();
-        let jacobian = DMatrix::from_columns(&columns);
-        let whole = rest + &jacobian * &x;
-        // Neither vectors nor threshold are missing: this cannot fail.
-        x = jacobian.svd(true, true).solve(&whole, 1e-6).unwrap_or(x);
-    }
-    x
 }

@@ -5,7 +5,9 @@ use core::hint::black_box;
 use truearm::blob::{Blob, DecodeError};
 use truearm::check_point::CheckPoint;
 use truearm::drift::{DriftWatch, FalseAlarms};
-use truearm::parameters::Parameter;
+use truearm::measurement::{Anchor, Measurement, Plane, PlaneError};
+use truearm::nalgebra::Vector3;
+use truearm::parameters::{Axis, Parameter};
 use truearm::reidentify::Reidentify;
 use truearm::solve::{Memory, NormalEquations, SolveError, StreamingTikhonov, Triangle};
 use truearm::streaming::{self, Lambda, StreamingError};
@@ -22,10 +24,13 @@ pub fn watch_and_reidentify<T: Scalar>(bytes: &[u8], q: &[T; 6]) -> Result<(), D
     let [x, y, z] = Parameter::TOOL;
     let chosen = black_box([Parameter::JointOffset(1), Parameter::Term(2), x, y, z]);
     compute(Reidentify::new(&parameters, chosen, q[0]).run(&parameters, &points));
-    for frame in [Parameter::STATION, Parameter::BASE] {
-        compute(Reidentify::new(&parameters, black_box(frame), q[0]).run(&parameters, &points));
+    if let Ok(all) = measurements(black_box(&point)) {
+        let ([a, b, c], [d, e, f]) = (Parameter::plane(1, Axis::Z), Parameter::anchor(2));
+        for frame in [Parameter::STATION, Parameter::BASE, [a, b, c, d, e, f]] {
+            compute(Reidentify::new(&parameters, black_box(frame), q[0]).run(&parameters, &all));
+        }
+        compute(stream_points(&parameters, black_box(&point), &all, chosen));
     }
-    compute(stream_points(&parameters, black_box(&point), chosen));
     if let Ok(mut watch) = DriftWatch::<T, 6>::new(q[1], black_box(FalseAlarms::default())) {
         compute(watch.push(&arm, black_box(&point), &point.point));
         watch.explanations().for_each(compute);
@@ -35,14 +40,36 @@ pub fn watch_and_reidentify<T: Scalar>(bytes: &[u8], q: &[T; 6]) -> Result<(), D
     Ok(())
 }
 
+/// Of every kind, of places known and unknown.
+fn measurements<T: Scalar>(at: &CheckPoint<T, 6>) -> Result<[Measurement<T, 6>; 5], PlaneError> {
+    let [a, b, c, ..] = at.q;
+    let plane = Plane::new(at.point, Vector3::new(a, b, c))?;
+    let about = Plane::through(black_box([at.point; 3]))?.unknown(black_box(1));
+    let anchor = Anchor::new(at.point).unknown(black_box(2));
+    let (unknowns, change) = (black_box(Parameter::STATION), black_box([a; 6]));
+    compute((about.point(), about.normal(), about.label(), about.found(&unknowns, &change)));
+    compute((anchor.point(), anchor.label(), anchor.found(&unknowns, &change)));
+    Ok(black_box([
+        plane.touched(at.q, a, b),
+        about.touched(at.q, b, c),
+        Anchor::new(at.point).distance(at.q, a, b),
+        anchor.distance(at.q, b, c),
+        Measurement::from(*at),
+    ]))
+}
+
 fn stream_points<T: Scalar>(
     parameters: &ArmParameters6<'_, T>,
     point: &CheckPoint<T, 6>,
+    all: &[Measurement<T, 6>],
     chosen: [Parameter; 5],
 ) -> Result<(), StreamingError> {
     let mut stream =
         streaming::Settings::new(parameters, chosen, point.point.x).start(parameters)?;
     compute(stream.push(point));
+    for measurement in all {
+        compute((measurement.equations(), stream.push(measurement)));
+    }
     compute(stream.points());
     for lambda in [Lambda::TwoStep, Lambda::LCurve, Lambda::Fixed(point.point.y)] {
         let found = stream.identified(black_box(lambda))?;
