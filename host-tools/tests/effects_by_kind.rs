@@ -11,6 +11,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use truearm_host::diagnose::{DiagnoseOptions, Diagnosis, Verdict, diagnose};
 use truearm_host::model::Measurements;
+use truearm_host::page::picture::{Measured, Seen, parts};
 use truearm_simulate::arm::Arm;
 use truearm_simulate::body::Body;
 use truearm_simulate::effects::{Defect, Kind};
@@ -99,6 +100,83 @@ fn a_kind_that_is_noisier_than_stated_forces_no_name() {
     assert!((2.0..4.5).contains(&ratio), "{ratio}");
 }
 
+/// One kind is stated thirty and a hundred times too coarse: its scale is found, the name
+/// stands, a sound arm stays without one; what is said of the noise is of each kind.
+#[test]
+fn a_kind_stated_far_too_coarse_forces_no_name() {
+    let wanted = [("distance", 100), ("touch", 90)];
+    for (seed, coarse, hidden) in [(71, 100.0, true), (72, 30.0, true), (73, 30.0, false)] {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut cell = cell(&robot(), &mut rng);
+        cell.bent = hidden.then(|| bent(&cell, Defect { kind: GAIN, size: 1.2e-3 }));
+        let mut data = read(&robot(), &cell, &cell.file(&wanted, &mut rng));
+        let first = data.rows[0].kind;
+        let distances = data.rows.iter_mut().filter(|row| row.kind == first);
+        distances.for_each(|row| row.sigma *= coarse);
+        let found = diagnose(&robot(), &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap();
+        let out = &found.outcome;
+        let names: Vec<_> = out.effects.iter().map(|e| (e.name, e.joints.clone())).collect();
+        let expected = if hidden { vec![("joint-gain", vec![3])] } else { Vec::new() };
+        assert_eq!(names, expected, "{coarse}");
+        let scales: Vec<f64> = out.figures.kinds.iter().map(|k| k.noise_scale).collect();
+        assert!((0.6..1.6).contains(&(scales[0] * coarse)), "{scales:?}");
+        assert!((0.6..1.6).contains(&scales[1]), "{scales:?}");
+        assert!((scales[0]..scales[1]).contains(&out.noise_scale), "{}", out.noise_scale);
+    }
+}
+
+/// What an effect is named from is shown, whatever was measured.
+#[test]
+fn figures_show_every_kind() {
+    let wanted: [&Wanted; 3] = [
+        &[("distance", 200)],
+        &[("touch", 240)],
+        &[("point", 20), ("touch", 100), ("closure", 40)],
+    ];
+    for wanted in wanted {
+        let mut rng = ChaCha8Rng::seed_from_u64(90);
+        let mut cell = cell(&robot(), &mut rng);
+        cell.bent = Some(bent(&cell, Defect { kind: GAIN, size: 1.2e-3 }));
+        let data = read(&robot(), &cell, &cell.file(wanted, &mut rng));
+        let found = diagnose(&robot(), &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap();
+        let on = Measured { data: &data, rows: &found.rows, model: &found.model };
+        let parts = parts(&Seen::new(on).unwrap(), &found.outcome.effects);
+        let [part] = &parts[..] else { panic!("{wanted:?}: {} parts", parts.len()) };
+        assert_eq!(part.points.len() + part.silent, data.rows.len(), "{wanted:?}");
+        assert!(part.points.len() > data.rows.len() / 2, "{wanted:?}");
+        // They follow the line: 1.2 mrad per rad, shown in mrad against degrees.
+        let near = |(x, y): &(f64, f64)| {
+            let on_line =
+                part.curve.iter().min_by(|a, b| (a.0 - x).abs().total_cmp(&(b.0 - x).abs()));
+            (on_line.unwrap().1 - y).abs()
+        };
+        let mut off: Vec<f64> = part.points.iter().map(near).collect();
+        off.sort_by(f64::total_cmp);
+        assert!(off[off.len() / 2] < 0.1, "{wanted:?}: {} mrad", off[off.len() / 2]);
+        let largest = part.curve.iter().map(|p| p.1.abs()).fold(0.0, f64::max);
+        assert!(largest > 1.0, "{wanted:?}: {largest} mrad");
+    }
+}
+
+/// Where geometry is all there is, nothing is said of where it disagrees: not of closures,
+/// whose targets are where their points are less their residuals, and not where one
+/// kind follows another.
+#[test]
+fn nothing_is_said_of_where_a_sound_arm_disagrees() {
+    let wanted: [&Wanted; 3] = [
+        &[("closure", 150)],
+        &[("distance", 120), ("closure", 120)],
+        &[("touch", 100), ("distance", 100), ("plate", 60)],
+    ];
+    for (seed, wanted) in wanted.into_iter().enumerate() {
+        let mut rng = ChaCha8Rng::seed_from_u64(60 + seed as u64);
+        let cell = cell(&robot(), &mut rng);
+        let found = named(&cell, wanted, &mut rng).outcome;
+        assert_eq!(found.verdict, Verdict::Clean, "{wanted:?}");
+        assert!(found.whereabouts.is_empty(), "{wanted:?}: {:?}", found.whereabouts);
+    }
+}
+
 #[test]
 fn kinds_that_turn_with_the_last_frame_are_refused_by_name() {
     let mut rng = ChaCha8Rng::seed_from_u64(13);
@@ -149,7 +227,20 @@ fn several_files_of_a_session() {
         }
         let report = fs::read_to_string(folder.path().join(verb).join("report.json")).unwrap();
         assert!(report.contains("\"file\": \"touches.csv\""), "{verb}");
+        let page = fs::read_to_string(folder.path().join(verb).join("report.html")).unwrap();
+        assert!(page.contains("--apart-from lengths.csv --apart-from touches.csv"), "{verb}");
     }
+    let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
+    command.current_dir(&folder).args(["check", "robot.toml", "lengths.csv"]);
+    let out = command.output().unwrap();
+    let said = String::from_utf8(out.stdout).unwrap();
+    assert_eq!(out.status.code(), Some(4), "{said}");
+    assert!(said.contains("too few points, 0 beside 80 rows of other kinds"), "{said}");
+    write("holes.csv", &cell.file(&[("plate", 60), ("point", 20)], &mut rng));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
+    let out = command.current_dir(&folder).args(["check", "robot.toml", "holes.csv"]).output();
+    let out = out.unwrap();
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
     write("ranges.csv", &cell.file(&[("range", 3)], &mut rng));
     let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
     command.current_dir(&folder).args(["diagnose", "robot.toml", "--data", "lengths.csv"]);

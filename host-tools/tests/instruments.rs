@@ -257,6 +257,7 @@ fn labels_that_say_nothing_are_refused() {
         ("plate,p,h,,,,", "hole \"h\" of plate \"p\" is not known"),
         ("pixel,p,h,cam,1,2,", "camera \"cam\" is not known"),
         ("distance,,,,,,", "empty cell"),
+        ("distance,,,,,,-5", "-0.005 m away"),
         ("length,,,,,,5", "kind \"length\""),
         ("pose,,,,,,", "a row of kind \"pose\" needs x_mm"),
     ] {

@@ -60,8 +60,11 @@ impl Sample {
             let is_point = |row: &&crate::model::Row| kind(row).point(row).is_some();
             let points = all.iter().filter(is_point).count();
             let least = LEAST_ROWS + 2;
+            let others = all.len() - points;
             let why = if points >= least {
                 format!(", as {LEAST_OF_STATION} of a station are the least that count")
+            } else if others > 0 {
+                format!(" beside {others} rows of other kinds, which check does not look at")
             } else {
                 String::new()
             };

@@ -79,7 +79,7 @@ impl Diagnose {
         let arm = found.model.terms.iter().filter(|t| matches!(t, ModelTerm::Arm(_)));
         let next = Next {
             robot: self.robot.clone(),
-            data: data.path.clone(),
+            data: files.into_iter().cloned().collect(),
             out: self.out.clone(),
             terms: arm.count(),
         };

@@ -13,7 +13,7 @@ use super::{Said, warn, words};
 pub struct Evaluate {
     /// model.toml of `identify`
     model: PathBuf,
-    /// Measured points
+    /// Measurements of any kind
     data: PathBuf,
     /// Fit these on the file itself, for another tracker station or target
     #[arg(long, value_enum)]

@@ -92,7 +92,7 @@ impl Identify {
         let on = Measured { data: &data, rows: &found.rows, model: &found.model };
         let next = Next {
             robot: self.robot.clone(),
-            data: data.path.clone(),
+            data: files.into_iter().cloned().collect(),
             out: self.out.clone(),
             terms: 0,
         };

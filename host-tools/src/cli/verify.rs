@@ -41,9 +41,9 @@ pub struct Verify {
     /// How many of them
     #[arg(long, value_name = "N", default_value_t = 20, requires = "test_poses")]
     poses: usize,
-    /// Measurements of the identification, to keep the test poses apart from
+    /// Measurements of the identification, to keep the test poses apart from; of several files each
     #[arg(long, value_name = "DATA", requires = "test_poses")]
-    apart_from: Option<PathBuf>,
+    apart_from: Vec<PathBuf>,
     #[command(flatten)]
     workspace: Where,
     /// Other random test poses
@@ -139,7 +139,14 @@ impl Verify {
             joint.limits = covered.filter(|[low, high]| low < high).or(joint.limits);
         }
         let workspace = self.workspace.of(&robot)?;
-        let used = self.apart_from.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
+        let mut used: Option<Measurements> = None;
+        for path in &self.apart_from {
+            let read = Measurements::read(path, &robot)?;
+            used = Some(match used {
+                Some(others) => others.joined(read, &robot),
+                None => read,
+            });
+        }
         let poses = test_poses(model, &workspace, used.as_ref(), self.poses, self.seed)?;
         let inputs: Vec<&Path> = self.inputs().map(PathBuf::as_path).collect();
         own::write_like(path, &poses_csv(&robot, "cmd", &poses, &[]), &inputs, self.force)?;

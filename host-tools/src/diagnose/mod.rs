@@ -207,6 +207,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     if let kinds @ [_, _, ..] = &mut identified.figures.kinds[..] {
         kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
     }
+    let noise_scale = weighed.scale * problem.noise.middle(problem.data);
     let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed);
     let outcome = Outcome {
         figures: identified.figures,
@@ -214,7 +215,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         effects,
         suspected,
         unnamed,
-        noise_scale: weighed.scale,
+        noise_scale,
         nested_rms_mm: nested(&weighed, &best),
         noise_floor_mm: noise_floor(problem.data) * 1e3 / weighed.scale,
         reduced_chi_square: best.reduced,

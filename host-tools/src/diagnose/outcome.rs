@@ -116,7 +116,8 @@ pub struct Outcome {
     pub suspected: Vec<Effect>,
     /// Structure without a name that is left, in words, strongest first.
     pub unnamed: Vec<String>,
-    /// Noise over the stated standard deviation.
+    /// Noise over the stated standard deviation; of several kinds the middle of theirs,
+    /// each counted by its equations: the geometric mean of `noise_scale` of `kinds`.
     pub noise_scale: f64,
     /// RMS of held-out poses when everything is decided anew without each fold,
     /// the choice of effects included, mm.

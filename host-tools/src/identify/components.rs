@@ -17,11 +17,12 @@ use crate::tikhonov::covariance;
 /// Rounds of estimates, and the change of a scale that ends them.
 const ROUNDS: usize = 12;
 const SETTLED: f64 = 0.01;
-/// What is believed beforehand of a scale, as so many residuals of the stated
-/// size: a kind of two rows says little of its own noise.
-const BELIEVED: f64 = 2.0;
+/// Standard deviation of the logarithm of a scale, as it is believed beforehand: noise is
+/// stated within a factor of two at best. A kind of two rows says little of its own
+/// noise; many rows are believed though they were stated a hundred times too coarse.
+const BELIEVED: f64 = std::f64::consts::LN_2;
 /// Scales beyond this, either way, are another mistake.
-const BOUNDS: [f64; 2] = [0.02, 50.0];
+const BOUNDS: [f64; 2] = [1e-3, 1e3];
 
 /// The noise of every kind where there are several; of one kind alone the fit
 /// scales its own.
@@ -55,8 +56,7 @@ pub fn noise(problem: &Problem, rows: &[usize], start: &State) -> Result<Noise> 
         let mut moved = 0.0_f64;
         for ([squares, freedom], group) in sums.iter().zip(&groups) {
             let old = noise.of(group.kind, group.measure);
-            let ratio = (squares * old * old + BELIEVED) / (freedom.max(0.0) + BELIEVED);
-            let new = ratio.sqrt().clamp(BOUNDS[0], BOUNDS[1]);
+            let new = most_probable(squares * old * old, freedom.max(0.0));
             moved = moved.max((new / old).ln().abs());
             *noise.scale_mut(*group) = new;
         }
@@ -66,6 +66,24 @@ pub fn noise(problem: &Problem, rows: &[usize], start: &State) -> Result<Noise> 
     }
     Ok(noise)
 }
+
+/// The scale of a kind's noise of the largest posterior, by the sum of squares of its
+/// residuals in stated sigmas and how many of them are free: the root `u = ln k` of
+/// `freedom - squares exp(-2 u) + u / BELIEVED^2`, which rises with u.
+fn most_probable(squares: f64, freedom: f64) -> f64 {
+    let [mut low, mut high] = BOUNDS.map(f64::ln);
+    for _ in 0..HALVINGS {
+        let u = 0.5 * (low + high);
+        match freedom - squares * (-2.0 * u).exp() + u / BELIEVED.powi(2) < 0.0 {
+            true => low = u,
+            false => high = u,
+        }
+    }
+    (0.5 * (low + high)).exp()
+}
+
+/// Enough for twelve digits.
+const HALVINGS: usize = 44;
 
 /// Root mean square of the components of a group over some residuals, in the
 /// unit of files; `None` of none.
@@ -208,6 +226,20 @@ mod tests {
 
     use super::*;
     use crate::model::{Robot, Values};
+
+    /// Many residuals say their scale, two say little and none nothing.
+    #[test]
+    fn scales_of_noise() {
+        for scale in [0.01, 0.03, 0.3, 1.0, 30.0, 100.0_f64] {
+            let found = most_probable(100.0 * scale * scale, 100.0);
+            assert!((found / scale).ln().abs() < 0.05, "{scale}: {found}");
+        }
+        assert!((most_probable(0.0, 0.0) - 1.0).abs() < 1e-9);
+        let of_two = most_probable(2.0 * 0.01, 2.0);
+        assert!((0.2..0.6).contains(&of_two), "{of_two}");
+        let of_none_free = most_probable(1e-20, 0.0);
+        assert!((0.99..1.01).contains(&of_none_free), "{of_none_free}");
+    }
 
     /// Three rows of a kind may all be gross errors, of four no more than two.
     #[test]

@@ -30,6 +30,18 @@ impl Noise {
         groups(data).into_iter().map(|g| self.of(g.kind, g.measure)).fold(0.0, f64::max)
     }
 
+    /// The geometric mean of those that a file has, each equation counted once.
+    #[must_use]
+    pub fn middle(&self, data: &Measurements) -> f64 {
+        let of = |g: Group| {
+            let count: usize = data.rows.iter().map(|row| g.components(row).count()).sum();
+            (count as f64, count as f64 * self.of(g.kind, g.measure).ln())
+        };
+        let sums = groups(data).into_iter().map(of);
+        let (count, sum) = sums.fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+        (sum / f64::max(count, 1.0)).exp()
+    }
+
     /// Over another, of each component of each kind that a file has.
     #[must_use]
     pub fn over(&self, other: &Self, data: &Measurements) -> Vec<f64> {

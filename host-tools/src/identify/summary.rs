@@ -184,14 +184,9 @@ impl Findings<'_> {
     }
 
     /// Covariance of all unknowns, from noise and from regularisation.
-    fn covariances(&self) -> Covariances {
-        Covariances::of(self.problem, &self.found, spread(self.rule, self.found.lambda))
-    }
-
-    /// One standard deviation of every unknown, SI.
     #[must_use]
-    pub fn sigmas(&self) -> Vec<f64> {
-        self.covariances().total().diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
+    pub fn covariances(&self) -> Covariances {
+        Covariances::of(self.problem, &self.found, spread(self.rule, self.found.lambda))
     }
 }
 

@@ -5,11 +5,11 @@
 pub struct Column {
     /// Its name; the unit is its end: `_mm` becomes m, `_deg` rad, others stay.
     pub name: &'static str,
-    /// No value is larger than this, SI.
-    pub most: f64,
+    /// Every value is within, SI.
+    pub within: [f64; 2],
     /// What to do where it is missing.
     pub missing: &'static str,
-    /// What to do where a value is larger.
+    /// What to do where a value is not.
     pub wrong: &'static str,
 }
 

@@ -10,9 +10,9 @@ use crate::model::{Form, Row, Values};
 /// A length, m.
 pub(super) const COLUMNS: [Column; 1] = [Column {
     name: "distance_mm",
-    most: 1e3,
+    within: [0.0, 1e3],
     missing: "a distance needs distance_mm",
-    wrong: "give it in mm",
+    wrong: "give it in mm; no distance is below zero",
 }];
 
 /// Of the column `anchor`; without a label there is one.

@@ -20,8 +20,8 @@ impl Kind for Inclination {
 
     fn columns(&self) -> &'static [Column] {
         &[
-            Column { name: "incl_x_deg", most: 1.6, missing: AT, wrong: FAR },
-            Column { name: "incl_y_deg", most: 1.6, missing: AT, wrong: FAR },
+            Column { name: "incl_x_deg", within: [-1.6, 1.6], missing: AT, wrong: FAR },
+            Column { name: "incl_y_deg", within: [-1.6, 1.6], missing: AT, wrong: FAR },
         ]
     }
 

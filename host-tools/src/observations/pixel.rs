@@ -26,8 +26,8 @@ impl Kind for Pixel {
 
     fn columns(&self) -> &'static [Column] {
         &[
-            Column { name: "u_px", most: 1e5, missing: AT, wrong: FAR },
-            Column { name: "v_px", most: 1e5, missing: AT, wrong: FAR },
+            Column { name: "u_px", within: [-1e5, 1e5], missing: AT, wrong: FAR },
+            Column { name: "v_px", within: [-1e5, 1e5], missing: AT, wrong: FAR },
         ]
     }
 

@@ -9,9 +9,9 @@ const AT: &str = "the measured point needs x_mm, y_mm, z_mm";
 const FAR: &str = "give the point in mm";
 /// Where it is, m.
 pub(super) const COLUMNS: [Column; 3] = [
-    Column { name: "x_mm", most: 1e3, missing: AT, wrong: FAR },
-    Column { name: "y_mm", most: 1e3, missing: AT, wrong: FAR },
-    Column { name: "z_mm", most: 1e3, missing: AT, wrong: FAR },
+    Column { name: "x_mm", within: [-1e3, 1e3], missing: AT, wrong: FAR },
+    Column { name: "y_mm", within: [-1e3, 1e3], missing: AT, wrong: FAR },
+    Column { name: "z_mm", within: [-1e3, 1e3], missing: AT, wrong: FAR },
 ];
 
 /// The kind of a row without a `kind` of its own.

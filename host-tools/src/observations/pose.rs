@@ -26,10 +26,10 @@ impl Kind for FullPose {
             POINT[0],
             POINT[1],
             POINT[2],
-            Column { name: "qx", most: 1.1, missing: AT, wrong: UNIT },
-            Column { name: "qy", most: 1.1, missing: AT, wrong: UNIT },
-            Column { name: "qz", most: 1.1, missing: AT, wrong: UNIT },
-            Column { name: "qw", most: 1.1, missing: AT, wrong: UNIT },
+            Column { name: "qx", within: [-1.1, 1.1], missing: AT, wrong: UNIT },
+            Column { name: "qy", within: [-1.1, 1.1], missing: AT, wrong: UNIT },
+            Column { name: "qz", within: [-1.1, 1.1], missing: AT, wrong: UNIT },
+            Column { name: "qw", within: [-1.1, 1.1], missing: AT, wrong: UNIT },
         ]
     }
 

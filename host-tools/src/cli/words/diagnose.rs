@@ -1,6 +1,7 @@
 use truearm_host::diagnose::policy::POLICY;
 use truearm_host::diagnose::{Alternative, Effect, Outcome, Verdict, said};
 use truearm_host::effects::OUTLIERS;
+use truearm_host::identify::KindFigures;
 use truearm_host::model::CURVE;
 use truearm_host::table::Table;
 use truearm_host::units::MILLI;
@@ -32,7 +33,7 @@ pub fn diagnosis(r: &Outcome) -> String {
             "held out with the choice of effects made anew in each fold: {nested:.4} mm\n"
         );
     }
-    out += &format!("noise is {:.2} times the stated standard deviation\n", r.noise_scale);
+    out += &format!("noise is {} the stated standard deviation\n", noise(r));
     if !b.outliers.is_empty() {
         let what = match r.effects.iter().any(|e| e.name == OUTLIERS) {
             true => "flagged as gross errors and left out",
@@ -47,6 +48,17 @@ pub fn diagnosis(r: &Outcome) -> String {
     r.alternatives.iter().for_each(|a| out += &alternative(a, r));
     r.not_testable.iter().for_each(|line| out += &format!("not testable: {line}\n"));
     out
+}
+
+/// By how much it is larger, of each kind where there are several.
+fn noise(r: &Outcome) -> String {
+    match &r.figures.kinds[..] {
+        kinds @ [_, _, ..] => {
+            let of = |k: &KindFigures| format!("of {} {:.2} times", k.kind, k.noise_scale);
+            kinds.iter().map(of).collect::<Vec<_>>().join(", ")
+        }
+        _ => format!("{:.2} times", r.noise_scale),
+    }
 }
 
 fn verdict(r: &Outcome) -> &'static str {

@@ -12,7 +12,8 @@ pub fn validation(v: &Validation) -> String {
         table.row("identified, all rows", v.all_rows.as_ref());
     }
     out += &table.text();
-    for k in v.kinds.iter().filter(|k| k.kind != "point") {
+    let alone = v.kinds.len() == 1;
+    for k in v.kinds.iter().filter(|k| !alone || k.kind != "point") {
         let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.4} {}", k.unit));
         let (before, after) = (number(k.nominal_rms), number(k.rms));
         out += &format!("{}: RMS {before} nominal, {after} identified\n", k.kind);

@@ -1,6 +1,7 @@
 use truearm::JointKind;
 use truearm::effects::ActsOn;
 
+use super::certainty::sigmas;
 use super::gap::stage_name;
 use crate::diagnose::node::{Node, crowded};
 use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
@@ -21,7 +22,7 @@ pub fn effects(
     best: &Node,
     weighed: &Weighed,
 ) -> (Vec<Effect>, Vec<Effect>) {
-    let sigmas = findings.sigmas();
+    let sigmas = sigmas(findings, weighed.moments.as_ref());
     let kinds: Vec<JointKind> = findings.problem.nominal.iter().map(|link| link.kind).collect();
     let first = findings.problem.unknowns.terms().start;
     let (mut named, mut suspected) = curves(weighed, gap);

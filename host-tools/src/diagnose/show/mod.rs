@@ -3,6 +3,7 @@
 //! stay within reach, and the poses that would tell them apart.
 
 mod alternatives;
+mod certainty;
 mod effects;
 mod gap;
 mod stages;

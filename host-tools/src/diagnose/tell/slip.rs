@@ -10,10 +10,15 @@ use crate::model::arm::Derivatives;
 use crate::units::{joint_to_file, joint_unit};
 
 /// The joint value's step, from some row to the last in the order of
-/// measurement, that explains most of the residuals.
+/// measurement, that explains most of the residuals of one kind.
 #[must_use]
 pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     let rows = &root.fit.kept;
+    let kind_of = |row: &usize| problem.data.rows[*row].kind;
+    // Files put behind each other: from kind to kind steps what geometry lacks.
+    if rows.iter().any(|row| kind_of(row) != kind_of(&rows[0])) {
+        return Vec::new();
+    }
     let weights = Weights { rows: vec![1.0; problem.data.rows.len()], common: 0.0 };
     let columns = scan::joints(problem, &root.fit.fit.state, rows, &weights, (lambda, 1.0));
     let order = slips::in_order(problem, rows);

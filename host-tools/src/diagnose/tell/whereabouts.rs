@@ -9,6 +9,7 @@ use crate::diagnose::node::{Node, crowded};
 use crate::diagnose::policy::POLICY;
 use crate::identify::Problem;
 use crate::model::{KindId, Values};
+use crate::observations::kind;
 
 /// Sentences for what is significant, a joint that slipped first, then strongest
 /// first. `lambda` is that of the fit.
@@ -53,7 +54,12 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
         Some(series.iter().skip(1).map(of).collect())
     });
     test("the region of the workspace".to_owned(), &|i| {
-        Some(at.target(rows[i]).0.iter().copied().collect())
+        let target = at.target(rows[i]).0;
+        // A closure's target is where its point is, less the residual: of what is no point
+        // itself only the place is taken, or the residual would explain itself.
+        let own = kind(row(i)).point(row(i)).is_some();
+        let place = if own { target } else { target.map(|x| (x / PLACE).round() * PLACE) };
+        Some(place.iter().copied().collect())
     });
     let count = tests.len() as f64;
     let mut found: Vec<(f64, String)> = Vec::new();
@@ -71,6 +77,10 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
         if crowded(root) { contradiction(problem, root) } else { step(problem, root, lambda) };
     slips.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect()
 }
+
+/// Places nearer to each other than this are one, m: more than residuals are, and less
+/// than a workspace.
+const PLACE: f64 = 0.02;
 
 /// Share of the residuals' variance that linear functions explain, in all
 /// components, and its p value (likelihood ratio). Residuals are in sigmas; rows

@@ -91,7 +91,8 @@ impl MeasuredColumns {
             // What two rows tell together stands in either.
             let Some(value) = self.number(cells, *at, pair.is_some())? else { continue };
             let value = value * column.unit();
-            if value.abs() > column.most {
+            let [least, most] = column.within;
+            if value < least || value > most {
                 return Err(cells.fail(*at, column.too_large(value), column.wrong));
             }
             values = values.iter().copied().chain([value]).collect();

@@ -56,7 +56,7 @@ pub fn left(seen: &Seen) -> Vec<Left> {
     }
     let mut out: Vec<Left> = Vec::new();
     for (joint, kind) in kinds.iter().enumerate() {
-        let action: Vec<_> = seen.moves.iter().map(|d| *d.links[joint].joint(*kind)).collect();
+        let action = seen.along_joint(joint, *kind);
         let of = |covariate: &Covariate| binned(seen, joint, &action, covariate, &kinds);
         let curves = covariates.iter().filter_map(of).filter(|left| left.deviations > TOLD);
         out.extend(curves.max_by(|a, b| a.deviations.total_cmp(&b.deviations)));

@@ -121,7 +121,7 @@ fn of_joint(joint: usize, seen: &Seen) -> (String, f64) {
     }
 }
 
-/// How targets move with an amount of a term, m per SI.
+/// How what rows measure of their targets moves with an amount of a term, m per SI.
 fn action(seen: &Seen, term: &ModelTerm) -> Vec<Vector3<f64>> {
     let of = |(k, d): (usize, &crate::model::arm::Derivatives)| match term {
         ModelTerm::Arm(t) => seen.action(t, d, k),
@@ -136,7 +136,7 @@ fn action(seen: &Seen, term: &ModelTerm) -> Vec<Vector3<f64>> {
             measurement_column(&whole, &hour, d, &base)
         }
     };
-    seen.moves.iter().enumerate().map(of).collect()
+    seen.moves.iter().enumerate().map(|(k, d)| seen.measured(k, &of((k, d)))).collect()
 }
 
 /// What a row shows of an action, SI.
@@ -191,7 +191,7 @@ fn curve(seen: &Seen, which: usize) -> Part {
     let tables = JointTables::new(std::slice::from_ref(curve));
     let covariate = Covariate::Angle(joint);
     let kind = seen.state.links[joint].kind;
-    let action: Vec<_> = seen.moves.iter().map(|d| *d.links[joint].joint(kind)).collect();
+    let action = seen.along_joint(joint, kind);
     let rows = &seen.on.data.rows;
     let at = |k: usize| tables.value(curve.joint(), rows[seen.kept[k]].q[joint]);
     let points = shown(seen, &action, &covariate, at);

@@ -1,12 +1,13 @@
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
+use truearm::JointKind;
 use truearm::effects::Term;
 
 use crate::error::Result;
 use crate::evaluate::{Reregister, state_on};
-use crate::identify::{Conditions, Predictor, RowResult, State};
+use crate::identify::{Conditions, Predictor, RowResult, State, View};
 use crate::model::arm::Derivatives;
-use crate::model::{Measurements, Model};
-use crate::observations::kind;
+use crate::model::{Measurements, Model, Row};
+use crate::observations::{Body, Measure, kind};
 use crate::statistics::median;
 
 /// What was measured, and what a model makes of it.
@@ -20,7 +21,8 @@ pub struct Measured<'a> {
     pub model: &'a Model,
 }
 
-/// Rows that measured a point and were not left out, with how the point moves.
+/// Rows that measured where their target is, or a length that tells of it, and were not
+/// left out, with how the target moves.
 pub struct Seen<'a> {
     /// What was measured.
     pub on: Measured<'a>,
@@ -32,6 +34,8 @@ pub struct Seen<'a> {
     pub kept: Vec<usize>,
     /// How the target of each kept row moves.
     pub moves: Vec<Derivatives>,
+    /// What of a motion each of them measures: all of it, or its part along a direction.
+    measures: Vec<Matrix3<f64>>,
 }
 
 /// Rows whose target moves by less than this share of the median tell nothing.
@@ -47,17 +51,25 @@ impl<'a> Seen<'a> {
         let conditions = Conditions::of_model(on.data, on.model);
         let predictor = Predictor::new(&state);
         let rows = &on.data.rows;
-        let point = |i: &usize| kind(&rows[*i]).point(&rows[*i]).is_some();
-        let kept: Vec<usize> =
-            (0..rows.len()).filter(|i| !on.rows[*i].flagged).filter(point).collect();
+        let tells = |i: &usize| !on.rows[*i].flagged && is_of_target(&rows[*i]);
+        let kept: Vec<usize> = (0..rows.len()).filter(tells).collect();
         let moves = kept.iter().map(|i| predictor.derivatives(&rows[*i], *i, &conditions).0);
         let moves = moves.collect();
-        Ok(Self { on, conditions, state, kept, moves })
+        let view = View { model: &predictor, data: on.data, conditions: &conditions };
+        let measures = kept.iter().map(|i| measured(*i, &view)).collect();
+        Ok(Self { on, conditions, state, kept, moves, measures })
     }
 
-    /// What the model leaves of a kept row, m, in the tracker's frame.
+    /// What the model leaves of a kept row, m: of a point in the tracker's frame, else
+    /// what is measured.
     pub fn left(&self, k: usize) -> Vector3<f64> {
-        self.on.rows[self.kept[k]].identified.point()
+        let left = &self.on.rows[self.kept[k]].identified;
+        Vector3::from_fn(|c, _| left.get(c).copied().unwrap_or(0.0))
+    }
+
+    /// What a kept row measures of a motion of its target, m, in the same directions.
+    pub fn measured(&self, k: usize, motion: &Vector3<f64>) -> Vector3<f64> {
+        self.measures[k] * motion
     }
 
     /// How the target of a kept row moves with what a term deflects.
@@ -67,6 +79,12 @@ impl<'a> Seen<'a> {
         d.action(term, inputs, &self.on.data.rows[row].q, &self.state.links)
     }
 
+    /// What each kept row measures of a motion of a joint, m per rad or m.
+    pub fn along_joint(&self, joint: usize, kind: JointKind) -> Vec<Vector3<f64>> {
+        let motions = self.moves.iter().map(|d| d.links[joint].joint(kind));
+        motions.enumerate().map(|(k, motion)| self.measured(k, motion)).collect()
+    }
+
     /// Which kept rows tell of an action: how far their targets move with it
     /// is not far below the median.
     pub fn telling(&self, action: &[Vector3<f64>]) -> Vec<usize> {
@@ -74,6 +92,25 @@ impl<'a> Seen<'a> {
         let tells = |k: &usize| action[*k].norm() > LEVER * size && size > 0.0;
         (0..action.len()).filter(tells).collect()
     }
+}
+
+/// Whether a row's lengths say where its own target is, and nothing else.
+fn is_of_target(row: &Row) -> bool {
+    let own = kind(row);
+    let lengths = (0..own.components().len()).all(|c| own.measure(c) == Measure::Length);
+    own.point(row).is_some() || (lengths && !own.turns() && own.joined_by().is_none())
+}
+
+/// How what a row measures moves with its target.
+fn measured(index: usize, view: &View) -> Matrix3<f64> {
+    let row = &view.data.rows[index];
+    if kind(row).point(row).is_some() {
+        return Matrix3::identity();
+    }
+    let parts = kind(row).partials(index, view).arm;
+    let own = parts.iter().find(|part| part.row == index && part.body == Body::Target);
+    let pull = own.map(|part| &part.pull);
+    Matrix3::from_fn(|i, j| pull.and_then(|pull| pull.get((i, j))).copied().unwrap_or(0.0))
 }
 
 impl Measured<'_> {

@@ -15,8 +15,8 @@ use crate::markup::{Node, element};
 pub struct Next {
     /// robot.toml
     pub robot: PathBuf,
-    /// measurements.csv
-    pub data: PathBuf,
+    /// measurements.csv, and what else was measured.
+    pub data: Vec<PathBuf>,
     /// Folder of model.toml, if it was written.
     pub out: Option<PathBuf>,
     /// Terms of the arm that the model has.
@@ -37,9 +37,12 @@ fn word(path: &Path) -> String {
 /// The commands that follow, the next first, each with what it is for.
 #[must_use]
 pub fn commands(verb: &str, alternatives: &[Alternative], next: &Next) -> Vec<(String, String)> {
-    let (robot, data) = (word(&next.robot), word(&next.data));
+    let (robot, files) = (word(&next.robot), next.data.iter().map(|path| word(path)));
+    let files: Vec<String> = files.collect();
+    let data = files.join(" --data ");
     let mut out = Vec::new();
-    if !alternatives.is_empty() {
+    // `plan` reads one file.
+    if !alternatives.is_empty() && files.len() == 1 {
         out.push((
             "poses that tell the alternatives apart".to_owned(),
             format!("truearm plan {robot} --poses 6 --discriminate {data} --out poses.csv"),
@@ -66,7 +69,10 @@ pub fn commands(verb: &str, alternatives: &[Alternative], next: &Next) -> Vec<(S
     ));
     out.push((
         "poses to verify the flashed arm at".to_owned(),
-        format!("truearm verify {model} --test-poses check.csv --apart-from {data}"),
+        format!(
+            "truearm verify {model} --test-poses check.csv --apart-from {}",
+            files.join(" --apart-from ")
+        ),
     ));
     out
 }
