@@ -34,11 +34,15 @@ pub struct Seen<'a> {
     pub moves: Vec<Derivatives>,
 }
 
+/// Rows that pictures are made of, evenly spread where there are more: a bin of a
+/// curve then still holds hundreds, and each row takes a kilobyte.
+const MOST: usize = 10_000;
+
 /// Rows whose target moves by less than this share of the median tell nothing.
 const LEVER: f64 = 0.4;
 
 impl<'a> Seen<'a> {
-    /// All that were not flagged.
+    /// Those that were not flagged.
     ///
     /// # Errors
     /// A model of other stations or markers than those of the rows.
@@ -48,8 +52,10 @@ impl<'a> Seen<'a> {
         let predictor = Predictor::new(&state);
         let rows = &on.data.rows;
         let point = |i: &usize| kind(&rows[*i]).point(&rows[*i]).is_some();
-        let kept: Vec<usize> =
+        let mut kept: Vec<usize> =
             (0..rows.len()).filter(|i| !on.rows[*i].flagged).filter(point).collect();
+        let step = kept.len().div_ceil(MOST).max(1);
+        kept = kept.into_iter().step_by(step).collect();
         let moves = kept.iter().map(|i| predictor.derivatives(&rows[*i], *i, &conditions).0);
         let moves = moves.collect();
         Ok(Self { on, conditions, state, kept, moves })
