@@ -48,7 +48,9 @@ pub fn analyse(problem: &Problem, state: &State, rows: &[usize]) -> Redundancy {
     let null = v_t.rows(rank, v_t.nrows() - rank).into_owned();
     let weak = (0..rank).filter(|k| s[*k] < 1.0).map(|k| {
         let mut parts: Vec<usize> = (0..v_t.ncols()).collect();
-        parts.sort_by(|a, b| v_t[(k, *b)].abs().total_cmp(&v_t[(k, *a)].abs()));
+        // To so many digits: two that trade off share alike, and rounding must not order them.
+        let share = |j: &usize| (v_t[(k, *j)].abs() * 1e6).round() as i64;
+        parts.sort_by_key(|j| std::cmp::Reverse(share(j)));
         let named = parts.into_iter().take(4).filter(|j| v_t[(k, *j)].abs() > 0.3);
         let named: Vec<&str> = named.map(|j| names[j].as_str()).collect();
         format!("{} (known to {:.1} tolerances only)", named.join(" with "), 1.0 / s[k])
