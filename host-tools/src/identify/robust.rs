@@ -235,7 +235,7 @@ fn deletions(
     let columns = at.columns(rows, None);
     let unknowns = cov.nrows();
     let (a, b) = (columns.rows(0, unknowns), columns.row(unknowns));
-    let weighed = cov * &a;
+    let weighed = cov * columns.rows(0, unknowns);
     let mut first = 0;
     let of = |row: &usize| {
         let own = first;
