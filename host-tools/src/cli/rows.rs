@@ -49,13 +49,12 @@ pub fn residuals(data: &Measurements, rows: &[RowResult]) -> String {
             cells.insert(1, data.file_of(i).display().to_string());
         }
         cells.extend([station.clone(), marker.clone(), u8::from(result.flagged).to_string()]);
+        let own = named(&result.identified);
+        let places = names.iter().map(|name| own.iter().position(|c| c == name));
         for v in [Some(result.nominal), Some(result.identified), result.held_out] {
-            let told = |name: &String| {
-                let v = v?;
-                let place = named(&v).iter().position(|c| c == name)?;
-                Some(format!("{:.5}", v.in_files().get(place)?))
-            };
-            cells.extend(names.iter().map(|name| told(name).unwrap_or_default()));
+            let values = v.map(|v| v.in_files()).unwrap_or_default();
+            let told = |place: Option<usize>| Some(format!("{:.5}", values.get(place?)?));
+            cells.extend(places.clone().map(|place| told(place).unwrap_or_default()));
         }
         cells
     };

@@ -271,6 +271,7 @@ fn findings<'a>(
             robust: best.fit.clone(),
             lambda: q.flags.lambda,
             choice: None,
+            solved: None,
         },
         curves: show.tables.to_vec(),
         held_out,

@@ -83,8 +83,7 @@ pub fn fitted(q: &Question, added: Vec<Candidate>, near: &State) -> Result<Node>
 
 fn node(q: &Question, added: Vec<Candidate>, problem: &Problem, fit: RobustFit) -> Node {
     let at = problem.linearise(&fit.fit.state);
-    let scaled = |r: &usize| at.equations(*r).scaled_residual().iter().map(|r| r * r).sum::<f64>();
-    let square: f64 = fit.kept.iter().map(scaled).sum();
+    let square: f64 = fit.kept.iter().map(|r| at.scaled_residual(*r).norm_squared()).sum();
     let prior = q.flags.lambda * problem.corrections(&fit.fit.state).norm_squared();
     let unknowns = problem.unknowns.list().len() as f64;
     let freedom = (problem.equations(&fit.kept) as f64 - unknowns).max(1.0);

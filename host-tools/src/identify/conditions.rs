@@ -1,6 +1,7 @@
 //! What terms depend on, row by row: gravity, approach side, temperature.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use truearm::{Approach, Pose};
 
 use crate::model::arm::{ArmMasses, Kinematics, RowInputs, chain};
@@ -92,7 +93,7 @@ impl Conditions {
     pub fn new(data: &Measurements, robot: &Robot) -> Self {
         let surroundings = Surroundings::new(robot);
         let mut rows: Vec<RowInputs> =
-            data.rows.iter().map(|row| surroundings.inputs(row, &row.q)).collect();
+            data.rows.par_iter().map(|row| surroundings.inputs(row, &row.q)).collect();
         let torques = read_torques(&mut rows, data, robot);
         let differ = |f: fn(&crate::model::Row) -> Option<f64>| {
             let mut values = data.rows.iter().filter_map(f);

@@ -10,13 +10,14 @@
 //! arms; for one given arm those of the noise cover the *mean* of many
 //! identifications, which is not the truth where the data are weak.
 
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
-use rayon::prelude::*;
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6xX, SMatrix, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::accumulate::{CHUNK, tree};
 use super::damped::ANOTHER_ARM;
 use super::estimate::Estimate;
+use super::linearised::Linearised;
 use super::problem::{Problem, Scaling};
 use super::redundancy::correlated;
 use super::unknowns::Unknown;
@@ -152,24 +153,14 @@ pub struct Uncertainty {
 #[must_use]
 pub fn uncertainty(problem: &Problem, found: &Estimate, of: &Covariances) -> Uncertainty {
     let at = problem.linearise(&found.fit.state);
-    let (mut squares, mut largest) = ([0.0; 2], [0.0_f64; 2]);
-    let mut count: f64 = 0.0;
-    let targets = found.robust.kept.par_iter().map(|row| at.target(*row));
-    let (points, mut blocks): (Vec<_>, Vec<_>) = targets.collect::<Vec<_>>().into_iter().unzip();
-    if (0..problem.data.stations.len()).all(|s| problem.unknowns.station(s).is_none()) {
-        without_frame(&points, &mut blocks);
-    }
-    let bars = |block: &DMatrix<f64>| of.of_predicted(block);
-    for bars in blocks.par_iter().map(bars).collect::<Vec<_>>() {
-        count += bars[0].len() as f64;
-        for (k, sigma) in bars.iter().enumerate() {
-            squares[k] += sigma.norm_squared();
-            largest[k] = largest[k].max(sigma.amax());
-        }
-    }
-    let count = count.max(1.0);
-    let [noise_rms_mm, rms_mm] = squares.map(|s| (s / count).sqrt() * FACTOR * 1e3);
-    let [noise_max_mm, max_mm] = largest.map(|m| m * FACTOR * 1e3);
+    let rows = &found.robust.kept;
+    let frameless = (0..problem.data.stations.len()).all(|s| problem.unknowns.station(s).is_none());
+    let frame = if frameless { Frame::of(&at, rows) } else { None };
+    let leaf = |rows: &[usize]| Bars::of(&at, of, frame.as_ref(), rows);
+    let bars = tree(rows, CHUNK, &leaf, &Bars::join);
+    let count = bars.count.max(1) as f64;
+    let [noise_rms_mm, rms_mm] = bars.squares.map(|s| (s / count).sqrt() * FACTOR * 1e3);
+    let [noise_max_mm, max_mm] = bars.largest.map(|m| m.sqrt() * FACTOR * 1e3);
     Uncertainty {
         confidence: 0.95,
         tool_point: PointBars { rms_mm, max_mm, noise_rms_mm, noise_max_mm },
@@ -178,28 +169,81 @@ pub fn uncertainty(problem: &Problem, found: &Estimate, of: &Covariances) -> Unc
     }
 }
 
-/// Takes out of the motions of points what moves all of them as one body: where
-/// nothing is known in the station's frame, where the arm stands is no error.
-fn without_frame(points: &[Vector3<f64>], blocks: &mut [DMatrix<f64>]) {
-    let Some(columns) = blocks.first().map(DMatrix::ncols) else { return };
-    let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
-    let rigid = |point: &Vector3<f64>| {
+/// Variances of the coordinates of predicted points, m^2: from noise alone, and with
+/// the bias.
+#[derive(Default)]
+struct Bars {
+    count: usize,
+    squares: [f64; 2],
+    largest: [f64; 2],
+}
+
+impl Bars {
+    fn of(at: &Linearised, of: &Covariances, frame: Option<&Frame>, rows: &[usize]) -> Self {
+        let mut motions = DMatrix::zeros(of.units.len(), 3 * rows.len());
+        for (i, row) in rows.iter().enumerate() {
+            let (point, mut block) = at.target(*row);
+            if let Some(frame) = frame {
+                block -= frame.rigid(&point) * &frame.moved;
+            }
+            motions.columns_mut(3 * i, 3).copy_from(&block.transpose());
+        }
+        let [noise, bias] = [&of.noise, &of.bias].map(|covariance| covariance * &motions);
+        let mut bars = Self { count: motions.ncols(), ..Self::default() };
+        for (k, motion) in motions.column_iter().enumerate() {
+            let [noise, bias] = [&noise, &bias].map(|c| motion.dot(&c.column(k)).max(0.0));
+            for (k, variance) in [noise, noise + bias].into_iter().enumerate() {
+                bars.squares[k] += variance;
+                bars.largest[k] = bars.largest[k].max(variance);
+            }
+        }
+        bars
+    }
+
+    fn join(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            squares: core::array::from_fn(|k| self.squares[k] + other.squares[k]),
+            largest: core::array::from_fn(|k| self.largest[k].max(other.largest[k])),
+        }
+    }
+}
+
+/// How all points move as one body, to be taken out of their motions: where nothing is
+/// known in the station's frame, where the arm stands is no error.
+struct Frame {
+    middle: Vector3<f64>,
+    /// By each unknown, in its unit.
+    moved: Matrix6xX<f64>,
+}
+
+impl Frame {
+    /// `None` where the points do not say how a body turns.
+    fn of(at: &Linearised, rows: &[usize]) -> Option<Self> {
+        let points = |rows: &[usize]| rows.iter().map(|r| at.target(*r).0).sum::<Vector3<f64>>();
+        let middle = tree(rows, CHUNK, &points, &|a, b| a + b) / rows.len().max(1) as f64;
+        let mut frame = Self { middle, moved: Matrix6xX::zeros(at.corrections().len()) };
+        let leaf = |rows: &[usize]| {
+            let mut sums = (SMatrix::<f64, 6, 6>::zeros(), frame.moved.clone());
+            for row in rows {
+                let (point, block) = at.target(*row);
+                let motion = frame.rigid(&point);
+                sums.0 += motion.transpose() * motion;
+                sums.1 += motion.transpose() * block;
+            }
+            sums
+        };
+        let (normal, pull) = tree(rows, CHUNK, &leaf, &|a, b| (a.0 + b.0, a.1 + b.1));
+        frame.moved = normal.try_inverse()? * pull;
+        Some(frame)
+    }
+
+    /// How a point of the body moves with its place and turn.
+    fn rigid(&self, point: &Vector3<f64>) -> SMatrix<f64, 3, 6> {
         let mut motion = SMatrix::<f64, 3, 6>::zeros();
         motion.fixed_columns_mut::<3>(0).copy_from(&Matrix3::identity());
-        motion.fixed_columns_mut::<3>(3).copy_from(&-(point - middle).cross_matrix());
+        motion.fixed_columns_mut::<3>(3).copy_from(&-(point - self.middle).cross_matrix());
         motion
-    };
-    let mut normal = SMatrix::<f64, 6, 6>::zeros();
-    let mut pull = DMatrix::zeros(6, columns);
-    for (point, block) in points.iter().zip(blocks.iter()) {
-        let motion = rigid(point);
-        normal += motion.transpose() * motion;
-        pull += motion.transpose() * block;
-    }
-    let Some(inverse) = normal.try_inverse() else { return };
-    let moved = inverse * pull;
-    for (point, block) in points.iter().zip(blocks) {
-        *block -= rigid(point) * &moved;
     }
 }
 

@@ -37,6 +37,27 @@ pub fn fit(
     start: &State,
     freedom: Freedom,
 ) -> Result<Fit> {
+    fit_knowing(problem, rows, weights, start, freedom, None)
+}
+
+/// Fits the same rows, unweighted, in the same problem, from where another fit ended:
+/// its sums are those of the first step.
+///
+/// # Errors
+/// As for [`fit`].
+pub fn fit_again(problem: &Problem, rows: &[usize], last: &Fit, freedom: Freedom) -> Result<Fit> {
+    fit_knowing(problem, rows, None, &last.state, freedom, Some(&last.normal))
+}
+
+/// Fits rows of which the sums at the start may be known.
+fn fit_knowing(
+    problem: &Problem,
+    rows: &[usize],
+    weights: Option<&[Values]>,
+    start: &State,
+    freedom: Freedom,
+    mut known: Option<&Normal>,
+) -> Result<Fit> {
     let mut state = start.clone();
     let mut last = f64::INFINITY;
     // In the paper's units a link step counts metres, not tolerances.
@@ -47,7 +68,9 @@ pub fn fit(
     for steps in 0..PLAIN_STEPS {
         let at = problem.linearise(&state);
         let targets = problem.of_targets(&state);
-        let (step, normal) = step(problem, (&at, &targets), rows, weights, freedom);
+        let sums = || at.normal(rows, weights);
+        let normal = safe(problem, freedom).then(|| known.take().cloned().unwrap_or_else(sums));
+        let (step, normal) = step(problem, (&at, &targets), rows, weights, (freedom, normal));
         let size = step.amax();
         if size < floor || (steps > 3 && size < 100.0 * floor && size >= 0.5 * last) {
             return Ok(Fit { state, normal, steps });
@@ -62,24 +85,27 @@ pub fn fit(
     damped(problem, rows, weights, start, freedom)
 }
 
-/// The next step in units, and the normal equations it comes from. Normal
-/// equations square the condition number: where the tolerances do not keep it
-/// small, or rounding shows, the step comes from a triangle.
+/// Whether normal equations, which square the condition number, are as good as a
+/// triangle: where the tolerances keep it small.
+pub(super) fn safe(problem: &Problem, freedom: Freedom) -> bool {
+    match (problem.scaling, freedom) {
+        (_, Freedom::Frames) => true,
+        (Scaling::Prior, Freedom::All(lambda)) => lambda >= SAFE,
+        (Scaling::Printed, Freedom::All(_)) => false,
+    }
+}
+
+/// The next step in units, and the normal equations it comes from; from a triangle
+/// where there are none or rounding shows in them.
 fn step(
     problem: &Problem,
     (at, targets): (&Linearised, &DMatrix<f64>),
     rows: &[usize],
     weights: Option<&[Values]>,
-    freedom: Freedom,
+    (freedom, normal): (Freedom, Option<Normal>),
 ) -> (DVector<f64>, Normal) {
     let (free, x) = (problem.unknowns.free(), at.corrections());
-    let safe = match (problem.scaling, freedom) {
-        (_, Freedom::Frames) => true,
-        (Scaling::Prior, Freedom::All(lambda)) => lambda >= SAFE,
-        (Scaling::Printed, Freedom::All(_)) => false,
-    };
-    if safe {
-        let normal = at.normal(rows, weights);
+    if let Some(normal) = normal {
         let held = normal.clone().plus(&Normal::new(targets));
         let step = match freedom {
             // The right-hand side counts corrections from nominal; free

@@ -4,8 +4,6 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::problem::Problem;
-use super::unknowns::State;
 use crate::tikhonov::Factorised;
 
 /// Steps of a decade that are shown.
@@ -23,13 +21,11 @@ pub struct LCurvePoint {
     pub corrections: f64,
 }
 
-/// The curve of the problem linearised at a state, from least lambda to
-/// largest, with a point at `lambda`, the last.
+/// The curve of a problem, from least lambda to largest, with a point at `lambda`,
+/// the last.
 #[must_use]
-pub fn l_curve(problem: &Problem, state: &State, rows: &[usize], lambda: f64) -> Vec<LCurvePoint> {
-    let at = problem.linearise(state);
-    let solved = Factorised::new(&at.triangle(rows, None), problem.unknowns.free());
-    let count = problem.equations(rows).max(1) as f64;
+pub fn l_curve(solved: &Factorised, equations: usize, lambda: f64) -> Vec<LCurvePoint> {
+    let count = equations.max(1) as f64;
     let point = |lambda: f64| LCurvePoint {
         lambda,
         residual: (solved.residual_square(lambda) / count).sqrt(),

@@ -3,17 +3,16 @@
 //! inside the best decade); these are judged on held-out poses. The paper judges
 //! on the training residual, whose minimum is always lambda = 0.
 
-use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::accumulate::{CHUNK, tree};
+use super::fit::Fit;
 use super::folds::{self, Fold};
 use super::linearised::Linearised;
 use super::problem::{Problem, Scaling};
 use super::unknowns::State;
 use crate::model::Values;
-use crate::tikhonov::{Factorised, Triangle};
+use crate::tikhonov::{Factorised, Normal, Triangle};
 
 /// How lambda is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -86,37 +85,58 @@ pub struct LambdaChoice {
     pub tried: Vec<(f64, f64)>,
 }
 
-/// Lambda by one rule at a state; held-out poses only where the rule asks them.
+/// Lambda by one rule where some rows were fitted; held-out poses only where the
+/// rule asks them.
 #[must_use]
-pub fn lambda_by(rule: LambdaRule, problem: &Problem, state: &State, rows: &[usize]) -> f64 {
-    let at = problem.linearise(state);
+pub fn lambda_by(rule: LambdaRule, problem: &Problem, at: &Fit, rows: &[usize]) -> f64 {
     let free = problem.unknowns.free();
-    let factorised = || Factorised::new(&at.triangle(rows, None), free);
+    let factorised = || Factorised::new(&problem.linearise(&at.state).triangle(rows, None), free);
     let found = match rule {
-        LambdaRule::MaximumAPosteriori => Some(1.0),
-        LambdaRule::Fixed(lambda) => Some(lambda),
         LambdaRule::LCurve => factorised().corner(),
         LambdaRule::Gcv => factorised().gcv(),
         LambdaRule::Discrepancy => {
             Some(factorised().discrepancy(noise(problem, rows)).unwrap_or(0.0))
         }
         LambdaRule::MaximumLikelihood => {
-            // Nearly always far above what normal equations do not see.
-            let cheap = Factorised::of_normal(&at.normal(rows, None), free);
-            let found = cheap.maximum_likelihood().filter(|lambda| cheap.tells(*lambda));
-            found.or_else(|| factorised().maximum_likelihood())
+            lambda_of(rule, &at.normal, free).or_else(|| factorised().maximum_likelihood())
         }
-        LambdaRule::TwoStep | LambdaRule::KFold => None,
+        _ => lambda_of(rule, &at.normal, free),
     };
     found.unwrap_or_else(|| {
         let folds = folds::random(problem.data, rows, folds::SEED + 1);
-        choose(problem, state, rows, &folds).by(rule)
+        choose(problem, &at.state, rows, &folds).by(rule)
     })
+}
+
+/// The same from sums alone; `None` of rules that ask for more, and where lambda is
+/// so small that sums do not see what it leaves open, as it nearly never is.
+#[must_use]
+pub fn lambda_of(rule: LambdaRule, normal: &Normal, free: usize) -> Option<f64> {
+    match rule {
+        LambdaRule::MaximumAPosteriori => Some(1.0),
+        LambdaRule::Fixed(lambda) => Some(lambda),
+        LambdaRule::MaximumLikelihood => {
+            let sums = Factorised::of_normal(normal, free);
+            sums.maximum_likelihood().filter(|lambda| sums.tells(*lambda))
+        }
+        _ => None,
+    }
 }
 
 /// Applies the rules at a state, from one triangle of each fold.
 #[must_use]
 pub fn choose(problem: &Problem, state: &State, rows: &[usize], folds: &[Fold]) -> LambdaChoice {
+    chosen(problem, state, rows, folds).0
+}
+
+/// The same, and the whole problem factorised.
+#[must_use]
+pub fn chosen(
+    problem: &Problem,
+    state: &State,
+    rows: &[usize],
+    folds: &[Fold],
+) -> (LambdaChoice, Factorised) {
     let at = problem.linearise(state);
     let free = problem.unknowns.free();
     let parts: Vec<Triangle> = folds.iter().map(|f| at.triangle(&f.held_out, None)).collect();
@@ -124,11 +144,11 @@ pub fn choose(problem: &Problem, state: &State, rows: &[usize], folds: &[Fold]) 
     let others = Triangle::without_each(&parts);
     let others: Vec<Factorised> = others.iter().map(|t| Factorised::new(t, free)).collect();
     // A fold is judged where the others determine all frames.
-    let judged: Vec<(&Fold, &Factorised)> =
-        folds.iter().zip(&others).filter(|(_, o)| o.determined() == whole.determined()).collect();
+    let known = |(_, o): &(_, &Factorised)| o.determined() == whole.determined();
+    let judged: Vec<_> =
+        in_metres(&at, problem, folds, parts).into_iter().zip(&others).filter(known).collect();
     let with_errors = |lambdas: Vec<f64>| -> Vec<(f64, f64)> {
-        let errors = held_out(&at, &judged, &lambdas);
-        lambdas.into_iter().zip(errors).collect()
+        lambdas.into_iter().map(|lambda| (lambda, held_out(&judged, lambda))).collect()
     };
     let l_curve = whole.corner();
     let largest = whole.singular_values().iter().copied().fold(0.0, f64::max).powi(2);
@@ -141,7 +161,7 @@ pub fn choose(problem: &Problem, state: &State, rows: &[usize], folds: &[Fold]) 
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     // A quarter of a decade is as finely as held-out errors can tell.
     let coarse = with_errors(whole.grid().into_iter().step_by(4).collect());
-    LambdaChoice {
+    let choice = LambdaChoice {
         l_curve,
         two_step,
         gcv: whole.gcv(),
@@ -149,36 +169,51 @@ pub fn choose(problem: &Problem, state: &State, rows: &[usize], folds: &[Fold]) 
         k_fold: flattest(&coarse),
         maximum_likelihood: whole.maximum_likelihood(),
         tried,
-    }
+    };
+    (choice, whole)
 }
 
-/// RMS error of held-out rows, mm, of each lambda: every fold's rows pass once.
-fn held_out(at: &Linearised, folds: &[(&Fold, &Factorised)], lambdas: &[f64]) -> Vec<f64> {
-    let mut squares = DVector::<f64>::zeros(lambdas.len());
-    let mut count = 0;
-    for (fold, others) in folds {
-        let solutions: Vec<_> = lambdas.iter().map(|lambda| others.solve(*lambda)).collect();
-        if solutions.is_empty() {
-            continue;
+/// What tells how far off a solution is at the rows of a fold, m.
+struct HeldOut {
+    /// Of its equations; in units that are so many metres.
+    triangle: Triangle,
+    metres: f64,
+    rows: usize,
+}
+
+/// Of folds whose triangles are known: where all equations are of one unit these
+/// tell it.
+fn in_metres(
+    at: &Linearised,
+    problem: &Problem,
+    folds: &[Fold],
+    parts: Vec<Triangle>,
+) -> Vec<HeldOut> {
+    let all = folds.iter().flat_map(|fold| &fold.held_out);
+    let (parts, metres) = match Values::common(all.clone().map(|row| problem.in_metres(*row))) {
+        Some(metres) => (parts, metres),
+        None => {
+            let mut weights = vec![Values::default(); problem.data.rows.len()];
+            all.for_each(|row| weights[*row] = problem.in_metres(*row).map(|m| m * m));
+            let part = |fold: &Fold| at.triangle(&fold.held_out, Some(&weights));
+            (folds.iter().map(part).collect(), 1.0)
         }
-        let solutions = DMatrix::from_columns(&solutions);
-        let leaf = |rows: &[usize]| {
-            let mut sum = DVector::<f64>::zeros(lambdas.len());
-            for row in rows {
-                let e = at.equations(*row);
-                let explained = &e.block * &solutions;
-                for (total, explained) in sum.iter_mut().zip(explained.column_iter()) {
-                    let left = |c: usize| (e.rhs[c] - explained[c]) * e.scale[c];
-                    let left = Values::from_fn(e.rhs.len(), left);
-                    *total += e.residual.with(left).norm().powi(2);
-                }
-            }
-            sum
-        };
-        squares += &tree(&fold.held_out, CHUNK, &leaf, &|a, b| a + b);
-        count += fold.held_out.len();
-    }
-    squares.iter().map(|square| (square / f64::from(count.max(1) as u32)).sqrt() * 1e3).collect()
+    };
+    let of = |(fold, triangle): (&Fold, Triangle)| HeldOut {
+        triangle,
+        metres,
+        rows: fold.held_out.len(),
+    };
+    folds.iter().zip(parts).map(of).collect()
+}
+
+/// RMS error of held-out rows with a lambda, mm.
+fn held_out(folds: &[(HeldOut, &Factorised)], lambda: f64) -> f64 {
+    let square = |(fold, others): &(HeldOut, &Factorised)| {
+        fold.triangle.residual_square(&others.solve(lambda)) * fold.metres.powi(2)
+    };
+    let rows: usize = folds.iter().map(|(fold, _)| fold.rows).sum();
+    (folds.iter().map(square).sum::<f64>() / rows.max(1) as f64).sqrt() * 1e3
 }
 
 /// The lambda of least error; where the error is flat, more regularisation is

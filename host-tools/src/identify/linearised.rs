@@ -137,33 +137,45 @@ impl<'a> Linearised<'a> {
         motion.block(&Partials { residual: Values::default(), arm, instruments })
     }
 
-    /// `[A, b]` of the given rows, each equation multiplied by the root of its
-    /// weight. For a chunk of them: [`Linearised::normal`] and
-    /// [`Linearised::triangle`] are of any number.
+    /// Equations of the given rows, each multiplied by the root of its weight: a
+    /// column `[a; b]` an equation, so that one is written in one piece. For a
+    /// chunk of them: [`Linearised::normal`] and [`Linearised::triangle`] are of
+    /// any number.
     #[must_use]
-    pub fn rows(&self, rows: &[usize], weights: Option<&[Values]>) -> DMatrix<f64> {
-        let columns = self.units.len();
-        let mut matrix = DMatrix::zeros(self.problem.equations(rows), columns + 1);
-        let mut first = 0;
-        for row in rows {
-            let e = self.equations(*row);
-            let count = e.rhs.len();
-            matrix.view_mut((first, 0), (count, columns)).copy_from(&e.block);
-            for c in 0..count {
-                matrix[(first + c, columns)] = e.rhs[c];
-                if let Some(weights) = weights {
-                    matrix.row_mut(first + c).scale_mut(weights[*row][c].sqrt());
+    pub fn columns(&self, rows: &[usize], weights: Option<&[Values]>) -> DMatrix<f64> {
+        let height = self.units.len() + 1;
+        let motion = self.motion(&|_, _| Vec::new());
+        let mut matrix = DMatrix::zeros(height, self.problem.equations(rows));
+        let mut columns = matrix.as_mut_slice().chunks_exact_mut(height);
+        for index in rows {
+            let row = &self.problem.data.rows[*index];
+            let (residual, block) = kind(row).linearised(*index, &motion);
+            let scale = self.problem.scale(*index);
+            for (c, column) in (0..scale.len()).zip(&mut columns) {
+                let root = weights.map_or(1.0, |weights| weights[*index][c].sqrt());
+                let factor = root / scale[c];
+                let mut rhs = residual[c] * factor;
+                let derivatives = block.as_slice()[c..].iter().step_by(scale.len());
+                for ((to, value), x) in column.iter_mut().zip(derivatives).zip(&self.corrections) {
+                    *to = value * factor;
+                    rhs += *to * x;
                 }
+                column[height - 1] = rhs;
             }
-            first += count;
         }
         matrix
+    }
+
+    /// `[A, b]` of the same.
+    #[must_use]
+    pub fn rows(&self, rows: &[usize], weights: Option<&[Values]>) -> DMatrix<f64> {
+        self.columns(rows, weights).transpose()
     }
 
     /// Normal equations of the same, chunk by chunk.
     #[must_use]
     pub fn normal(&self, rows: &[usize], weights: Option<&[Values]>) -> Normal {
-        let leaf = |chunk: &[usize]| Normal::new(&self.rows(chunk, weights));
+        let leaf = |chunk: &[usize]| Normal::of_columns(&self.columns(chunk, weights));
         tree(rows, CHUNK, &leaf, &|a: Normal, b| a.plus(&b))
     }
 

@@ -6,6 +6,7 @@
 pub mod accumulate;
 pub mod components;
 mod conditions;
+pub mod cross_validation;
 mod damped;
 pub mod error_bars;
 pub mod estimate;
@@ -26,13 +27,15 @@ mod rigid;
 pub mod robust;
 mod summary;
 mod suspects;
+#[cfg(test)]
+mod tests;
 pub mod uncertainty;
 mod unknowns;
 
 pub use conditions::{Conditions, Surroundings};
 pub use figures::{AllRows, Condition, Figures, FlaggedRow, KindFigures};
 pub use l_curve::{LCurvePoint, l_curve};
-pub use lambda::{LambdaChoice, LambdaRule, choose, lambda_by};
+pub use lambda::{LambdaChoice, LambdaRule, choose};
 pub use linearised::{Equations, Linearised};
 pub use motion::Beside;
 pub use noise::Noise;
@@ -45,7 +48,8 @@ pub use unknowns::{Layout, State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unkno
 use crate::error::{Error, Kind, Result};
 use crate::model::{KindId, Measurements, Model, Robot, Row};
 use crate::observations::{Residual, kind, measuring};
-use estimate::{cross_validate, estimate};
+use cross_validation::cross_validate;
+use estimate::estimate;
 use fit::{Freedom, fit};
 
 /// What the user may choose.
@@ -164,7 +168,10 @@ fn folds_in_words(folds: usize, poses: usize) -> String {
 /// As for [`fit::fit`].
 pub fn nominal_state(problem: &Problem, rows: &[usize], start: &State) -> Result<State> {
     let prior = Problem { scaling: Scaling::Prior, ..problem.with_terms(0) };
-    let start = State { links: problem.nominal.clone(), terms: Vec::new(), ..start.clone() };
+    let mut start = State { links: problem.nominal.clone(), terms: Vec::new(), ..start.clone() };
+    if let Some(some) = folds::sample(problem.data, rows) {
+        start = fit(&prior, &some, None, &start, Freedom::Frames)?.state;
+    }
     Ok(fit(&prior, rows, None, &start, Freedom::Frames)?.state)
 }
 

@@ -129,6 +129,15 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The factor that makes each equation of a row say how far off it is, m; 0 of
+    /// those that do not count.
+    #[must_use]
+    pub fn in_metres(&self, row: usize) -> Values {
+        let (of, scale) = (kind(&self.data.rows[row]), self.scale(row));
+        let alone = |c: usize| Values::from_fn(scale.len(), |k| f64::from(u8::from(k == c)));
+        Values::from_fn(scale.len(), |c| scale[c] * of.miss(&alone(c)))
+    }
+
     /// How many equations some rows give.
     #[must_use]
     pub fn equations(&self, rows: &[usize]) -> usize {

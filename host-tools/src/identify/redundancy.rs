@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 
 use super::problem::{Problem, Scaling};
 use super::unknowns::{State, Unknown};
+use crate::model::Values;
 
 /// Singular values below this share of the largest are zero: structural
 /// redundancy gives 1e-16, the weakest real direction of an arm about 1e-6.
@@ -34,22 +35,22 @@ pub fn analyse(problem: &Problem, state: &State, rows: &[usize]) -> Redundancy {
     let nominal = State { links: problem.nominal.clone(), ..state.clone() };
     let scaled = Problem { scaling: Scaling::Prior, ..problem.clone() };
     let matrix = scaled.linearise(&nominal).triangle(rows, None).matrix();
+    let raw = raw(&scaled, &nominal, rows, &matrix);
     let svd = matrix.svd(false, true);
     let v_t = svd.v_t.unwrap_or_default();
     let s = &svd.singular_values;
     let zero = ZERO * s[0];
     let rank = s.iter().filter(|s| **s > zero).count();
-    let printed = Problem { scaling: Scaling::Printed, ..problem.clone() };
-    let raw = printed.linearise(&nominal).triangle(rows, None).matrix();
-    let free = problem.unknowns.free();
-    let raw = raw.columns(free, raw.ncols() - free).into_owned().singular_values();
+    let raw = raw.singular_values();
     let smallest = raw.iter().copied().fold(f64::INFINITY, f64::min);
     let names: Vec<String> = problem.unknowns.list().iter().map(|u| u.name(problem.data)).collect();
     let units = |k: usize| if problem.unknowns.list()[k].is_length() { "mm" } else { "mrad" };
     let null = v_t.rows(rank, v_t.nrows() - rank).into_owned();
     let weak = (0..rank).filter(|k| s[*k] < 1.0).map(|k| {
         let mut parts: Vec<usize> = (0..v_t.ncols()).collect();
-        parts.sort_by(|a, b| v_t[(k, *b)].abs().total_cmp(&v_t[(k, *a)].abs()));
+        // To so many digits: two that trade off share alike, and rounding must not order them.
+        let share = |j: &usize| (v_t[(k, *j)].abs() * 1e6).round() as i64;
+        parts.sort_by_key(|j| std::cmp::Reverse(share(j)));
         let named = parts.into_iter().take(4).filter(|j| v_t[(k, *j)].abs() > 0.3);
         let named: Vec<&str> = named.map(|j| names[j].as_str()).collect();
         format!("{} (known to {:.1} tolerances only)", named.join(" with "), 1.0 / s[k])
@@ -61,6 +62,22 @@ pub fn analyse(problem: &Problem, state: &State, rows: &[usize]) -> Redundancy {
         redundant: sentences(null, problem.unknowns.list(), &names, &units),
         weak: weak.collect(),
     }
+}
+
+/// The link columns of the rows, m and rad, up to a rotation: those in tolerances
+/// where all equations are of one unit.
+fn raw(problem: &Problem, at: &State, rows: &[usize], scaled: &DMatrix<f64>) -> DMatrix<f64> {
+    let free = problem.unknowns.free();
+    let links = |all: &DMatrix<f64>| all.columns(free, all.ncols() - free).into_owned();
+    let Some(unit) = Values::common(rows.iter().map(|row| problem.scale(*row))) else {
+        let printed = Problem { scaling: Scaling::Printed, ..problem.clone() };
+        return links(&printed.linearise(at).triangle(rows, None).matrix());
+    };
+    let mut links = links(scaled);
+    for (mut column, unknown) in links.column_iter_mut().zip(&problem.unknowns.list()[free..]) {
+        column *= unit / problem.unit(*unknown);
+    }
+    links
 }
 
 /// Pairs of this correlation are told together rather than each.

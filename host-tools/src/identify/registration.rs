@@ -95,6 +95,7 @@ pub fn register(
     };
     // A row that was written twice was seen once.
     let sights: Vec<Sight> = data.distinct().iter().filter_map(|r| sight(&data.rows[*r])).collect();
+    let sights = thinned(sights, data.markers.len());
     let of = |all: &[Option<Vector3<f64>>], m: usize| all.get(m).copied().flatten();
     let known = |m: usize| of(&data.known_markers, m);
     // Markers sit where they are said to, or else where the tool does.
@@ -134,6 +135,24 @@ struct Sight {
     marker: usize,
     flange: Pose<f64>,
     point: Vector3<f64>,
+}
+
+/// Points of a marker from a station that a first guess is made of: more would not
+/// bring the fit, which takes all rows, any nearer to where it ends.
+const MOST: usize = 3000;
+
+/// Evenly spread ones where there are more.
+fn thinned(mut sights: Vec<Sight>, markers: usize) -> Vec<Sight> {
+    let pair = |v: &Sight| v.station * markers + v.marker;
+    let mut counts = vec![0_usize; sights.iter().map(pair).max().map_or(0, |last| last + 1)];
+    sights.iter().for_each(|v| counts[pair(v)] += 1);
+    let mut seen = vec![0; counts.len()];
+    sights.retain(|v| {
+        let (place, count) = (seen[pair(v)], counts[pair(v)]);
+        seen[pair(v)] += 1;
+        place % count.div_ceil(MOST) == 0
+    });
+    sights
 }
 
 /// The base that a station sees, and the scale of what is left.

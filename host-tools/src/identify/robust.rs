@@ -8,14 +8,16 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::accumulate::CHUNK;
 use super::fit::{Fit, Freedom, fit};
+use super::folds;
 use super::linearised::Linearised;
 use super::problem::Problem;
 use super::suspects::{self, MOST_FLAGGED};
 use super::unknowns::State;
 use crate::error::{Error, Result};
 use crate::model::Values;
-use crate::observations::{Residual, kind};
+use crate::observations::{Residual, equations_of, kind};
 use crate::statistics::mad_scale;
 use crate::tikhonov::covariance;
 
@@ -78,12 +80,32 @@ pub struct RobustFit {
 }
 
 /// Fits the given rows in the prior scaling, flagging gross errors. `start` is
-/// a registered arm, maybe nominal: first weights withstand its errors.
+/// a registered arm, maybe nominal: first weights withstand its errors. Of many rows
+/// some are fitted first; the flags of all are decided by all.
 ///
 /// # Errors
 /// As for [`fit`], or [`Kind::Contradiction`](crate::Kind::Contradiction) when so many rows disagree that
 /// none can be called wrong.
 pub fn robust_fit(
+    problem: &Problem,
+    rows: &[usize],
+    start: &State,
+    flags: Flags,
+) -> Result<RobustFit> {
+    let sampled = folds::sample(problem.data, rows)
+        .and_then(|some| from_all(problem, &some, start, flags).ok())
+        .map(|near| (judge(problem, &near.fit, rows, &near.kept, flags).0, near.fit.state));
+    match sampled {
+        Some((outliers, near)) if outliers.len() as f64 <= MOST_FLAGGED * rows.len() as f64 => {
+            let flagged = outliers.iter().map(|o| o.row).collect();
+            refit(problem, rows, &near, flagged, flags)
+        }
+        _ => from_all(problem, rows, start, flags),
+    }
+}
+
+/// The same by passes over all rows from the start on.
+pub(super) fn from_all(
     problem: &Problem,
     rows: &[usize],
     start: &State,
@@ -109,24 +131,40 @@ pub fn robust_fit_near(
 }
 
 /// The same from rows already suspected, near a fit.
-///
-/// # Errors
-/// As for [`robust_fit`].
-pub fn refit(
+fn refit(
     problem: &Problem,
     rows: &[usize],
     start: &State,
-    mut flagged: Vec<usize>,
+    flagged: Vec<usize>,
     flags: Flags,
 ) -> Result<RobustFit> {
-    let freedom = Freedom::All(flags.lambda);
     let mut start = start.clone();
+    settle(problem, rows, flagged, flags, &mut |kept| {
+        let found = fit(problem, kept, None, &start, Freedom::All(flags.lambda))?;
+        start = found.state.clone();
+        Ok(found)
+    })
+}
+
+/// Fits the rows that are not suspected and judges all of them by what the others
+/// predict, until the same ones are flagged again.
+///
+/// # Errors
+/// Those of the fit, and for [`robust_fit`]'s reasons.
+pub fn settle(
+    problem: &Problem,
+    rows: &[usize],
+    mut flagged: Vec<usize>,
+    flags: Flags,
+    fit: &mut dyn FnMut(&[usize]) -> Result<Fit>,
+) -> Result<RobustFit> {
     let mut seen: Vec<Vec<usize>> = Vec::new();
     loop {
-        let kept: Vec<usize> = rows.iter().copied().filter(|r| !flagged.contains(r)).collect();
-        let fit = fit(problem, &kept, None, &start, freedom)?;
-        start = fit.state.clone();
-        let (outliers, scale) = judge(problem, &fit, rows, &kept, flags);
+        let mut suspected = vec![false; problem.data.rows.len()];
+        flagged.iter().for_each(|row| suspected[*row] = true);
+        let kept: Vec<usize> = rows.iter().copied().filter(|row| !suspected[*row]).collect();
+        let found = fit(&kept)?;
+        let (outliers, scale) = judge(problem, &found, rows, &kept, flags);
         let next: Vec<usize> = outliers.iter().map(|o| o.row).collect();
         let share = next.len() as f64 / rows.len() as f64;
         match flags.crowd {
@@ -134,15 +172,16 @@ pub fn refit(
                 return Err(Error::contradiction(next.len(), rows.len()));
             }
             Crowd::Described if share > MAJORITY => {
-                let fit = self::fit(problem, rows, None, &start, freedom)?;
-                let (_, scale) = judge(problem, &fit, rows, rows, flags);
-                return Ok(RobustFit { fit, kept: rows.to_vec(), outliers: Vec::new(), scale });
+                let found = fit(rows)?;
+                let (_, scale) = judge(problem, &found, rows, rows, flags);
+                let kept = rows.to_vec();
+                return Ok(RobustFit { fit: found, kept, outliers: Vec::new(), scale });
             }
             _ => {}
         }
         // Settled, or going round in circles: then keep the last flags.
         if next == flagged || seen.contains(&next) {
-            return Ok(RobustFit { fit, kept, outliers, scale });
+            return Ok(RobustFit { fit: found, kept, outliers, scale });
         }
         seen.push(std::mem::replace(&mut flagged, next));
     }
@@ -160,41 +199,61 @@ fn judge(
     let cov = covariance(&fit.normal, problem.unknowns.free(), flags.lambda);
     let mut fitted = vec![false; problem.data.rows.len()];
     kept.iter().for_each(|row| fitted[*row] = true);
-    let of = |row: &usize| deletion(&at, &cov, *row, fitted[*row]);
-    let deletions: Vec<_> = rows.par_iter().map(of).collect();
-    let normal: Vec<f64> = rows
-        .iter()
-        .zip(&deletions)
-        .filter(|(row, _)| fitted[**row])
-        .flat_map(|(_, (e, sd))| e.zip_map(sd, |e, sd| e / sd).to_vec())
-        .collect();
+    let of = |chunk: &[usize]| deletions(problem, &at, &cov, chunk, &fitted);
+    let over_sd = |(e, sd): (Values, Values)| e.zip_map(&sd, |e, sd| e / sd);
+    let own = |chunk: &[usize]| of(chunk).into_iter().map(over_sd);
+    let deletions: Vec<Values> = rows.par_chunks(CHUNK).flat_map_iter(own).collect();
+    let mut normal = Vec::new();
+    for (_, e) in rows.iter().zip(&deletions).filter(|(row, _)| fitted[**row]) {
+        normal.extend_from_slice(e);
+    }
     let scale = mad_scale(&normal).max(1.0);
     // Structure that the model lacks has longer tails than noise.
     let gross = if scale > 1.3 { 1.5 * flags.gross } else { flags.gross };
     let mut outliers = Vec::new();
-    for (row, (e, sd)) in rows.iter().zip(&deletions) {
-        let of = &problem.data.rows[*row];
-        let names = kind(of).components().iter().enumerate();
-        let wrong = names.filter(|(c, _)| e[*c].abs() > gross * scale * sd[*c]);
-        let components: Vec<&'static str> = wrong.map(|(_, name)| *name).collect();
-        if !components.is_empty() {
-            let residual = Residual::new(of, e.zip_map(&problem.scale(*row), |e, s| e * s));
-            outliers.push(Outlier { row: *row, components, residual });
-        }
+    for (row, e) in rows.iter().zip(&deletions).filter(|(_, e)| e.amax() > gross * scale) {
+        let own = &problem.data.rows[*row];
+        let names = kind(own).components().iter().zip(e.iter());
+        let wrong = names.filter(|(_, e)| e.abs() > gross * scale);
+        let components = wrong.map(|(name, _)| *name).collect();
+        let (left, _) = of(&[*row])[0];
+        let residual = Residual::new(own, left.zip_map(&problem.scale(*row), |e, s| e * s));
+        outliers.push(Outlier { row: *row, components, residual });
     }
     (outliers, scale)
 }
 
-/// Measured minus predicted by the other rows, and its standard deviation,
-/// both in units of the row's equations.
-fn deletion(at: &Linearised, cov: &DMatrix<f64>, row: usize, kept: bool) -> (Values, Values) {
-    let e = at.equations(row);
-    let hat = &e.block * cov * e.block.transpose();
-    let residual = e.scaled_residual();
+/// Of each row, measured minus predicted by the other rows, and its standard
+/// deviation, both in units of the row's equations.
+fn deletions(
+    problem: &Problem,
+    at: &Linearised,
+    cov: &DMatrix<f64>,
+    rows: &[usize],
+    fitted: &[bool],
+) -> Vec<(Values, Values)> {
+    let columns = at.columns(rows, None);
+    let unknowns = cov.nrows();
+    let (a, b) = (columns.rows(0, unknowns), columns.row(unknowns));
+    let weighed = cov * columns.rows(0, unknowns);
+    let mut first = 0;
+    let of = |row: &usize| {
+        let own = first;
+        first += equations_of(&problem.data.rows[*row]);
+        let hat = |i: usize, j: usize| a.column(own + i).dot(&weighed.column(own + j));
+        let hat = DMatrix::from_fn(first - own, first - own, hat);
+        let left = |c: usize| b[own + c] - a.column(own + c).dot(at.corrections());
+        deletion(&Values::from_fn(first - own, left), hat, fitted[*row])
+    };
+    rows.iter().map(of).collect()
+}
+
+/// The same of a row with this residual and this block of the hat matrix.
+fn deletion(residual: &Values, hat: DMatrix<f64>, kept: bool) -> (Values, Values) {
     let count = residual.len();
     if !kept {
         // Not in the fit: its own noise plus the prediction's.
-        return (residual, Values::from_fn(count, |c| (1.0 + hat[(c, c)]).sqrt()));
+        return (*residual, Values::from_fn(count, |c| (1.0 + hat[(c, c)]).sqrt()));
     }
     match (DMatrix::identity(count, count) - hat).try_inverse() {
         Some(inverse) if inverse.diagonal().iter().all(|d| *d > 0.0) => {

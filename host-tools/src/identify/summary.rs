@@ -1,6 +1,7 @@
 //! From findings to model and figures.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use truearm::{MdhParameters, Pose};
 
 use super::error_bars::{Covariances, spread, uncertainty};
@@ -10,13 +11,14 @@ use super::l_curve::l_curve;
 use super::problem::link_corrections;
 use super::uncertainty::{factor, of_arm};
 use super::{
-    Identification, LambdaRule, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE, components,
-    redundancy, rigid_transform, robust,
+    Identification, LCurvePoint, LambdaRule, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE,
+    components, redundancy, rigid_transform, robust,
 };
 use crate::model::arm::chain;
 use crate::model::{ErrorCurve, Measurements, Model, Provenance, Robot};
 use crate::observations::{Residual, kind};
 use crate::statistics::{Stats, robust_distance_scale};
+use crate::tikhonov::Factorised;
 
 /// All that was found out about a data set.
 pub struct Findings<'a> {
@@ -83,7 +85,7 @@ impl Findings<'_> {
                 Scaling::Printed => "printed",
             },
             lambda_choice: found.choice.clone(),
-            l_curve: l_curve(problem, &found.fit.state, &found.robust.kept, found.lambda),
+            l_curve: self.l_curve(),
             correction_norm: prior.corrections(&found.fit.state).norm(),
             residual_over_sigma: found.robust.scale * problem.noise.largest(data),
             nominal: stats(results, false, |r| r.nominal),
@@ -107,6 +109,17 @@ impl Findings<'_> {
             orientation_identified: orientation_identified(problem, found, &self.covariances()),
             warnings: self.warnings(),
         }
+    }
+
+    fn l_curve(&self) -> Vec<LCurvePoint> {
+        let Self { problem, found, .. } = self;
+        let rows = &found.robust.kept;
+        let factorise = || {
+            let triangle = problem.linearise(&found.fit.state).triangle(rows, None);
+            Factorised::new(&triangle, problem.unknowns.free())
+        };
+        let solved = found.solved.clone().unwrap_or_else(factorise);
+        l_curve(&solved, problem.equations(rows), found.lambda)
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -135,13 +148,15 @@ impl Findings<'_> {
     fn row_results(&self) -> Vec<RowResult> {
         let before = self.rigid.linearise(&self.nominal);
         let after = self.problem.linearise(&self.found.fit.state);
-        let flagged: Vec<usize> = self.found.robust.outliers.iter().map(|o| o.row).collect();
-        (0..self.problem.data.rows.len())
+        let mut flagged = vec![false; self.problem.data.rows.len()];
+        self.found.robust.outliers.iter().for_each(|o| flagged[o.row] = true);
+        (0..flagged.len())
+            .into_par_iter()
             .map(|row| RowResult {
                 nominal: before.residual(row),
                 identified: after.residual(row),
                 held_out: self.held_out[row],
-                flagged: flagged.contains(&row),
+                flagged: flagged[row],
             })
             .collect()
     }

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector3, Vector6};
 use truearm::Pose;
 use truearm::blob::uncertain_parameters;
 
+use super::accumulate::{CHUNK, tree};
 use super::problem::Problem;
 use super::unknowns::State;
 use crate::model::ModelTerm;
@@ -50,28 +51,32 @@ fn base(problem: &Problem, state: &State, rows: &[usize], frame: &Pose<f64>) -> 
     let columns = &problem.unknowns;
     let arms: Vec<Box<dyn Kinematics>> =
         state.markers.iter().map(|m| chain(&state.links, *frame, *m)).collect();
-    let mut normal = Matrix6::zeros();
-    let mut pull = Matrix6xX::zeros(columns.list().len());
-    for row in rows.iter().map(|r| &problem.data.rows[*r]) {
-        let (real, _) = arms[row.marker].derivatives(&row.q, &[], &RowInputs::default());
-        let [rx, ry, rz, tx, ty, tz] = real.base;
-        let motion = nalgebra::Matrix3x6::from_columns(&[tx, ty, tz, rx, ry, rz]);
-        normal += motion.transpose() * motion;
-        let mut add = |column: usize, change: Vector3<f64>| {
-            let sum: Vector6<f64> = pull.column(column) - motion.transpose() * change;
-            pull.set_column(column, &sum);
-        };
-        for (i, link) in real.links.iter().enumerate() {
-            for (k, change) in link.to_array().iter().enumerate() {
-                add(columns.free() + 5 * i + k, *change);
+    let leaf = |rows: &[usize]| {
+        let mut normal = Matrix6::zeros();
+        let mut pull = Matrix6xX::zeros(columns.list().len());
+        for row in rows.iter().map(|r| &problem.data.rows[*r]) {
+            let (real, _) = arms[row.marker].derivatives(&row.q, &[], &RowInputs::default());
+            let [rx, ry, rz, tx, ty, tz] = real.base;
+            let motion = nalgebra::Matrix3x6::from_columns(&[tx, ty, tz, rx, ry, rz]);
+            normal += motion.transpose() * motion;
+            let mut add = |column: usize, change: Vector3<f64>| {
+                let sum: Vector6<f64> = pull.column(column) - motion.transpose() * change;
+                pull.set_column(column, &sum);
+            };
+            for (i, link) in real.links.iter().enumerate() {
+                for (k, change) in link.to_array().iter().enumerate() {
+                    add(columns.free() + 5 * i + k, *change);
+                }
+            }
+            for (k, column) in
+                columns.marker(row.marker).into_iter().flat_map(|m| m..).take(3).enumerate()
+            {
+                add(column, real.tool[k]);
             }
         }
-        for (k, column) in
-            columns.marker(row.marker).into_iter().flat_map(|m| m..).take(3).enumerate()
-        {
-            add(column, real.tool[k]);
-        }
-    }
+        (normal, pull)
+    };
+    let (normal, pull) = tree(rows, CHUNK, &leaf, &|a, b| (a.0 + b.0, a.1 + b.1));
     match normal.cholesky() {
         Some(normal) => normal.solve(&pull),
         // Points on a line: the frame is then the nominal one, and exact.

@@ -57,6 +57,14 @@ impl Values {
         self.iter().fold(0.0, |most, v| v.abs().max(most))
     }
 
+    /// What all numbers of all of these are, if they are one.
+    #[must_use]
+    pub fn common(mut all: impl Iterator<Item = Self> + Clone) -> Option<f64> {
+        let one = *all.clone().next()?.first()?;
+        let same = |values: Self| values.iter().all(|value| *value == one);
+        all.all(same).then_some(one)
+    }
+
     /// As a column.
     #[must_use]
     pub fn column(&self) -> DVectorView<'_, f64> {

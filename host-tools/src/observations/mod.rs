@@ -19,7 +19,7 @@ mod pose;
 mod range;
 mod residual;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod touch;
 
 use nalgebra::{DMatrix, Matrix3, Vector3};

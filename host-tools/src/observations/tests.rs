@@ -19,12 +19,12 @@ use crate::model::{Measurements, Robot};
 
 const SIGMAS: Sigmas = Sigmas { length: 2e-5, angle: 1e-4, pixel: 0.1 };
 
-fn robot() -> Robot {
+pub(crate) fn robot() -> Robot {
     Robot::parse(Path::new("robot.toml"), UR10_LIKE).unwrap()
 }
 
 /// An arm of half a tolerance in a cell.
-fn cell(robot: &Robot, rng: &mut ChaCha8Rng) -> Cell {
+pub(crate) fn cell(robot: &Robot, rng: &mut ChaCha8Rng) -> Cell {
     let mut wrong = || {
         MdhParameters::from_array(core::array::from_fn(|_| 0.5e-3 * truearm_simulate::normal(rng)))
     };
@@ -34,12 +34,17 @@ fn cell(robot: &Robot, rng: &mut ChaCha8Rng) -> Cell {
     Cell::around((kinds, links), robot.tool + vector(rng) * 2e-3, SIGMAS, rng)
 }
 
-fn read(robot: &Robot, cell: &Cell, wanted: &[(&'static str, usize)], seed: u64) -> Measurements {
+pub(crate) fn read(
+    robot: &Robot,
+    cell: &Cell,
+    wanted: &[(&'static str, usize)],
+    seed: u64,
+) -> Measurements {
     let text = cell.file(wanted, &mut ChaCha8Rng::seed_from_u64(seed));
     Measurements::parse_with(Path::new("m.csv"), &text, robot, &cell.stated(false)).unwrap()
 }
 
-fn start(problem: &Problem, robot: &Robot) -> State {
+pub(crate) fn start(problem: &Problem, robot: &Robot) -> State {
     register(problem.data, &problem.nominal, robot.tool).unwrap()
 }
 

@@ -29,8 +29,21 @@ impl Normal {
     /// Of a matrix `[A, b]`.
     #[must_use]
     pub fn new(rows: &DMatrix<f64>) -> Self {
-        // A product of two whole matrices is far faster than one by columns.
-        Self { gram: rows.transpose() * rows, equations: rows.nrows() }
+        Self::of_columns(&rows.transpose())
+    }
+
+    /// Of a matrix `[A, b]'`, a column an equation.
+    #[must_use]
+    pub fn of_columns(columns: &DMatrix<f64>) -> Self {
+        let (height, equations) = columns.shape();
+        if equations == 0 {
+            return Self { gram: DMatrix::zeros(height, height), equations };
+        }
+        // The transpose in place: a product of two whole matrices is far faster than
+        // one by columns, and a copy takes as long as the product.
+        let across = columns.as_slice();
+        let across = DMatrixView::from_slice_with_strides(across, equations, height, height, 1);
+        Self { gram: columns * across, equations }
     }
 
     /// The sum of two parts.

@@ -1,6 +1,6 @@
 //! QR factorisations, row by row and part by part.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// `[R, Q'b; 0, rest]` of the QR factorisation of `[A, b]`: all that a
 /// least-squares problem needs of its rows, however many there are.
@@ -72,6 +72,13 @@ impl Triangle {
     #[must_use]
     pub fn unknowns(&self) -> usize {
         self.r.ncols() - 1
+    }
+
+    /// `|A x - b|^2`.
+    #[must_use]
+    pub fn residual_square(&self, x: &DVector<f64>) -> f64 {
+        let p = self.unknowns();
+        (self.r.columns(0, p) * x - self.r.column(p)).norm_squared()
     }
 
     /// The triangle of A.

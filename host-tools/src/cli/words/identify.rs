@@ -142,7 +142,10 @@ fn error_bars(u: &Uncertainty) -> String {
     let head = ["corrections, 95 %", "alpha, deg", "a, mm", "theta, deg", "d, mm", "beta, deg"];
     let mut table = Table::new(head);
     for (i, joint) in u.parameters.chunks(5).enumerate() {
-        let cells = joint.iter().map(|p| format!("{:+.4} +-{:<6.4}", p.correction, p.half_width));
+        // What is nothing has no sign.
+        let shown = |value: f64| if value.abs() < 5e-5 { 0.0 } else { value };
+        let cells =
+            joint.iter().map(|p| format!("{:+.4} +-{:<6.4}", shown(p.correction), p.half_width));
         table.row(std::iter::once(format!("  joint {}", i + 1)).chain(cells));
     }
     out += &table.to_string();

@@ -8,9 +8,8 @@ use crate::diagnose::question::Question;
 use crate::diagnose::weigh::{Stage, with_curves};
 use crate::error::{Error, Label, Result};
 use crate::evaluate::{known_instruments, residuals};
-use crate::identify::estimate::without_parts;
+use crate::identify::cross_validation::Parts;
 use crate::identify::folds::Fold;
-use crate::identify::robust::robust_fit_near;
 use crate::identify::{Conditions, Problem, State};
 use crate::model::{CURVE, ErrorCurve, Measurements, Robot};
 use crate::observations::Residual;
@@ -40,10 +39,9 @@ impl Show<'_> {
     pub fn held_out(&self, node: &Node, folds: &[Fold]) -> Result<HeldOut> {
         let problem = self.rigid.with_terms(node.fit.fit.state.terms.len());
         let flags = self.question.flags;
-        let starts = without_parts(&problem, &node.fit, folds, flags.lambda);
-        let judged = folds.par_iter().zip(&starts).map(|(fold, start)| {
-            let fit = robust_fit_near(&problem, &fold.fit, start, flags)?;
-            let at = problem.linearise(&fit.fit.state);
+        let parts = Parts::new(&problem, &node.fit.fit, &node.fit, folds);
+        let judged = folds.par_iter().enumerate().map(|(k, fold)| {
+            let at = problem.linearise(&parts.robust(k, flags)?.fit.state);
             Ok(fold.held_out.iter().map(|r| (*r, at.residual(*r))).collect::<Vec<_>>())
         });
         let mut out = vec![None; problem.data.rows.len()];

@@ -38,11 +38,15 @@ pub struct Seen<'a> {
     measures: Vec<Matrix3<f64>>,
 }
 
+/// Rows that pictures are made of, evenly spread where there are more: a bin of a
+/// curve then still holds hundreds, and each row takes a kilobyte.
+const MOST: usize = 10_000;
+
 /// Rows whose target moves by less than this share of the median tell nothing.
 const LEVER: f64 = 0.4;
 
 impl<'a> Seen<'a> {
-    /// All that were not flagged.
+    /// Those that were not flagged.
     ///
     /// # Errors
     /// A model of other stations or markers than those of the rows.
@@ -52,7 +56,9 @@ impl<'a> Seen<'a> {
         let predictor = Predictor::new(&state);
         let rows = &on.data.rows;
         let tells = |i: &usize| !on.rows[*i].flagged && is_of_target(&rows[*i]);
-        let kept: Vec<usize> = (0..rows.len()).filter(tells).collect();
+        let mut kept: Vec<usize> = (0..rows.len()).filter(tells).collect();
+        let step = kept.len().div_ceil(MOST).max(1);
+        kept = kept.into_iter().step_by(step).collect();
         let moves = kept.iter().map(|i| predictor.derivatives(&rows[*i], *i, &conditions).0);
         let moves = moves.collect();
         let view = View { model: &predictor, data: on.data, conditions: &conditions };
