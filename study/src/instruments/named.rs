@@ -44,9 +44,6 @@ const NAMES: [&str; 6] = [
 /// Sizes as a share of the largest that nobody would see without a tool, log-uniform.
 const SIZES: [f64; 2] = [0.01, 0.5];
 
-/// By how much a sigma is stated wrongly at most.
-const MISSTATED: f64 = 2.0;
-
 /// A file tells an effect that is so many standard deviations of its own bound away
 /// from nothing and from any one other effect: 18 nats, where a name costs 4 or 5.
 pub const TOLD: f64 = 6.0;
@@ -79,11 +76,11 @@ pub struct Answered {
 }
 
 /// Draws a set, has it diagnosed, and opens it. The sigma of each kind is stated
-/// wrongly, by up to a factor of [`MISSTATED`] either way.
+/// wrongly, by up to a factor of `misstated` either way.
 ///
 /// # Errors
 /// As of `diagnose`.
-pub fn answered(seed: u64) -> Result<Answered> {
+pub fn answered(seed: u64, misstated: f64) -> Result<Answered> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (file, wanted) = FILES[seed as usize % FILES.len()];
     let text = robots::ALL[ARMS[(seed as usize / FILES.len()) % ARMS.len()]];
@@ -100,7 +97,7 @@ pub fn answered(seed: u64) -> Result<Answered> {
     cell.bent = (!hidden.is_empty()).then(|| Arm { defects: hidden.clone(), ..arm.clone() });
     let data = read(&robot, &cell, &cell.file(wanted, &mut rng));
     let mut stated = data.clone();
-    let mut wrong = || MISSTATED.powf(rng.random_range(-1.0..1.0));
+    let mut wrong = || misstated.powf(rng.random_range(-1.0..1.0));
     let factors: Vec<f64> = KINDS.iter().map(|_| wrong()).collect();
     stated.rows.iter_mut().for_each(|row| row.sigma *= factors[usize::from(row.kind.0)]);
     let found = diagnose(&robot, &stated, None, &DiagnoseOptions::default(), &|_| ())?.outcome;

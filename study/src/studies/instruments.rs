@@ -38,6 +38,9 @@ pub struct Options {
     /// The first of those sets
     #[arg(long, default_value_t = 0, requires = "named")]
     seed: u64,
+    /// By up to this factor, either way, the sigma of each kind in them is stated wrongly
+    #[arg(long, value_name = "FACTOR", default_value_t = 2.0, requires = "named")]
+    misstated: f64,
     /// The published range finder before three planes instead (SCALAR)
     #[arg(long)]
     scanner: bool,
@@ -51,7 +54,7 @@ pub fn run(options: &Options) -> Result {
         return scanner(options.arms);
     }
     if let Some(sets) = options.named {
-        return blind(options.seed, sets);
+        return blind(options.seed, sets, options.misstated);
     }
     let mut missed = Vec::new();
     for (name, text) in [("6R", robots::UR10_LIKE), ("7R", robots::ALL[4])] {
@@ -130,8 +133,8 @@ fn mixed(name: &str, robot: &Robot, arms: u64) -> Result<Vec<String>> {
 const NAMED: f64 = 0.9;
 
 /// Effects behind lengths, touches and holes, a row a file; whether enough are named.
-fn blind(first: u64, sets: u64) -> Result {
-    let all = (first..first + sets).into_par_iter().map(|seed| (seed, answered(seed)));
+fn blind(first: u64, sets: u64, misstated: f64) -> Result {
+    let all = (first..first + sets).into_par_iter().map(|seed| (seed, answered(seed, misstated)));
     let mut answers = Vec::new();
     for (seed, answer) in all.collect::<Vec<_>>() {
         match answer {
