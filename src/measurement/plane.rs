@@ -97,7 +97,7 @@ impl<T: Scalar> Plane<T> {
     /// It is as sure as what found it. Where that matters it stays [`Self::unknown`], with
     /// the `sigma` of that result as the scale of its parameters: of intervals of 95 %
     /// after eight touches of a plate that is then held as it was found 83 % are true, with
-    /// this prior 94 % (`tests/touches.rs`).
+    /// this prior 94 % (`tests/touches`).
     #[must_use]
     pub fn found(&self, parameters: &[Parameter], change: &[T]) -> Self {
         let moved = Moved::by(parameters, change, |parameter| self.has(parameter));

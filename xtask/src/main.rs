@@ -27,6 +27,7 @@ mod refusals;
 mod reidentification_poses;
 mod reidentify;
 mod run;
+mod same_work;
 mod sigma;
 mod store;
 mod study;

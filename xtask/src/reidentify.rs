@@ -4,8 +4,6 @@
 #[path = "../../tests/firmware/src/runs.rs"]
 mod format;
 
-use std::fs;
-
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -15,10 +13,9 @@ use truearm_host::blob::pack;
 use truearm_host::identify::{Identification, Options, identify};
 use truearm_host::model::Robot;
 
-use crate::records::{HEADER, header};
-use crate::run::{Result, target_dir};
-use crate::vectors::{Files, shipped};
-use crate::{image, qemu, reidentification_poses};
+use crate::reidentification_poses;
+use crate::run::Result;
+use crate::same_work::{Work, median};
 use format::{BEHIND, JOINTS, Known, MAGIC, Moved, POINTS, Run, Runs, SIGMA};
 use truearm_study::simulated::{Truth, UR10_LIKE, normal, parse, rms, robot, state_of};
 
@@ -57,36 +54,21 @@ pub fn check() -> Result<String> {
         (SEEDS..SEEDS + RUNS).into_par_iter().map(|seed| simulate(seed, &poses)).collect();
     let accidents =
         accidents.into_iter().collect::<std::result::Result<Vec<_>, truearm_host::Error>>()?;
-    let blob = accidents.first().map_or(0, |a| a.bytes.len()) - BEHIND;
-    let begin = |expected| header(MAGIC, accidents.len(), blob, expected);
-    let mut file = begin(0).to_vec();
-    file.extend(accidents.iter().flat_map(|a| &a.bytes));
-    let runs = Runs::parse(&file).ok_or("the file of runs is not whole")?;
+    let work = Work::new(MAGIC, BEHIND, accidents.iter().map(|a| &a.bytes));
+    let runs = Runs::parse(&work.bytes).ok_or("the file of runs is not whole")?;
     let mut judged = Vec::new();
     let mut left = accidents.iter();
     let hash = runs.hash(|run, known, moved| {
         judged.extend(left.next().map(|accident| accident.judge(run, known, moved)));
     });
     let hash = hash.ok_or("a re-identification failed on the host")?;
-    file[..HEADER].copy_from_slice(&begin(hash));
-    let path = target_dir().join("firmware/reidentify.vectors");
-    fs::write(&path, &file)?;
-    let files = Files { vectors: path, ..shipped() };
-    let ended = qemu::run(&image::command_of("reidentify", &files)?, &image::directory())?;
-    if !ended.success || !ended.output.contains(&format!("hash: {hash:016x}")) {
-        return Err("the image did not find what the host finds".into());
-    }
+    let printed = work.done_by("reidentify", hash)?;
     report(&judged)?;
-    Ok(ended.output)
+    Ok(printed)
 }
 
 fn report(judged: &[Judged]) -> Result {
-    let median = |of: &dyn Fn(&Judged) -> f64| {
-        let mut all: Vec<f64> = judged.iter().map(of).collect();
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
-    };
-    let (crashed, full) = (median(&|j| j.crashed), median(&|j| j.full));
+    let (crashed, full) = (median(judged, |j| j.crashed), median(judged, |j| j.full));
     println!(
         "{} accidents, medians of RMS: {:.3} mm after the accident, {:.4} mm after a full \
          calibration of {POSES} poses",
@@ -94,10 +76,16 @@ fn report(judged: &[Judged]) -> Result {
         crashed * 1e3,
         full * 1e3
     );
-    let known = median(&|j| j.known / j.full);
-    println!("{POINTS} points, 5 unknowns: {:.4} mm, ratio {known:.3}", median(&|j| j.known) * 1e3);
-    let moved = median(&|j| j.moved / j.full);
-    println!("tracker moved, 11 unknowns: {:.4} mm, ratio {moved:.3}", median(&|j| j.moved) * 1e3);
+    let known = median(judged, |j| j.known / j.full);
+    println!(
+        "{POINTS} points, 5 unknowns: {:.4} mm, ratio {known:.3}",
+        median(judged, |j| j.known) * 1e3
+    );
+    let moved = median(judged, |j| j.moved / j.full);
+    println!(
+        "tracker moved, 11 unknowns: {:.4} mm, ratio {moved:.3}",
+        median(judged, |j| j.moved) * 1e3
+    );
     if known <= MOST {
         Ok(())
     } else {

@@ -6,17 +6,13 @@ mod cell;
 mod format;
 mod reference;
 
-use std::fs;
-
 use rayon::prelude::*;
 use truearm::blob::Blob;
 use truearm::{Arm, ArmParameters};
 use truearm_study::simulated::{UR10_LIKE, robot};
 
-use crate::records::{HEADER, header};
-use crate::run::{Result, target_dir};
-use crate::vectors::{Files, shipped};
-use crate::{image, qemu};
+use crate::run::Result;
+use crate::same_work::{Work, median};
 use cell::{Accident, poses, simulate};
 use format::{AFTER, Accidents, BEHIND, JOINTS, MAGIC, Mended};
 
@@ -41,45 +37,34 @@ pub fn check() -> Result<String> {
         (SEEDS..SEEDS + RUNS).into_par_iter().map(|seed| simulate(seed, &poses)).collect();
     let accidents =
         accidents.into_iter().collect::<std::result::Result<Vec<_>, truearm_host::Error>>()?;
-    let blob = accidents.first().map_or(0, |a| a.bytes.len()) - BEHIND;
-    let begin = |expected| header(MAGIC, accidents.len(), blob, expected);
-    let mut file = begin(0).to_vec();
-    file.extend(accidents.iter().flat_map(|a| &a.bytes));
-    let all = Accidents::parse(&file).ok_or("the file of accidents is not whole")?;
+    let work = Work::new(MAGIC, BEHIND, accidents.iter().map(|a| &a.bytes));
+    let all = Accidents::parse(&work.bytes).ok_or("the file of accidents is not whole")?;
     let mut judged = Vec::new();
     let mut left = accidents.iter();
     let hash = all.hash(|run, mended| {
         judged.extend(left.next().and_then(|accident| judge(accident, run, mended).ok()));
     });
     let hash = hash.ok_or("touches mended nothing on the host")?;
-    file[..HEADER].copy_from_slice(&begin(hash));
-    let path = target_dir().join("firmware/touches.vectors");
-    fs::write(&path, &file)?;
-    let files = Files { vectors: path, ..shipped() };
-    let ended = qemu::run(&image::command_of("touches", &files)?, &image::directory())?;
-    if !ended.success || !ended.output.contains(&format!("hash: {hash:016x}")) {
-        return Err("the image did not find what the host finds".into());
-    }
+    let printed = work.done_by("touches", hash)?;
     report(&judged)?;
-    Ok(ended.output)
+    Ok(printed)
 }
 
 fn report(judged: &[Judged]) -> Result {
-    let median = |of: &dyn Fn(&Judged) -> f64| {
-        let mut all: Vec<f64> = judged.iter().map(of).collect();
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
-    };
     println!(
         "{} accidents, {AFTER} touches of one plate each, medians of RMS at other poses: {:.3} mm \
          after the accident, {:.4} mm by the host in f64",
         judged.len(),
-        median(&|j| j.stored) * 1e3,
-        median(&|j| j.host) * 1e3
+        median(judged, |j| j.stored) * 1e3,
+        median(judged, |j| j.host) * 1e3
     );
     let ratios = [
-        ("one after the other", median(&|j| j.streamed), median(&|j| j.streamed / j.host)),
-        ("all at once", median(&|j| j.again), median(&|j| j.again / j.host)),
+        (
+            "one after the other",
+            median(judged, |j| j.streamed),
+            median(judged, |j| j.streamed / j.host),
+        ),
+        ("all at once", median(judged, |j| j.again), median(judged, |j| j.again / j.host)),
     ];
     for (how, error, ratio) in ratios {
         println!("on the controller, {how}: {:.4} mm, ratio {ratio:.3}", error * 1e3);
