@@ -62,6 +62,22 @@ pub fn run() -> Result {
         step(&format!("C program {name}"), || platform.check())?;
         step(&format!("C program {name} with a panic built in"), || platform.must_not_link())?;
     }
+    step("C of the book", of_the_book)
+}
+
+/// The page that shows how a C program uses the library compiles.
+fn of_the_book() -> Result {
+    let page = fs::read_to_string(root().join("docs/firmware.md"))?;
+    let (_, rest) = page.split_once("\n```c\n").ok_or("docs/firmware.md has no C")?;
+    let (shown, _) = rest.split_once("```").ok_or("docs/firmware.md: C without an end")?;
+    let source = build_dir().join("book.c");
+    fs::write(&source, shown)?;
+    for Platform { gcc, flags, .. } in [&HOST, &BOARD] {
+        let mut compile = Command::new(gcc);
+        compile.args(FLAGS.split_whitespace()).args(flags.split_whitespace()).arg("-I");
+        compile.arg(directory().join("include")).arg("-c").arg(&source).arg("-o");
+        call(compile.arg(source.with_extension("o")))?;
+    }
     Ok(())
 }
 
