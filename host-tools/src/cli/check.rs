@@ -32,7 +32,7 @@ impl Check {
     pub fn run(self) -> Result<Said> {
         let texts = [read_text(&self.robot)?, read_text(&self.data)?];
         let robot = Robot::parse(&self.robot, &texts[0])?;
-        let data = Measurements::read(&self.data, &robot)?;
+        let data = Measurements::of_file(&self.data, &texts[1], &robot)?;
         let mut warnings = [robot.warnings.clone(), data.warnings.clone()].concat();
         // Before anything can fail: what looks wrong may be why.
         warn(&warnings);

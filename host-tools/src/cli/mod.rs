@@ -133,14 +133,26 @@ fn read_both(robot: &Path, data: &Path) -> Result<(Robot, Measurements)> {
 
 /// Reads an arm and files of what was measured of it, one behind the other.
 fn read_all(robot: &Path, data: &[&PathBuf]) -> Result<(Robot, Measurements)> {
-    let (first, more) = data.split_first().ok_or_else(|| {
+    let robot = Robot::read(robot)?;
+    let data = session(data.iter().copied(), &robot).inspect_err(|_| warn(&robot.warnings))?;
+    let data = data.ok_or_else(|| {
         Error::usage("no file of measurements", "give one behind robot.toml, or by --data")
     })?;
-    let (robot, mut data) = read_both(robot, first)?;
-    for file in more {
-        data = data.joined(Measurements::read(file, &robot)?, &robot);
-    }
     Ok((robot, data))
+}
+
+/// Files of what was measured of an arm, one behind the other; `None` of none.
+fn session<'p>(
+    files: impl IntoIterator<Item = &'p PathBuf>,
+    robot: &Robot,
+) -> Result<Option<Measurements>> {
+    files.into_iter().try_fold(None, |all: Option<Measurements>, file| {
+        let read = Measurements::read(file, robot)?;
+        Ok(Some(match all {
+            Some(all) => all.joined(read, robot),
+            None => read,
+        }))
+    })
 }
 
 /// Reads a file and takes it as a blob; what is wrong with it is explained.

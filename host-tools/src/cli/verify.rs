@@ -13,7 +13,7 @@ use truearm_host::{Error, Result};
 
 use super::page::write_page;
 use super::workspace::Where;
-use super::{End, Said, own, warn, words};
+use super::{End, Said, own, session, warn, words};
 
 /// Verify the compensated arm on measured points: ISO 9283 accuracy and
 /// repeatability, pass or fail. Exit status 3: fail, 4: neither is proven.
@@ -139,14 +139,7 @@ impl Verify {
             joint.limits = covered.filter(|[low, high]| low < high).or(joint.limits);
         }
         let workspace = self.workspace.of(&robot)?;
-        let mut used: Option<Measurements> = None;
-        for path in &self.apart_from {
-            let read = Measurements::read(path, &robot)?;
-            used = Some(match used {
-                Some(others) => others.joined(read, &robot),
-                None => read,
-            });
-        }
+        let used = session(&self.apart_from, &robot)?;
         let poses = test_poses(model, &workspace, used.as_ref(), self.poses, self.seed)?;
         let inputs: Vec<&Path> = self.inputs().map(PathBuf::as_path).collect();
         own::write_like(path, &poses_csv(&robot, "cmd", &poses, &[]), &inputs, self.force)?;

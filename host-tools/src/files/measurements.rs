@@ -21,8 +21,15 @@ impl Measurements {
     /// # Errors
     /// Names file, line, column and remedy.
     pub fn read(path: &Path, robot: &Robot) -> Result<Self> {
-        let text = super::read(path)?;
-        Self::parsed(path, &text, robot, Gathered::beside(path, robot)?)
+        Self::of_file(path, &super::read(path)?, robot)
+    }
+
+    /// The same of a file whose text is known; what is said of instruments stands beside it.
+    ///
+    /// # Errors
+    /// As for [`Measurements::read`].
+    pub fn of_file(path: &Path, text: &str, robot: &Robot) -> Result<Self> {
+        Self::parsed(path, text, robot, Gathered::beside(path, robot)?)
     }
 
     /// Like [`Measurements::read`] from a text.
