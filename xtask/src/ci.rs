@@ -27,6 +27,9 @@ pub fn run() -> Result {
     proof::others()?;
     c::miri()?;
     package::run()?;
+    step("figures as PNG", || {
+        call(&mut cargo(&root(), "test -p truearm-host --features png --test png"))
+    })?;
     match python::found() {
         true => python::run()?,
         false => eprintln!("\nno python3 with venv: the wheel is not built"),

@@ -1,9 +1,9 @@
 //! What a diagnosis of a dirty set was worth.
 
-use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
+use truearm_host::diagnose::{DiagnoseOptions, Effect, Outcome, Verdict, diagnose};
 use truearm_host::effects::OUTLIERS;
 use truearm_host::model::CURVE;
-use truearm_simulate::effects::Kind;
+use truearm_simulate::effects::{Defect, Kind};
 
 use super::set::DirtySet;
 use super::truth::{attainable, floors};
@@ -42,6 +42,9 @@ pub struct Truth {
     pub named: bool,
     /// It stands in an alternative.
     pub told: bool,
+    /// Of a spring that is named of an arm with masses: what was found less what is, in
+    /// stated standard deviations.
+    pub off: Option<f64>,
 }
 
 /// A set and its answer.
@@ -75,6 +78,7 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
         floors,
         named: of(&report.effects).contains(&place(&d.kind)),
         told: told(&report, &place(&d.kind)),
+        off: robot.gravity.and_then(|_| off(&report, d)),
     });
     let truths: Vec<Truth> = truths.collect();
     let curve = match &secret.hidden.unlisted {
@@ -114,6 +118,13 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
         ratio: attainable(set).and_then(|a| Some(reached? * 1e-3 / a)),
         scale: report.noise_scale * noise.stated / noise.of_pose.hypot(noise.of_reading),
     })
+}
+
+fn off(report: &Outcome, defect: &Defect) -> Option<f64> {
+    let Kind::JointCompliance { .. } = defect.kind else { return None };
+    let own = |e: &&Effect| e.name == defect.kind.name() && e.joints == defect.kind.joints();
+    let found = report.effects.iter().find(own)?.coefficients.first()?;
+    Some((found.value - defect.size) / found.sigma)
 }
 
 /// Whether a place stands in an alternative or among what is suspected.

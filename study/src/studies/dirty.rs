@@ -2,13 +2,15 @@
 //! which size on is an effect named, and how near is the model to what is
 //! attainable?
 
+use std::collections::BTreeMap;
+
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use truearm_host::diagnose::Verdict;
 
 use super::Result;
-use crate::dirty::score::{Claimed, Judged, Worth, judged};
+use crate::dirty::score::{Claimed, Judged, Truth, Worth, judged};
 use crate::dirty::set::DirtySet;
 
 #[derive(Args)]
@@ -66,10 +68,12 @@ pub fn run(options: &Options) -> Result {
     println!("{} sets, {} refused", seeds.len(), refused.len());
     calibration(&judged(false));
     found(&judged(false));
+    springs(&judged(false));
     attained(&judged(false));
     clean(&judged(true));
     verdicts(&judged(false));
-    false_names(&judged(false));
+    listed("false names", &false_names(&judged(false)));
+    listed("not named though above 1.5 floors", &missed(&judged(false)));
     Ok(())
 }
 
@@ -128,6 +132,23 @@ fn found(sets: &[&Judged]) {
     }
 }
 
+/// Whether the standard deviations of springs that are named are what they say.
+fn springs(sets: &[&Judged]) {
+    println!();
+    for (what, unlisted) in [("without", false), ("with", true)] {
+        let own = sets.iter().filter(|j| j.unlisted.is_some() == unlisted);
+        let off: Vec<f64> = own.flat_map(|j| &j.truths).filter_map(|t| t.off).collect();
+        let within = |most: f64| off.iter().filter(|z| z.abs() < most).count();
+        println!(
+            "{} springs named in sets {what} an unlisted effect: {} within 1.96 stated standard \
+             deviations, {} within 4",
+            off.len(),
+            within(1.96),
+            within(4.0)
+        );
+    }
+}
+
 fn attained(sets: &[&Judged]) {
     let mut ratios: Vec<f64> = sets.iter().filter_map(|j| j.ratio).collect();
     ratios.sort_by(f64::total_cmp);
@@ -139,6 +160,9 @@ fn attained(sets: &[&Judged]) {
             at(0.5),
             at(0.9)
         );
+        let far = sets.iter().filter(|j| j.ratio.is_some_and(|ratio| ratio > 1.15));
+        let far: Vec<_> = far.map(|j| (j.seed, j.ratio.unwrap_or_default())).collect();
+        println!("above 1.15: {far:.2?}");
     }
     let mut scales: Vec<f64> = sets.iter().map(|j| j.scale).collect();
     scales.sort_by(f64::total_cmp);
@@ -176,23 +200,29 @@ fn verdicts(sets: &[&Judged]) {
     }
 }
 
-/// What is named where it is not, most frequent first.
-fn false_names(sets: &[&Judged]) {
-    let mut names: Vec<(&str, usize, Vec<u64>)> = Vec::new();
-    for j in sets {
-        for c in j.claims.iter().filter(|c| c.named && c.worth == Worth::False) {
-            match names.iter_mut().find(|n| n.0 == c.place.0) {
-                Some(n) => {
-                    n.1 += 1;
-                    n.2.push(j.seed);
-                }
-                None => names.push((&c.place.0, 1, vec![j.seed])),
-            }
-        }
+/// Names with the seeds of their sets.
+fn false_names<'j>(sets: &[&'j Judged]) -> Vec<(&'j str, u64)> {
+    let wrong = |c: &&Claimed| c.named && c.worth == Worth::False;
+    let of = |j: &&'j Judged| j.claims.iter().filter(wrong).map(|c| (c.place.0.as_str(), j.seed));
+    sets.iter().flat_map(of).collect()
+}
+
+fn missed<'j>(sets: &[&'j Judged]) -> Vec<(&'j str, u64)> {
+    let lost = |t: &&Truth| !t.named && t.floors >= 1.5;
+    let of = |j: &&'j Judged| j.truths.iter().filter(lost).map(|t| (t.place.0.as_str(), j.seed));
+    sets.iter().flat_map(of).collect()
+}
+
+/// Most frequent first.
+fn listed(what: &str, found: &[(&str, u64)]) {
+    let mut names: BTreeMap<&str, Vec<u64>> = BTreeMap::new();
+    for (name, seed) in found {
+        names.entry(name).or_default().push(*seed);
     }
-    names.sort_by_key(|n| std::cmp::Reverse(n.1));
-    println!("\nfalse names (cargo xtask study dirty --only SEED):");
-    for (name, count, seeds) in names {
-        println!("  {name}: {count}, in {:?}", &seeds[..seeds.len().min(6)]);
+    let mut names: Vec<_> = names.into_iter().collect();
+    names.sort_by_key(|(_, seeds)| std::cmp::Reverse(seeds.len()));
+    println!("\n{what} (cargo xtask study dirty --only SEED):");
+    for (name, seeds) in names {
+        println!("  {name}: {}, in {:?}", seeds.len(), &seeds[..seeds.len().min(6)]);
     }
 }
