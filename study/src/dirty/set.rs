@@ -1,6 +1,9 @@
 //! A set as a user would bring it, from an arm with several effects at once;
 //! what was hidden stays sealed until [`DirtySet::open`].
 
+use std::path::Path;
+use std::{fs, io};
+
 use nalgebra::{Rotation3, Vector3};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
@@ -80,6 +83,22 @@ impl DirtySet {
     /// What was hidden.
     pub fn open(&self) -> &Secret {
         &self.secret
+    }
+
+    /// Its files, and what was hidden, in a folder.
+    ///
+    /// # Errors
+    /// The file system's.
+    pub fn write(&self, folder: &Path) -> io::Result<()> {
+        fs::create_dir_all(folder)?;
+        let hidden = format!("{:#?}\n{:#?}\n", self.secret.hidden, self.secret.noise);
+        let files = [
+            ("robot.toml", &self.robot),
+            ("measurements.csv", &self.measurements),
+            ("holdout.csv", &self.holdout),
+            ("hidden.txt", &hidden),
+        ];
+        files.into_iter().try_for_each(|(name, text)| fs::write(folder.join(name), text))
     }
 
     /// Files as the program reads them.

@@ -3,6 +3,7 @@
 //! attainable?
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -27,6 +28,9 @@ pub struct Options {
     /// Only this set
     #[arg(long)]
     only: Option<u64>,
+    /// Folder for that set's files
+    #[arg(long, requires = "only")]
+    out: Option<PathBuf>,
 }
 
 /// Seeds of one study.
@@ -43,7 +47,11 @@ pub fn run(options: &Options) -> Result {
     let mut seeds: Vec<(u64, bool)> = (0..options.sets).map(|i| (first + i, false)).collect();
     seeds.extend((0..options.clean).map(|i| (first + CLEAN + i, true)));
     if let Some(seed) = options.only {
-        seeds = vec![(seed, seed % A_STUDY >= CLEAN)];
+        let clean = seed % A_STUDY >= CLEAN;
+        seeds = vec![(seed, clean)];
+        if let Some(folder) = &options.out {
+            DirtySet::draw(seed, clean).write(folder)?;
+        }
     }
     let style = "{bar:40} {pos}/{len}  {elapsed_precise}, {eta} left";
     let bar = ProgressBar::new(seeds.len() as u64).with_style(ProgressStyle::with_template(style)?);
