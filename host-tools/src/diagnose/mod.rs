@@ -21,6 +21,7 @@ pub mod weigh;
 mod white;
 
 pub use outcome::{Alternative, Coefficient, Effect, GapRow, Outcome, Verdict, said};
+pub use weigh::Doubt;
 
 use crate::error::{Error, Kind, Result};
 use crate::identify::estimate::Estimate;

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::weigh::Doubt;
 use crate::identify::Figures;
 
 /// The verdict.
@@ -34,6 +35,9 @@ pub struct Effect {
     /// 1 - RMS with over RMS without it of either half of the poses, at random,
     /// when all coefficients are fitted to the other half.
     pub half_gain: [f64; 2],
+    /// Why it is suspected, not named, however probable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub doubt: Option<Doubt>,
     /// 1 - RMS with over RMS without it, on held-out poses.
     pub holdout_gain: f64,
 }

@@ -64,19 +64,65 @@ pub fn basis(orders: usize, angle: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Which of several functions the data hold, and their priors: columns of each
+/// What a function of an angle turns out to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// A smooth one.
+    Curve(Prior),
+    /// One order alone says as much.
+    Line {
+        /// Cycles a turn.
+        order: usize,
+        /// Standard deviation of cosine and sine, rad.
+        size: f64,
+    },
+}
+
+impl Shape {
+    /// Its columns among cosine and sine of each order, with their variances.
+    fn columns(&self) -> Vec<(usize, f64)> {
+        match *self {
+            Self::Curve(prior) => prior.variances().into_iter().enumerate().collect(),
+            Self::Line { order, size } => {
+                [2 * order - 2, 2 * order - 1].map(|k| (k, size * size)).to_vec()
+            }
+        }
+    }
+
+    /// All that a function may be.
+    fn all(orders: usize, odds: &Odds) -> Vec<(Self, f64)> {
+        let lengths = LENGTHS.into_iter().filter(|length| self::orders(*length) <= orders);
+        let priors = lengths.flat_map(|length| SIZES.map(|size| Prior { length, size }));
+        let curves = priors.map(|prior| (Self::Curve(prior), odds.curve));
+        let Some(line) = &odds.line else { return curves.collect() };
+        let lines = (1..=orders)
+            .flat_map(|order| SIZES.map(|size| (Self::Line { order, size }, line(order))));
+        curves.chain(lines).collect()
+    }
+}
+
+/// Log prior odds of what a function may be.
+pub struct Odds<'o> {
+    /// Of a curve.
+    pub curve: f64,
+    /// Of a line of an order alone; none where lines are not asked for.
+    pub line: Option<&'o dyn Fn(usize) -> f64>,
+}
+
+/// Which of several functions the data hold, and what they are: columns of each
 /// in turn, `orders` cosines and sines each, behind `beside` columns that are in
-/// the model whatever comes. `log_odds` is the price of a function.
+/// the model whatever comes. `odds` is the price of a function.
 #[must_use]
 pub fn choose(
     projected: &Projected,
     beside: usize,
     orders: usize,
-    log_odds: f64,
-) -> Vec<Option<Prior>> {
+    odds: &Odds,
+) -> Vec<Option<Shape>> {
     let functions = (projected.b.len() - beside) / (2 * orders);
     let noise = Noise::new(projected.equations, projected.repeats, projected.geometry);
-    let mut chosen: Vec<Option<Prior>> = vec![None; functions];
+    let shapes = Shape::all(orders, odds);
+    let mut chosen: Vec<Option<Shape>> = vec![None; functions];
     for _ in 0..SWEEPS {
         let before = chosen.clone();
         for k in 0..functions {
@@ -84,20 +130,13 @@ pub fn choose(
             let rest = Rest::new(projected, beside, orders, &chosen, k);
             let (s, t) = rest.leave(projected, first, 2 * orders);
             let known = rest.explained;
-            let nothing = noise.log_evidence(projected.s - known);
-            let mut best = (nothing, None);
-            for length in LENGTHS {
-                for size in SIZES {
-                    let prior = Prior { length, size };
-                    if self::orders(length) > orders {
-                        continue;
-                    }
-                    let (det, more) = explained(&s, &t, &prior.variances());
-                    let evidence =
-                        log_odds - 0.5 * det + noise.log_evidence(projected.s - known - more);
-                    if evidence > best.0 {
-                        best = (evidence, Some(prior));
-                    }
+            let mut best = (noise.log_evidence(projected.s - known), None);
+            for (shape, log_odds) in &shapes {
+                let (det, more) = explained(&s, &t, &shape.columns());
+                let evidence =
+                    log_odds - 0.5 * det + noise.log_evidence(projected.s - known - more);
+                if evidence > best.0 {
+                    best = (evidence, Some(*shape));
                 }
             }
             chosen[k] = best.1;
@@ -109,16 +148,20 @@ pub fn choose(
     chosen
 }
 
-/// `log |B|` and what a function of these variances explains.
-fn explained(s: &DMatrix<f64>, t: &DVector<f64>, variances: &[f64]) -> (f64, f64) {
-    let n = variances.len().min(t.len());
-    let d: Vec<f64> = variances[..n].iter().map(|v| v.sqrt()).collect();
-    let mut b = DMatrix::from_fn(n, n, |i, j| d[i] * s[(i, j)] * d[j]);
+/// `log |B|` and what a function of these columns and variances explains.
+fn explained(s: &DMatrix<f64>, t: &DVector<f64>, columns: &[(usize, f64)]) -> (f64, f64) {
+    let columns: Vec<(usize, f64)> =
+        columns.iter().filter(|(k, _)| *k < t.len()).map(|(k, v)| (*k, v.sqrt())).collect();
+    let n = columns.len();
+    let mut b = DMatrix::from_fn(n, n, |i, j| {
+        let ((row, d), (column, e)) = (columns[i], columns[j]);
+        d * s[(row, column)] * e
+    });
     (0..n).for_each(|i| b[(i, i)] += 1.0);
     let Some(factor) = cholesky(b) else { return (f64::INFINITY, 0.0) };
     let l = factor.l_dirty();
     let det = 2.0 * l.diagonal().iter().map(|x| x.ln()).sum::<f64>();
-    let right = DVector::from_fn(n, |i, _| d[i] * t[i]);
+    let right = DVector::from_fn(n, |i, _| columns[i].1 * t[columns[i].0]);
     (det, l.solve_lower_triangular(&right).map_or(0.0, |v| v.norm_squared()))
 }
 
@@ -135,18 +178,18 @@ impl Rest {
         projected: &Projected,
         beside: usize,
         orders: usize,
-        chosen: &[Option<Prior>],
+        chosen: &[Option<Shape>],
         without: usize,
     ) -> Self {
         let c = &projected.c;
         let mut columns: Vec<usize> = (0..beside).collect();
         let mut precision: Vec<f64> =
             columns.iter().map(|k| (BESIDE * c[(*k, *k)]).max(f64::MIN_POSITIVE)).collect();
-        for (k, prior) in chosen.iter().enumerate().filter(|(k, _)| *k != without) {
-            let variances = prior.map_or(Vec::new(), |p| p.variances());
+        for (k, shape) in chosen.iter().enumerate().filter(|(k, _)| *k != without) {
+            let own = shape.map_or(Vec::new(), |shape| shape.columns());
             let first = beside + 2 * orders * k;
-            columns.extend(first..first + variances.len());
-            precision.extend(variances.iter().map(|v| 1.0 / v));
+            columns.extend(own.iter().map(|(column, _)| first + column));
+            precision.extend(own.iter().map(|(_, variance)| 1.0 / variance));
         }
         let n = columns.len();
         let mut a = DMatrix::from_fn(n, n, |i, j| c[(columns[i], columns[j])]);
@@ -197,23 +240,24 @@ mod tests {
 
     /// What is chosen for two functions of two angles, the first of this prior and
     /// the second not there, seen in noise of 1e-4.
-    fn chosen(prior: Option<Prior>, seed: u64) -> Vec<Option<Prior>> {
+    fn chosen(truth: Option<Shape>, seed: u64) -> Vec<Option<Shape>> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let most = orders(LENGTHS[1]);
-        let truth: Vec<f64> = prior.map_or(Vec::new(), |p| {
-            p.variances().iter().map(|v| v.sqrt() * normal(&mut rng)).collect()
-        });
+        let mut coefficients = vec![0.0; 2 * most];
+        for (k, variance) in truth.map_or(Vec::new(), |shape| shape.columns()) {
+            coefficients[k] = variance.sqrt() * normal(&mut rng);
+        }
         let (rows, noise) = (900, 1e-4);
         let mut gram = Gram::new(1, 4 * most);
         let z: Vec<Vec<f64>> = (0..rows)
             .map(|_| (0..2).flat_map(|_| basis(most, rng.random_range(-3.0..3.0))).collect())
             .collect();
-        let value = |row: &Vec<f64>| row.iter().zip(&truth).map(|(b, c)| b * c).sum::<f64>();
+        let value = |row: &Vec<f64>| row.iter().zip(&coefficients).map(|(b, c)| b * c).sum::<f64>();
         let y = DVector::from_fn(rows, |i, _| (1e-3 + value(&z[i])) / noise + normal(&mut rng));
         let z = DMatrix::from_fn(rows, 4 * most, |i, j| z[i][j] / noise);
         gram.add(&DMatrix::from_element(rows, 1, 1.0), &z, &y);
         let projected = gram.project(&gram.geometry(&DVector::from_element(1, 1e-6), 1.0));
-        choose(&projected, 0, most, -4.0)
+        choose(&projected, 0, most, &Odds { curve: -4.0, line: Some(&|_| -6.0) })
     }
 
     #[test]
@@ -232,12 +276,27 @@ mod tests {
         for seed in 0..10 {
             assert_eq!(chosen(None, seed), [None, None], "seed {seed}");
             let truth = Prior { length: LENGTHS[1 + seed as usize % 3], size: 1.6e-4 };
-            let found = chosen(Some(truth), 100 + seed);
+            let found = chosen(Some(Shape::Curve(truth)), 100 + seed);
             assert_eq!(found[1], None, "seed {seed}");
-            let first = found[0].expect("a function of 1.6 noise floors");
+            let Some(Shape::Curve(first)) = found[0] else {
+                panic!("a curve of 1.6 noise floors, seed {seed}: {found:?}")
+            };
             assert!((first.size / truth.size).ln().abs() < 1.0, "seed {seed}: {first:?}");
             wrong += usize::from((first.length / truth.length).ln().abs() > 0.6);
         }
         assert!(wrong <= 1, "{wrong} of 10 lengths");
+    }
+
+    #[test]
+    fn a_line_is_no_curve() {
+        for seed in 0..10 {
+            let order = 5 + 2 * seed as usize;
+            let truth = Shape::Line { order, size: 1.6e-4 };
+            let found = chosen(Some(truth), 200 + seed);
+            assert!(
+                matches!(found[..], [Some(Shape::Line { order: own, .. }), None] if own == order),
+                "seed {seed}: {found:?}"
+            );
+        }
     }
 }

@@ -3,7 +3,8 @@
 //! attainable?
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -11,7 +12,7 @@ use rayon::prelude::*;
 use truearm_host::diagnose::Verdict;
 
 use super::Result;
-use crate::dirty::score::{Claimed, Judged, Truth, Worth, judged};
+use crate::dirty::score::{Claimed, Judged, Place, Truth, Worth, judged};
 use crate::dirty::set::DirtySet;
 
 #[derive(Args)]
@@ -31,6 +32,9 @@ pub struct Options {
     /// Folder for that set's files
     #[arg(long, requires = "only")]
     out: Option<PathBuf>,
+    /// Folder for claims.csv and effects.csv of all sets
+    #[arg(long)]
+    tables: Option<PathBuf>,
 }
 
 /// Seeds of one study.
@@ -72,6 +76,10 @@ pub fn run(options: &Options) -> Result {
     if options.only.is_some() {
         answers.iter().flatten().for_each(|(judged, _)| println!("{judged:#?}"));
         return Ok(());
+    }
+    if let Some(folder) = &options.tables {
+        let all: Vec<&Judged> = answers.iter().flatten().map(|(j, _)| j).collect();
+        tables(folder, &all)?;
     }
     println!("{} sets, {} refused", seeds.len(), refused.len());
     calibration(&judged(false));
@@ -206,6 +214,28 @@ fn verdicts(sets: &[&Judged]) {
             count(Verdict::Unexplained)
         );
     }
+}
+
+/// Every claim and every hidden effect, one a line.
+fn tables(folder: &Path, sets: &[&Judged]) -> io::Result<()> {
+    let place = |(name, joints): &Place| {
+        let joints: Vec<String> = joints.iter().map(usize::to_string).collect();
+        format!("{name},{}", joints.join(" "))
+    };
+    let mut claims = "seed,rows,unlisted,name,joints,probability,named,worth\n".to_owned();
+    let mut effects = "seed,rows,unlisted,name,joints,floors,named,told\n".to_owned();
+    for j in sets {
+        let set = format!("{},{},{}", j.seed, j.rows, j.unlisted.unwrap_or_default());
+        for Claimed { place: at, probability, named, worth } in &j.claims {
+            claims += &format!("{set},{},{probability:.6},{named},{worth:?}\n", place(at));
+        }
+        for Truth { place: at, floors, named, told, .. } in &j.truths {
+            effects += &format!("{set},{},{floors:.4},{named},{told}\n", place(at));
+        }
+    }
+    fs::create_dir_all(folder)?;
+    fs::write(folder.join("claims.csv"), claims)?;
+    fs::write(folder.join("effects.csv"), effects)
 }
 
 /// Names with the seeds of their sets.

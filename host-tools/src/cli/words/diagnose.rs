@@ -169,8 +169,8 @@ fn effect(e: &Effect, suspected: bool) -> String {
         out += &format!(": {}", values.join(", "));
     }
     out += &format!("; probability {}", said(e.probability));
-    if suspected && e.probability >= SURE {
-        out += ", but the halves of the poses disagree";
+    if let Some(doubt) = e.doubt.filter(|_| suspected && e.probability >= SURE) {
+        out += &format!(", but {}", doubt.words());
     }
     if e.holdout_gain != 0.0 {
         out += &format!("; held-out error falls by {:.0} %", e.holdout_gain * 100.0);

@@ -6,7 +6,7 @@ use super::gap::stage_name;
 use crate::diagnose::node::{Node, crowded};
 use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
 use crate::diagnose::policy::POLICY;
-use crate::diagnose::weigh::{Curved, Weighed};
+use crate::diagnose::weigh::{Curved, Doubt, Weighed};
 use crate::effects::OUTLIERS;
 use crate::identify::Findings;
 use crate::identify::robust::Outlier;
@@ -31,7 +31,7 @@ pub fn effects(
         for (i, term) in best.fit.fit.state.terms.iter().enumerate().filter(|(_, t)| of(t)) {
             let (name, joints) = (term.effect_name(), term.joints());
             let claim = weighed.names.iter().find(|n| n.name == name && n.joints == joints);
-            let sure = claim.is_some_and(|c| c.probability >= POLICY.named && c.replicated);
+            let sure = claim.is_some_and(|c| c.probability >= POLICY.named && c.doubt.is_none());
             let effect = Effect {
                 name,
                 joints,
@@ -39,6 +39,7 @@ pub fn effects(
                 coefficients: vec![coefficient(term, &kinds, sigmas[first + i])],
                 probability: claim.map_or(0.0, |c| c.probability),
                 half_gain: claim.map_or([0.0; 2], |c| c.half_gain),
+                doubt: claim.and_then(|c| c.doubt),
                 holdout_gain: gain(gap, row),
             };
             add(if sure { &mut named } else { &mut suspected }, term, effect);
@@ -70,6 +71,9 @@ fn curves(weighed: &Weighed, gap: &[GapRow]) -> (Vec<Effect>, Vec<Effect>) {
             coefficients: own.iter().map(|c| curve_size(c)).collect(),
             probability: least(|c| probability(&c)),
             half_gain: [least(|c| c.half_gain[0]), least(|c| c.half_gain[1])],
+            doubt: (!which)
+                .then_some(Doubt::Halves)
+                .filter(|_| least(|c| probability(&c)) >= POLICY.named),
             holdout_gain: row.map_or(0.0, |row| gain(gap, row)),
         };
         (!own.is_empty()).then_some(effect).into_iter().collect()
@@ -116,6 +120,7 @@ fn gross_rows(findings: &Findings) -> Effect {
         coefficients: Vec::new(),
         probability: 1.0 - chance.min(1.0),
         half_gain: [0.0; 2],
+        doubt: None,
         holdout_gain: 0.0,
     }
 }

@@ -1,5 +1,6 @@
 //! What weighing says.
 
+use super::doubts::Doubt;
 use super::nameless::Nameless;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::Moments;
@@ -19,8 +20,8 @@ pub struct Named {
     /// Fall of the error of each half of the poses when it is fitted to the
     /// other one.
     pub half_gain: [f64; 2],
-    /// Whether both halves agree on it.
-    pub replicated: bool,
+    /// What speaks against the name, however probable.
+    pub doubt: Option<Doubt>,
 }
 
 /// The answer.

@@ -1,16 +1,28 @@
 //! Which joints have an error curve, by the evidence.
 
 use super::curves::Curve;
+use super::lines::Held;
 use super::possible::{Possible, columns_of, revolute};
 use super::sheet::{Sheet, Weights};
+use crate::evidence::lines::LOWEST;
 use crate::evidence::prior;
-use crate::evidence::smooth::{self, Prior};
+use crate::evidence::smooth::{self, Odds, Prior, Shape};
 use crate::identify::{Problem, State};
 
 /// Poses that an order needs.
 const POSES_AN_ORDER: usize = 4;
 
-/// Which joints have a curve, beside what else was found, and their priors.
+/// What joints are off by beside what else was found.
+#[derive(Debug, Default)]
+pub struct Chosen {
+    /// Joints with a curve.
+    pub curves: Vec<Curve>,
+    /// Lines that say as much as a curve would.
+    pub lines: Vec<Held>,
+}
+
+/// Which joints have a curve, beside what else was found, and their priors; and which
+/// lines of up to `highest` cycles a turn would do instead.
 #[must_use]
 pub fn chosen(
     problem: &Problem,
@@ -19,11 +31,12 @@ pub fn chosen(
     members: &[Possible],
     weights: &Weights,
     (lambda, scale): (f64, f64),
-) -> Vec<Curve> {
+    highest: f64,
+) -> Chosen {
     let joints = revolute(problem);
     let most = problem.data.poses / POSES_AN_ORDER;
     let Some(length) = smooth::LENGTHS.into_iter().find(|l| smooth::orders(*l) <= most) else {
-        return Vec::new();
+        return Chosen::default();
     };
     let size = smooth::SIZES[0];
     let all: Vec<Curve> =
@@ -31,8 +44,33 @@ pub fn chosen(
     let sheet = Sheet::new(problem, state, members, weights, &all).with_curves_apart();
     let gram = sheet.gram(rows);
     let projected = gram.project(&gram.geometry(&sheet.precision(lambda), scale));
-    let log_odds = prior::log_odds(joints.len(), 1);
-    let priors = smooth::choose(&projected, columns_of(members), smooth::orders(length), log_odds);
-    let found = joints.iter().zip(priors);
-    found.filter_map(|(joint, prior)| Some(Curve { joint: *joint, prior: prior? })).collect()
+    let line = |order: usize| line_odds(joints.len(), order, highest);
+    let curve = prior::log_odds(joints.len(), 1);
+    let shapes = |line: Option<&dyn Fn(usize) -> f64>| {
+        let odds = Odds { curve, line };
+        smooth::choose(&projected, columns_of(members), smooth::orders(length), &odds)
+    };
+    let smooth = joints.iter().zip(shapes(None)).filter_map(|(joint, shape)| match shape? {
+        Shape::Curve(prior) => Some(Curve { joint: *joint, prior }),
+        Shape::Line { .. } => None,
+    });
+    let curves: Vec<Curve> = smooth.collect();
+    if curves.is_empty() {
+        return Chosen::default();
+    }
+    let instead =
+        joints.iter().zip(shapes(Some(&line))).filter_map(|(joint, shape)| match shape? {
+            Shape::Line { order, .. } => Some((*joint, order as f64)),
+            Shape::Curve(_) => None,
+        });
+    let lines = instead.filter(|(joint, _)| curves.iter().any(|c| c.joint == *joint)).collect();
+    Chosen { curves, lines }
+}
+
+/// Of a line, or of an eccentricity, which has the lowest two orders.
+fn line_odds(joints: usize, order: usize, highest: f64) -> f64 {
+    match order as f64 > LOWEST {
+        true => prior::line_log_odds(joints, 1, highest as usize, true),
+        false => prior::log_odds(joints, 2),
+    }
 }

@@ -1,8 +1,9 @@
 //! A search's result judged: on poses held out, in both halves, against rivals.
 
-use super::answer::{Named, Weighed};
 use rayon::prelude::*;
 
+use super::answer::{Named, Weighed};
+use super::doubts::{self, Doubt};
 use super::explained::{Explained, FOLD};
 use super::halves;
 use super::nameless::Nameless;
@@ -38,17 +39,23 @@ pub fn answer(
             Some(What::Nameless(what)) => nameless.push((*what, probability)),
             Some(What::Effect(candidate)) => {
                 let (half_gain, replicated) = halves::of_claim(of, claim, found, &halves);
-                names.push(Named {
+                let named = Named {
                     name: candidate.name(),
                     joints: candidate.joints(),
                     probability,
                     half_gain,
-                    replicated,
-                });
+                    doubt: (!replicated).then_some(Doubt::Halves),
+                };
+                names.push((named, candidate));
             }
             None => {}
         }
     }
+    let names = names.into_iter().map(|(named, candidate)| {
+        let other = || doubts::of(of.q.problem, &best.fit.kept, candidate, &nameless);
+        Named { doubt: named.doubt.or_else(other), ..named }
+    });
+    let mut names: Vec<Named> = names.collect();
     names.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     Weighed {
         best,

@@ -5,6 +5,7 @@ mod answer;
 mod chosen;
 mod curved;
 mod curves;
+mod doubts;
 mod explained;
 mod halves;
 mod judge;
@@ -28,6 +29,8 @@ use super::question::Question;
 use crate::error::Result;
 use crate::evidence::{Effort, Known, explain};
 pub use answer::{Curved, Named, Stage, Weighed};
+use chosen::Chosen;
+pub use doubts::Doubt;
 use explained::{EFFORT, Explained, FIRST};
 use lines::Held;
 pub use nameless::Nameless;
@@ -57,7 +60,12 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
         let start = Start { bent, ..Start::at(q, &node) };
         plain = search(q, start, FIRST, progress)?;
     }
-    let curves = plain.curves_wanted(q, &plain.bent.problem(q.problem));
+    // What one line explains is no curve; it is weighed with everything else first.
+    let Chosen { mut curves, lines } = plain.wanted(q);
+    if !lines.is_empty() {
+        plain = search(q, Start { lines, ..plain.again() }, FIRST, progress)?;
+        curves = plain.wanted(q).curves;
+    }
     if curves.is_empty() {
         let found = match plain.found.best.members.len() < FIRST.members {
             true => plain,
@@ -70,8 +78,7 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
     let start = Start { curves, scale, refused, bent: plain.bent, ..Start::at(q, root) };
     let first = search(q, start, FIRST, progress)?;
     // At the noise that is left now, lengths and sizes are told better.
-    let problem = first.bent.problem(q.problem);
-    let curves = first.curves_wanted(q, &problem);
+    let curves = first.wanted(q).curves;
     let mut again = Start { curves, ..first.again() };
     // A curve that is no longer wanted must not stay in what is predicted.
     again.bent.tables.retain(|t| again.curves.iter().any(|c| c.joint == usize::from(t.joint())));
@@ -80,9 +87,9 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
 
 /// Rounds of linearising, weighing and fitting until nothing changes.
 fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Result<Searched> {
-    let Start { mut node, curves, mut bent, mut scale, mut refused } = start;
+    let Start { mut node, curves, mut bent, mut scale, mut refused, lines } = start;
     let lambda = q.flags.lambda;
-    let mut held = lines_of(&node.added);
+    let mut held = [lines_of(&node.added), lines].concat();
     let mut round = 0;
     loop {
         round += 1;

@@ -1,19 +1,20 @@
 //! What a search ended with, and the answer that it gives.
 
 use super::answer::Weighed;
+use super::chosen::{self, Chosen};
 use super::curves::Curve;
 use super::explained::Explained;
 use super::parts::{Parts, joined};
 use super::possible::Possible;
 use super::sheet::{Sheet, Weights};
 use super::start::{Bent, Start};
-use super::{chosen, curved, judge};
+use super::{curved, judge};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::question::Question;
 use crate::error::Result;
 use crate::evidence::Explanation;
-use crate::identify::{Problem, State};
+use crate::identify::State;
 
 /// Where it ends: what was weighed in the last round, and the fit of what it found.
 pub struct Searched {
@@ -39,16 +40,18 @@ impl Searched {
             bent: self.bent.clone(),
             scale: self.found.scale,
             refused: self.refused.clone(),
+            lines: Vec::new(),
         }
     }
 
-    /// Joints that have an error curve beside what was found.
-    pub fn curves_wanted(&self, q: &Question, problem: &Problem) -> Vec<Curve> {
+    /// What joints are off by beside what was found: curves, and lines in their place.
+    pub fn wanted(&self, q: &Question) -> Chosen {
+        let problem = &self.bent.problem(q.problem);
         let members = self.found.best.members.iter();
         let members: Vec<Possible> = members.map(|m| self.possible[*m].clone()).collect();
         let (state, rows) = (&self.best.fit.fit.state, &self.best.fit.kept);
         let noise = (q.flags.lambda, self.found.scale);
-        chosen::chosen(problem, state, rows, &members, &self.weights, noise)
+        chosen::chosen(problem, state, rows, &members, &self.weights, noise, q.highest_order)
     }
 
     /// The answer.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::curves::Curve;
+use super::lines::Held;
 use super::sheet::{Sheet, Solution};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::{Bending, Moments};
@@ -21,6 +22,8 @@ pub struct Start {
     pub scale: f64,
     /// What physics refused.
     pub refused: Vec<Candidate>,
+    /// Lines to be weighed beside those of the model.
+    pub lines: Vec<Held>,
 }
 
 impl Start {
@@ -32,6 +35,7 @@ impl Start {
             bent: Bent { tables: Vec::new(), moments: q.moments.cloned() },
             scale: 0.0,
             refused: Vec::new(),
+            lines: Vec::new(),
         }
     }
 }

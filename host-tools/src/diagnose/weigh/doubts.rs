@@ -1,0 +1,97 @@
+//! Why a probable effect is suspected and not named: what makes it probable is that
+//! nothing else of the repertoire does the same, not that the data test it.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use truearm::effects::Effect;
+
+use super::nameless::Nameless;
+use crate::diagnose::candidates::Candidate;
+use crate::identify::Problem;
+use crate::model::ModelTerm;
+
+/// What speaks against a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Doubt {
+    /// The halves of the poses disagree, or one does not gain by the other.
+    Halves,
+    /// The joint is also off by a share of its last move, which has no name: the side
+    /// that it came from is a part of that.
+    Memory,
+    /// The joint was measured at so few angles that any function of it fits.
+    Levels,
+}
+
+impl Doubt {
+    /// In a report's line.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Halves => "the halves of the poses disagree",
+            Self::Memory => "the joint depends on its last move in a way that has no name",
+            Self::Levels => "at so few angles of the joint any function of them fits",
+        }
+    }
+}
+
+/// Structure without a name is believed from here on, as in a verdict.
+const BELIEVED: f64 = 0.5;
+/// Angles of one level differ by less than this, rad...
+const ONE_LEVEL: f64 = 0.01;
+/// ...and a wave's phase there by less than this.
+const ONE_PHASE: f64 = 0.3;
+/// Functions of a joint's angle that geometry and a gain have: a constant and a slope.
+const OTHERS: usize = 2;
+
+/// What speaks against an effect, replication apart.
+#[must_use]
+pub fn of(
+    problem: &Problem,
+    rows: &[usize],
+    candidate: &Candidate,
+    nameless: &[(Nameless, f64)],
+) -> Option<Doubt> {
+    let [joint] = candidate.joints()[..] else { return None };
+    let joint = joint - 1;
+    let lag = matches!(candidate.terms[..], [ModelTerm::Lag { .. }]);
+    if lag || candidate.name() == Effect::Backlash.name() {
+        let own =
+            |(what, p): &(Nameless, f64)| *what == Nameless::Memory { joint } && *p >= BELIEVED;
+        return nameless.iter().any(own).then_some(Doubt::Memory);
+    }
+    let highest = candidate.terms.iter().filter_map(|t| t.order()).fold(0.0, f64::max);
+    let angles = rows.iter().map(|row| problem.data.rows[*row].q[joint]);
+    let few = levels(angles.collect(), highest) <= candidate.terms.len() + OTHERS;
+    (highest > 0.0 && few).then_some(Doubt::Levels)
+}
+
+/// How many angles a wave of this order can tell apart.
+fn levels(mut angles: Vec<f64>, order: f64) -> usize {
+    angles.sort_by(f64::total_cmp);
+    let width = ONE_LEVEL.min(ONE_PHASE / order.max(1.0));
+    let (mut levels, mut last) = (0, f64::NEG_INFINITY);
+    for angle in angles {
+        if angle - last > width {
+            levels += 1;
+            last = angle;
+        }
+    }
+    levels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::levels;
+
+    #[test]
+    fn angles_that_a_wave_cannot_tell_apart_are_one_level() {
+        let grid: Vec<f64> =
+            (0..60).map(|i| f64::from(i % 4) * 0.6 + f64::from(i) * 1e-4).collect();
+        assert_eq!(levels(grid.clone(), 1.0), 4);
+        assert_eq!(levels(grid, 4000.0), 60);
+        // A joint that went everywhere has no levels.
+        assert_eq!(levels((0..100).map(|i| f64::from(i) * 0.011).collect(), 1.0), 100);
+        assert_eq!(levels(Vec::new(), 1.0), 0);
+    }
+}
