@@ -1,9 +1,6 @@
-//! Lines of unknown order: those already in the model, sharpened, the strongest that
-//! a scan of what is left finds, and those of a scan of what the joint's own periodic
-//! terms would leave. A wrong order, a gear's or an eccentricity, takes the true one's
-//! place in what is left; only there it is seen.
+//! Lines of unknown order: those already in the model, sharpened, and the
+//! strongest that a scan of what is left finds.
 
-use nalgebra::DVector;
 use rayon::prelude::*;
 use truearm::effects::Effect;
 
@@ -14,7 +11,6 @@ use crate::effects::Offer;
 use crate::evidence::Aliases;
 use crate::evidence::lines::{JointColumn, Line, Orders, strengths};
 use crate::identify::State;
-use crate::model::ModelTerm;
 
 /// Lines within so many steps of one another may be one: at the ends of what the
 /// joint covered their phases are less than a turn apart.
@@ -22,13 +18,6 @@ const ONE: f64 = 12.0;
 
 /// Steps of a golden section.
 const SECTIONS: usize = 16;
-
-/// Terms that go with cosine and sine of a joint's angle.
-const WAVES: [Effect; 3] =
-    [Effect::EncoderEccentricity, Effect::GearTransmissionError, Effect::JointPeriodicError];
-
-/// Lines of a joint that a scan offers in place of periodic terms.
-const INSTEAD: usize = 3;
 
 /// A line that the model has: its joint, counted from 0, and order.
 pub type Held = (usize, f64);
@@ -70,13 +59,6 @@ pub fn offered(
                 lines.push((line, variants(&orders, &line)));
             }
         }
-        let own = Wave::all(state, *joint);
-        if !own.is_empty() {
-            let instead = orders.lines(&bared(column, &own), INSTEAD);
-            let found: Vec<f64> = lines.iter().map(|(line, _)| line.order).collect();
-            let fresh = instead.into_iter().filter(|l| !found.iter().any(|k| near(*k, l.order)));
-            lines.extend(fresh.map(|line| (line, variants(&orders, &line))));
-        }
         (*joint, orders, lines)
     });
     let found: Vec<_> = found.collect();
@@ -100,7 +82,6 @@ pub fn offered(
 }
 
 /// A line in a state.
-#[derive(Clone, Copy)]
 struct Wave {
     order: f64,
     /// Coefficients of cosine and sine.
@@ -109,32 +90,8 @@ struct Wave {
 
 impl Wave {
     fn of(state: &State, joint: usize, order: f64) -> Self {
-        let own = |(effect, wave): (Effect, Self)| {
-            (effect == Effect::JointPeriodicError && wave.order == order).then_some(wave.size)
-        };
-        let size = parts(state, joint).filter_map(own).fold([0.0; 2], sum);
-        Self { order, size }
+        Self { order, size: size(state, joint, order) }
     }
-
-    /// All that a joint has, whatever they are called.
-    fn all(state: &State, joint: usize) -> Vec<Self> {
-        parts(state, joint).map(|(_, wave)| wave).collect()
-    }
-}
-
-fn sum(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] + b[0], a[1] + b[1]]
-}
-
-/// Cosines and sines of a joint, one at a time.
-fn parts(state: &State, joint: usize) -> impl Iterator<Item = (Effect, Wave)> {
-    state.terms.iter().filter_map(move |term| {
-        let ModelTerm::Arm(t) = term else { return None };
-        let own = WAVES.contains(&t.effect) && usize::from(t.joint) == joint;
-        let mut size = [0.0; 2];
-        size[usize::from(t.component != 0)] = t.coefficient;
-        own.then_some((t.effect, Wave { order: t.order, size }))
-    })
 }
 
 /// Where several lines would be one, by their squares.
@@ -145,9 +102,30 @@ fn middle(waves: &[Wave]) -> f64 {
     if all > 0.0 { sum / all } else { waves[0].order }
 }
 
+/// Coefficients of cosine and sine of a line in a state.
+fn size(state: &State, joint: usize, order: f64) -> [f64; 2] {
+    let mut out = [0.0; 2];
+    for term in &state.terms {
+        if term.effect_name() == Effect::JointPeriodicError.name()
+            && term.joints() == [joint + 1]
+            && term.order() == Some(order)
+            && let crate::model::ModelTerm::Arm(t) = term
+        {
+            out[usize::from(t.component != 0)] = t.coefficient;
+        }
+    }
+    out
+}
+
 /// The order next to one at which a line explains most, with held ones added back.
 fn sharpened(column: &JointColumn, order: f64, step: f64, held: &[Wave]) -> f64 {
-    let column = bared(column, held);
+    let mut column = column.clone();
+    for Wave { order, size: [cos, sin] } in held {
+        for ((right, square), q) in column.right.iter_mut().zip(&column.square).zip(&column.q) {
+            let (s, c) = (order * q).sin_cos();
+            *right += square * (cos * c + sin * s);
+        }
+    }
     let at = |order: f64| strengths(&column, order, step, 1)[0];
     let (mut low, mut high) = ((order - step).max(0.1), order + step);
     for _ in 0..SECTIONS {
@@ -156,23 +134,4 @@ fn sharpened(column: &JointColumn, order: f64, step: f64, held: &[Wave]) -> f64 
     }
     // As a blob holds it.
     ((low + high) / 2.0 * 64.0).round() / 64.0
-}
-
-/// A column whose residual still has these waves in it, less what geometry imitates of
-/// them.
-fn bared(column: &JointColumn, waves: &[Wave]) -> JointColumn {
-    let value = |q: &f64| {
-        let of = |Wave { order, size: [cos, sin] }: &Wave| {
-            let (s, c) = (order * q).sin_cos();
-            cos * c + sin * s
-        };
-        waves.iter().map(of).sum::<f64>()
-    };
-    let values = DVector::from_iterator(column.q.len(), column.q.iter().map(value));
-    let imitated = column.imitated.tr_mul(&(&column.imitated * &values));
-    let mut out = column.clone();
-    for (i, right) in out.right.iter_mut().enumerate() {
-        *right += column.square[i] * values[i] - imitated[i];
-    }
-    out
 }
