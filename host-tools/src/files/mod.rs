@@ -25,7 +25,7 @@ pub use key::read_key;
 pub use number::number;
 pub use path::Wanted;
 pub use poses::poses_csv;
-pub use robot::RobotDraft;
+pub use robot::{RobotDraft, parameter_key, prior_tables};
 pub use signed::{Comment, foreign, overwritable, overwritable_like, signed};
 
 use std::io::Write;

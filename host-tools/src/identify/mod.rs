@@ -48,6 +48,7 @@ pub use unknowns::{Layout, State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unkno
 use crate::error::{Error, Kind, Result};
 use crate::model::{KindId, Measurements, Model, Robot, Row};
 use crate::observations::{Residual, kind, measuring};
+use crate::tikhonov::Normal;
 use cross_validation::cross_validate;
 use estimate::estimate;
 use fit::{Freedom, fit};
@@ -72,6 +73,9 @@ pub struct Identification {
     pub figures: Figures,
     /// Per row: residual of the fit, held-out residual, flagged; m.
     pub rows: Vec<RowResult>,
+    /// What the rows say of the links, frames and instruments taken out: their
+    /// corrections beyond the expected ones in units of the problem.
+    pub links: Normal,
 }
 
 /// What became of a row.
