@@ -1,8 +1,10 @@
-//! Changing cells of a user's CSV file and nothing else: other cells, comments,
-//! blanks, quotes and line ends stay as they are.
+//! Changing cells of a user's CSV file, or tables of a TOML file, and nothing else:
+//! other cells, comments, blanks, quotes and line ends stay as they are.
 
 use std::ops::Range;
 use std::path::Path;
+
+use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use super::source::Source;
 use crate::error::{Error, Place, Result};
@@ -103,6 +105,20 @@ impl<'a> CsvEdit<'a> {
             }
         }
         out + &self.text[at..]
+    }
+}
+
+/// `[[joints]]`, or `joints = [{..}]`.
+pub(crate) fn tables<'a>(document: &'a mut DocumentMut, key: &str) -> Vec<&'a mut dyn TableLike> {
+    match document.get_mut(key) {
+        Some(Item::ArrayOfTables(tables)) => {
+            tables.iter_mut().map(|table| table as &mut dyn TableLike).collect()
+        }
+        Some(Item::Value(Value::Array(array))) => {
+            let tables = array.iter_mut().filter_map(Value::as_inline_table_mut);
+            tables.map(|table| table as &mut dyn TableLike).collect()
+        }
+        _ => Vec::new(),
     }
 }
 

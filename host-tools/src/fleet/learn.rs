@@ -13,6 +13,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::step::{Said, Step, shared};
 use crate::tikhonov::Normal;
 
 /// Rounds until no tolerance changes by more than this share of it...
@@ -26,11 +27,6 @@ const CENTRE: f64 = 1.0;
 const USUAL: f64 = 2.0;
 /// Newton steps to a logarithm, from the last one.
 const STEPS: usize = 20;
-/// A mean that is not zero is of this size, in usual tolerances: wide.
-const MEAN: f64 = 10.0;
-/// Equations' worth of weight of the fleet's noise in that of an arm: few poses say
-/// little of their noise.
-const NOISE: f64 = 10.0;
 
 /// What a fleet says of its type; parameters in usual tolerances, from nominal.
 #[derive(Debug, Clone)]
@@ -44,7 +40,7 @@ pub struct Learned {
     /// Of their logarithms the variance about the common centres.
     pub scatter: f64,
     /// Where the centre of each is.
-    centre: DVector<f64>,
+    pub(super) centre: DVector<f64>,
     /// How far the data determine each parameter, in arms.
     pub determined: DVector<f64>,
     /// What is then known of each arm.
@@ -63,96 +59,8 @@ pub struct Known {
     /// Noise of its measurements over what was stated, squared.
     pub noise: f64,
     /// What it says of the means that are free.
-    says: Said,
+    pub(super) says: Said,
 }
-
-/// Information about some means, and the right-hand side to it.
-#[derive(Debug, Clone)]
-struct Said {
-    information: DMatrix<f64>,
-    pull: DVector<f64>,
-}
-
-impl Said {
-    fn nothing(count: usize) -> Self {
-        let information = DMatrix::from_diagonal_element(count, count, MEAN.powi(-2));
-        Self { information, pull: DVector::zeros(count) }
-    }
-
-    fn and(self, other: &Self) -> Self {
-        Self { information: self.information + &other.information, pull: self.pull + &other.pull }
-    }
-
-    /// Means and their covariance.
-    fn solved(self) -> (DVector<f64>, DMatrix<f64>) {
-        let count = self.pull.len();
-        let inverse = self.information.cholesky().map(|factor| factor.inverse());
-        let covariance = inverse.unwrap_or_else(|| DMatrix::zeros(count, count));
-        (&covariance * self.pull, covariance)
-    }
-}
-
-/// An arm given tolerances and means: covariance and what it says of the means.
-struct Step {
-    covariance: DMatrix<f64>,
-    /// `S b / k^2`: where it would be with means of zero.
-    pulled: DVector<f64>,
-}
-
-impl Step {
-    fn of(arm: &Normal, noise: f64, precision: &DVector<f64>) -> Self {
-        let mut h = arm.h() / noise;
-        for (k, w) in precision.iter().enumerate() {
-            h[(k, k)] += w;
-        }
-        let size = h.nrows();
-        // A sum of squares and a positive diagonal.
-        let covariance =
-            h.cholesky().map_or_else(|| DMatrix::zeros(size, size), |factor| factor.inverse());
-        let pulled = &covariance * (arm.g() / noise);
-        Self { covariance, pulled }
-    }
-
-    /// Mean of the arm's corrections where the type has these.
-    fn at(&self, mean: &DVector<f64>, precision: &DVector<f64>) -> DVector<f64> {
-        &self.pulled + &self.covariance * mean.component_mul(precision)
-    }
-
-    /// Sum of squares that its measurements are expected to leave there.
-    fn left(&self, arm: &Normal, at: &DVector<f64>) -> f64 {
-        let spread = arm.h().component_mul(&self.covariance).sum();
-        let explained = 2.0 * arm.g().dot(at) - at.dot(&(arm.h() * at));
-        (arm.s() - explained + spread).max(0.0)
-    }
-
-    /// What the arm says of the means of some parameters, its own corrections
-    /// integrated out.
-    fn says(&self, free: &[usize], precision: &DVector<f64>) -> Said {
-        let information = DMatrix::from_fn(free.len(), free.len(), |i, j| {
-            let (a, b) = (free[i], free[j]);
-            let own = if a == b { precision[a] } else { 0.0 };
-            own - precision[a] * self.covariance[(a, b)] * precision[b]
-        });
-        let pull = free.iter().map(|a| precision[*a] * self.pulled[*a]);
-        Said { information, pull: DVector::from_iterator(free.len(), pull) }
-    }
-}
-
-/// An arm held against the type that others make: each parameter's deviation and its
-/// standard deviation were the arm of the type, and by how many arms that is known.
-#[derive(Debug, Clone)]
-pub struct Against {
-    /// Expected deviation from the mean of the type.
-    pub deviation: DVector<f64>,
-    /// Standard deviation of that over arms of the type, zero where the arm's data
-    /// say nothing.
-    pub sigma: DVector<f64>,
-    /// Degrees of freedom of the standard deviation.
-    pub freedom: DVector<f64>,
-}
-
-/// A parameter of which an arm's data say less than this share is not judged.
-const SAID: f64 = 0.05;
 
 impl Learned {
     /// Tolerance of the next arm: spread about the mean, and doubt about both.
@@ -168,124 +76,12 @@ impl Learned {
         self.determined.add_scalar(2.0 / self.scatter)
     }
 
-    /// Holds an arm against the type; if it is one of those that it was learned of
-    /// (the index), against the others.
-    #[must_use]
-    pub fn against(
-        &self,
-        (arm, noise): (&Normal, f64),
-        member: Option<usize>,
-        free: &[usize],
-    ) -> Against {
-        let own = member.map(|i| &self.arms[i]);
-        let others = self.arms.len() as f64 - f64::from(u8::from(own.is_some()));
-        let (mut mean, mut variance) = (self.mean.clone(), &self.variance + &self.doubt);
-        if let Some(own) = own {
-            let sums = self.arms.iter().map(|arm| &arm.square);
-            let sums = sums.fold(-&own.square, |sum, square| sum + square);
-            let of =
-                |k: usize| log_variance(sums[k].max(0.0), others, self.centre[k], self.scatter);
-            variance = DVector::from_fn(sums.len(), |k, _| of(k).exp());
-            let said = self.arms.iter().enumerate().filter(|(i, _)| Some(*i) != member);
-            let said = said.fold(Said::nothing(free.len()), |all, (_, arm)| all.and(&arm.says));
-            let (means, doubt) = said.solved();
-            for (i, k) in free.iter().enumerate() {
-                mean[*k] = means[i];
-                variance[*k] += doubt[(i, i)];
-            }
-        }
-        let precision = variance.map(f64::recip);
-        let step = Step::of(arm, noise, &precision);
-        let left = step.covariance.diagonal();
-        let at = step.at(&mean, &precision);
-        let said = |k: usize| 1.0 - left[k] / variance[k];
-        let of_member = |k: usize| own.map_or(0.0, |own| 1.0 - own.variance[k] / self.variance[k]);
-        Against {
-            deviation: at - mean,
-            sigma: DVector::from_fn(left.len(), |k, _| {
-                if said(k) < SAID { 0.0 } else { (variance[k] - left[k]).sqrt() }
-            }),
-            freedom: self.freedom() - DVector::from_fn(left.len(), |k, _| of_member(k)),
-        }
-    }
-
     /// Noise of the fleet over what was stated, squared: the geometric mean.
     #[must_use]
     pub fn noise(&self) -> f64 {
         let sum: f64 = self.arms.iter().map(|arm| arm.noise.ln()).sum();
         (sum / self.arms.len().max(1) as f64).exp()
     }
-
-    /// By how many of its standard deviations the mean of each parameter would leave
-    /// zero if it were let, Student's t of one degree of freedom less than there are
-    /// arms; zero of those that are free already.
-    #[must_use]
-    pub fn leaning(&self, arms: &[&Normal], free: &[usize]) -> DVector<f64> {
-        let precision = self.variance.map(f64::recip);
-        let size = precision.len();
-        let all: Vec<usize> = (0..size).collect();
-        let of = |(known, arm): (&Known, &&Normal)| {
-            let step = Step::of(arm, known.noise, &precision);
-            let lean = (&known.mean - &self.mean).component_mul(&precision);
-            (step.says(&all, &precision).information, lean)
-        };
-        let parts: Vec<_> = self.arms.par_iter().zip(arms).map(of).collect();
-        let mut information = DMatrix::zeros(size, size);
-        let mut lean = DVector::zeros(size);
-        for (part, own) in parts {
-            information += part;
-            lean += own;
-        }
-        let held = information.select_rows(free).select_columns(free);
-        let held = held.cholesky();
-        let mut sums = DVector::zeros(size);
-        self.arms.iter().for_each(|arm| sums += &arm.square);
-        let count = self.arms.len() as f64;
-        let by = |k: usize| {
-            let coupling = information.column(k).select_rows(free);
-            let taken = held.as_ref().map_or(0.0, |h| coupling.dot(&h.solve(&coupling)));
-            let left = information[(k, k)] - taken;
-            // What the arms together say less of than of one arm is not asked.
-            if free.contains(&k) || left < SAID * information[(k, k)].max(precision[k]) {
-                return 0.0;
-            }
-            // Of these arms alone, whatever other parameters scatter by; and the variance
-            // took a mean that is no zero for spread: undone. That is exact of a sum that
-            // every arm determines, whoever shares it.
-            let own = lean[k] * lean[k] / left * self.variance[k] * count / sums[k];
-            let square = own.min(0.999 * count);
-            ((count - 1.0) * square / (count - square)).sqrt()
-        };
-        DVector::from_fn(size, |k, _| by(k))
-    }
-}
-
-/// Rounds for the noise of arms of which nothing else is known.
-const NOISE_ROUNDS: usize = 20;
-
-/// Noise of each arm over what was stated, squared, whatever its corrections are: an arm
-/// that differs must not pass for one that was measured badly.
-#[must_use]
-pub fn noises(arms: &[&Normal]) -> Vec<f64> {
-    let size = arms.first().map_or(0, |arm| arm.unknowns());
-    let (mean, precision) = (DVector::zeros(size), DVector::repeat(size, MEAN.powi(-2)));
-    let left = |(arm, noise): (&&Normal, &f64)| {
-        let step = Step::of(arm, *noise, &precision);
-        step.left(arm, &step.at(&mean, &precision))
-    };
-    (0..NOISE_ROUNDS).fold(vec![1.0; arms.len()], |noises, _| {
-        let left: Vec<f64> = arms.par_iter().zip(&noises).map(left).collect();
-        shared(arms, &left)
-    })
-}
-
-/// Noise of arms from what is left of them, each a little as that of all.
-fn shared(arms: &[&Normal], left: &[f64]) -> Vec<f64> {
-    let count = |arm: &&Normal| arm.equations() as f64;
-    let all: f64 = arms.iter().map(count).sum();
-    let common = left.iter().sum::<f64>() / all.max(1.0);
-    let of = |(arm, left): (&&Normal, &f64)| (NOISE * common + left) / (NOISE + count(arm));
-    arms.iter().zip(left).map(of).map(|noise| noise.max(f64::MIN_POSITIVE)).collect()
 }
 
 /// What is unknown of the type.
@@ -415,7 +211,7 @@ impl Type<'_> {
 
 /// The likeliest logarithm of a variance that so many deviations with this sum of
 /// squares have, normal about a centre with this scatter.
-fn log_variance(sum: f64, count: f64, centre: f64, scatter: f64) -> f64 {
+pub(super) fn log_variance(sum: f64, count: f64, centre: f64, scatter: f64) -> f64 {
     let start = if sum > 0.0 && count > 0.0 { (sum / count).ln() } else { centre };
     (0..STEPS).fold(start, |log, _| {
         let share = sum / 2.0 * (-log).exp();

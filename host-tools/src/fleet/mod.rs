@@ -1,20 +1,25 @@
 //! Many arms of one type: what they share, which of them differ, and how far the next
 //! one is expected to be off in each parameter.
 
+mod against;
 mod learn;
+mod step;
 mod student;
 #[cfg(test)]
 mod tests;
 
-use nalgebra::DVector;
 use truearm::LinkParameter;
 
+use against::Against;
 pub use learn::Learned;
-use learn::{Against, learn, noises};
+use learn::learn;
 
+use crate::identify::error_bars::FACTOR;
+use crate::identify::typical::of_type;
 use crate::identify::{Identification, Unknown};
-use crate::model::{LinkPrior, Robot};
+use crate::model::Robot;
 use crate::tikhonov::Normal;
+use step::noises;
 use student::beyond;
 
 /// Chance that a fleet in which no arm differs has one named, and that a type whose
@@ -37,18 +42,9 @@ impl Arm {
     /// Of an identification in the prior scaling.
     #[must_use]
     pub fn of(found: &Identification) -> Self {
-        let joints = found.model.robot.joints.iter().enumerate();
-        let all = joints.flat_map(|(i, joint)| {
-            LinkParameter::ALL.map(|p| {
-                let usual = Unknown::Link(i, p).tolerance();
-                let LinkPrior { expected, tolerance } = joint.prior;
-                let unit = tolerance[p as usize].unwrap_or(usual);
-                [usual / unit, -expected[p as usize] / unit]
-            })
-        });
-        let all: Vec<[f64; 2]> = all.collect();
-        let [units, from] = [0, 1].map(|c| DVector::from_fn(all.len(), |k, _| all[k][c]));
-        Self { links: found.links.recounted(&units, &from) }
+        let [units, from] = of_type(&found.model.robot);
+        let per_unit = units.map(f64::recip);
+        Self { links: found.links.recounted(&per_unit, &-from.component_mul(&per_unit)) }
     }
 }
 
@@ -69,6 +65,27 @@ pub struct Judgement {
     pub chance: f64,
     /// Whether the type was learned without it.
     pub apart: bool,
+}
+
+/// What a fleet says of a parameter of the next arm; m or rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prior {
+    /// Joint, from 0.
+    pub joint: usize,
+    /// Which of it.
+    pub parameter: LinkParameter,
+    /// One standard deviation about the expected correction.
+    pub tolerance: f64,
+    /// 95 % interval of the spread of the arms.
+    pub interval: [f64; 2],
+    /// Tolerance of arms of which nothing is known.
+    pub usual: f64,
+    /// Mean correction, zero where none is common.
+    pub expected: f64,
+    /// Of a mean that is: the chance of one so far off in a type whose drawing is right.
+    pub chance: Option<f64>,
+    /// How many arms' worth the measurements say of it.
+    pub determined: f64,
 }
 
 /// What a fleet says.
@@ -108,17 +125,39 @@ impl Fleet {
         }
     }
 
+    /// What is known of each parameter of the next arm, five a joint.
+    #[must_use]
+    pub fn priors(&self) -> Vec<Prior> {
+        let (tolerance, freedom) = (self.learned.tolerance(), self.learned.freedom());
+        let of = |k: usize| {
+            let (joint, parameter) = (k / 5, LinkParameter::ALL[k % 5]);
+            let usual = Unknown::Link(joint, parameter).tolerance();
+            // The logarithm of a variance is known to the root of two over its freedom.
+            let (spread, off) =
+                (self.learned.variance[k].sqrt() * usual, FACTOR / (2.0 * freedom[k]).sqrt());
+            let chance = self.common.iter().find(|(place, _)| *place == k);
+            Prior {
+                joint,
+                parameter,
+                tolerance: tolerance[k] * usual,
+                interval: [spread * (-off).exp(), spread * off.exp()],
+                usual,
+                expected: self.learned.mean[k] * usual,
+                chance: chance.map(|(_, chance)| *chance),
+                determined: self.learned.determined[k],
+            }
+        };
+        (0..tolerance.len()).map(of).collect()
+    }
+
     /// The robot with what is known of its type.
     #[must_use]
     pub fn prior_of(&self, robot: &Robot) -> Robot {
         let mut robot = robot.clone();
-        let tolerance = self.learned.tolerance();
-        for (i, joint) in robot.joints.iter_mut().enumerate() {
-            for p in LinkParameter::ALL {
-                let (k, usual) = (5 * i + p as usize, Unknown::Link(i, p).tolerance());
-                joint.prior.tolerance[p as usize] = Some(tolerance[k] * usual);
-                joint.prior.expected[p as usize] = self.learned.mean[k] * usual;
-            }
+        for prior in self.priors() {
+            let (of, p) = (&mut robot.joints[prior.joint].prior, prior.parameter as usize);
+            of.tolerance[p] = Some(prior.tolerance);
+            of.expected[p] = prior.expected;
         }
         robot
     }
@@ -135,10 +174,9 @@ fn learned(arms: &[&Normal], lengths: &[bool]) -> (Learned, Vec<(usize, f64)>) {
             return (found, common);
         }
         let leaning = found.leaning(arms, &free);
-        let asked = leaning.iter().filter(|l| **l > 0.0).count() as f64;
-        let chance = |k: usize| asked * beyond(leaning[k], arms.len() - 1);
-        let next = (0..lengths.len()).map(|k| (k, chance(k)));
-        let next = next.filter(|(k, _)| leaning[*k] > 0.0).min_by(|a, b| a.1.total_cmp(&b.1));
+        let asked = leaning.iter().flatten().count() as f64;
+        let chances = leaning.iter().enumerate().filter_map(|(k, p)| Some((k, asked * (*p)?)));
+        let next = chances.min_by(|a, b| a.1.total_cmp(&b.1));
         match next.filter(|(_, chance)| *chance < LEVEL) {
             Some(next) => common.push(next),
             None => return (found, common),

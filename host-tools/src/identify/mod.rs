@@ -29,6 +29,7 @@ mod summary;
 mod suspects;
 #[cfg(test)]
 mod tests;
+pub mod typical;
 pub mod uncertainty;
 mod unknowns;
 
@@ -112,8 +113,9 @@ pub fn identify(
             "leave it out: the prior scaling weighs every kind by its own sigma",
         ));
     }
+    enough(&Problem::new(data, robot, options.scaling), options)?;
+    let robot = &*typical::as_measured(robot, data)?;
     let problem = Problem::new(data, robot, options.scaling);
-    enough(&problem, options)?;
     let start = registration::register(data, &problem.nominal, robot.tool)?;
     let mut problem = problem.about(&start);
     let rows = problem.counted();

@@ -18,7 +18,7 @@ use crate::units::{from_mm, joint_from_file};
 use check::{Checker, printable};
 pub use draft::RobotDraft;
 use keys::{JointFile, PlacementFile, RobotFile};
-pub use prior::{parameter_key, prior_tables};
+pub use prior::{prior_tables, with_priors};
 use sense::Sense;
 
 /// What to do about a file that does not have the right keys.

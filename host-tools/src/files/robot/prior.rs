@@ -2,11 +2,13 @@
 
 use serde::Deserialize;
 use toml::Spanned;
+use toml_edit::{DocumentMut, InlineTable, Item, Value};
 use truearm::{JointKind, LinkParameter};
 
 use super::check::Checker;
-use crate::error::Result;
-use crate::model::{Joint, LinkPrior};
+use crate::error::{Error, Kind, Result};
+use crate::files::edit::tables;
+use crate::model::{Joint, LinkPrior, Robot};
 use crate::units::link_unit;
 
 /// Tolerances that make sense, mm or degrees.
@@ -27,8 +29,7 @@ pub(super) struct ParametersFile {
 }
 
 /// Name of a parameter of a link as a key of the file.
-#[must_use]
-pub fn parameter_key(kind: JointKind, parameter: LinkParameter) -> &'static str {
+fn parameter_key(kind: JointKind, parameter: LinkParameter) -> &'static str {
     match (parameter, kind) {
         (LinkParameter::Alpha, _) => "alpha_deg",
         (LinkParameter::A, _) => "a_mm",
@@ -51,6 +52,39 @@ pub fn prior_tables(joint: &Joint) -> [(&'static str, Vec<(&'static str, f64)>);
     };
     let not_zero = expected.map(|value| (value != 0.0).then_some(value));
     [("tolerance", table(tolerance)), ("expected", table(not_zero))]
+}
+
+/// The text of a robot.toml with the priors of a robot in its joints; all else stays as
+/// it was written.
+///
+/// # Errors
+/// A text that is not that of the robot.
+pub fn with_priors(text: &str, robot: &Robot) -> Result<String> {
+    let other = || {
+        Error::data(
+            Kind::File,
+            format!("{}: not the text that was read", robot.path.display()),
+            "the file changed in between: try again",
+        )
+    };
+    let mut document: DocumentMut = text.parse().map_err(|_| other())?;
+    let mut joints = tables(&mut document, "joints");
+    if joints.len() != robot.joints.len() {
+        return Err(other());
+    }
+    for (table, joint) in joints.iter_mut().zip(&robot.joints) {
+        for (key, values) in prior_tables(joint) {
+            table.remove(key);
+            // Four digits: more is known of no tolerance.
+            let digits = |value: f64| format!("{value:.3e}").parse::<f64>().unwrap_or(value);
+            let entries = values.into_iter().map(|(key, value)| (key, Value::from(digits(value))));
+            let entries: InlineTable = entries.collect();
+            if !entries.is_empty() {
+                table.insert(key, Item::Value(entries.into()));
+            }
+        }
+    }
+    Ok(document.to_string())
 }
 
 impl Checker<'_> {
