@@ -7,8 +7,8 @@ use truearm::JointKind;
 use super::change::{Change, Convention};
 use super::words::tidy;
 use super::{Finding, undone};
-use crate::error::{Error, Kind, Result};
-use crate::files::{CsvEdit, tables};
+use crate::error::Result;
+use crate::files::{CsvEdit, not_that_text, tables};
 use crate::model::{Measurements, Robot};
 use crate::units::{DEGREES, joint_column, point_to_mm};
 
@@ -152,13 +152,7 @@ fn negated(edit: &mut CsvEdit, columns: impl IntoIterator<Item = usize>) {
 }
 
 fn robot_mended(robot: &Robot, text: &str, finding: &Finding) -> Result<String> {
-    let other = || {
-        Error::data(
-            Kind::File,
-            format!("{}: not the text that was read", robot.path.display()),
-            "the file changed in between: try again",
-        )
-    };
+    let other = || not_that_text(&robot.path);
     let mut document: DocumentMut = text.parse().map_err(|_| other())?;
     let now = undone(robot, &finding.changes);
     let mut joints = tables(&mut document, "joints");

@@ -21,7 +21,7 @@ mod signed;
 mod source;
 
 pub use edit::CsvEdit;
-pub(crate) use edit::tables;
+pub(crate) use edit::{not_that_text, tables};
 pub use key::read_key;
 pub use number::number;
 pub use path::Wanted;

@@ -6,8 +6,8 @@ use toml_edit::{DocumentMut, InlineTable, Item, Value};
 use truearm::{JointKind, LinkParameter};
 
 use super::check::Checker;
-use crate::error::{Error, Kind, Result};
-use crate::files::edit::tables;
+use crate::error::Result;
+use crate::files::edit::{not_that_text, tables};
 use crate::model::{Joint, LinkPrior, Robot};
 use crate::units::link_unit;
 
@@ -60,13 +60,7 @@ pub fn prior_tables(joint: &Joint) -> [(&'static str, Vec<(&'static str, f64)>);
 /// # Errors
 /// A text that is not that of the robot.
 pub fn with_priors(text: &str, robot: &Robot) -> Result<String> {
-    let other = || {
-        Error::data(
-            Kind::File,
-            format!("{}: not the text that was read", robot.path.display()),
-            "the file changed in between: try again",
-        )
-    };
+    let other = || not_that_text(&robot.path);
     let mut document: DocumentMut = text.parse().map_err(|_| other())?;
     let mut joints = tables(&mut document, "joints");
     if joints.len() != robot.joints.len() {
