@@ -14,6 +14,7 @@ pub mod error;
 pub mod evaluate;
 pub mod evidence;
 pub mod files;
+pub mod fleet;
 pub mod headings;
 pub mod identify;
 pub mod import;

@@ -48,7 +48,7 @@ fn apart(a: &State, b: &State) -> f64 {
 /// One batch solution with the filter's prior, by QR: never squared.
 fn batch(task: &Task, filter: &Kalman) -> State {
     let (u, s) = task.system(task.start());
-    let prior = filter.prior(task.unknowns());
+    let prior = filter.prior(task);
     let (m, n) = u.shape();
     let mut a = DMatrix::zeros(m + n, n);
     let mut b = DVector::zeros(m + n);

@@ -93,7 +93,13 @@ fn reports_are_valid() {
     fs::write(folder.path().join("pose.csv"), "x_mm,y_mm,z_mm\n-400,-200,300\n").unwrap();
     let limits = ["-120:120"; 6].join(",");
     let plan = format!("plan robot.toml --poses 14 --candidates 100 --out p.csv --limits {limits}");
+    let arm = folder.path().join("arms/one");
+    fs::create_dir_all(&arm).unwrap();
+    for name in ["robot.toml", "measurements.csv"] {
+        fs::copy(data.join(name), arm.join(name)).unwrap();
+    }
     let mut names: Vec<String> = [
+        "fleet arms",
         "import measurements.csv --out imported/measurements.csv",
         "identify robot.toml measurements.csv --validate again.csv --out .",
         "diagnose robot.toml measurements.csv",

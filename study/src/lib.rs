@@ -7,6 +7,7 @@ pub mod blind;
 pub mod check;
 pub mod coverage;
 pub mod dirty;
+pub mod fleet;
 pub mod instruments;
 #[path = "../../host-tools/tests/judged/mod.rs"]
 pub mod judged;

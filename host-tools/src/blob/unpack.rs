@@ -9,7 +9,7 @@ use truearm::blob::{Blob, robot_id};
 use crate::error::{Error, Kind, Result};
 use crate::model::ModelTerm;
 use crate::model::arm::with_joints;
-use crate::model::{ErrorCurve, Joint, LinkMass, Model, Placement, Provenance, Robot};
+use crate::model::{ErrorCurve, Joint, LinkMass, LinkPrior, Model, Placement, Provenance, Robot};
 
 /// Sigma of a measurement when nothing is known, m, as for a robot.toml that
 /// does not give it.
@@ -75,7 +75,12 @@ fn model<const N: usize>(p: &ArmParameters<f64, N>, path: &Path, name: Option<Na
             gravity: p.masses.map(|m| m.gravity),
             reference_temperature: p.reference_temperature,
             joints: joints
-                .map(|(link, limits)| Joint { link: *link, limits: *limits, gear_ratio: None })
+                .map(|(link, limits)| Joint {
+                    link: *link,
+                    limits: *limits,
+                    gear_ratio: None,
+                    prior: LinkPrior::default(),
+                })
                 .collect(),
             base: Placement::default(),
             tool: p.tool,

@@ -7,8 +7,8 @@ use truearm::JointKind;
 use super::change::{Change, Convention};
 use super::words::tidy;
 use super::{Finding, undone};
-use crate::error::{Error, Kind, Result};
-use crate::files::CsvEdit;
+use crate::error::Result;
+use crate::files::{CsvEdit, not_that_text, tables};
 use crate::model::{Measurements, Robot};
 use crate::units::{DEGREES, joint_column, point_to_mm};
 
@@ -152,13 +152,7 @@ fn negated(edit: &mut CsvEdit, columns: impl IntoIterator<Item = usize>) {
 }
 
 fn robot_mended(robot: &Robot, text: &str, finding: &Finding) -> Result<String> {
-    let other = || {
-        Error::data(
-            Kind::File,
-            format!("{}: not the text that was read", robot.path.display()),
-            "the file changed in between: try again",
-        )
-    };
+    let other = || not_that_text(&robot.path);
     let mut document: DocumentMut = text.parse().map_err(|_| other())?;
     let now = undone(robot, &finding.changes);
     let mut joints = tables(&mut document, "joints");
@@ -228,20 +222,6 @@ fn within_a_turn(key: &str, value: f64) -> f64 {
     let angle = key.ends_with("_deg") && value.abs() > 180.0;
     let value = if angle { value - 360.0 * (value / 360.0).round() } else { value };
     tidy(value).parse().unwrap_or(value)
-}
-
-/// `[[joints]]`, or `joints = [{..}]`.
-fn tables<'a>(document: &'a mut DocumentMut, key: &str) -> Vec<&'a mut dyn TableLike> {
-    match document.get_mut(key) {
-        Some(Item::ArrayOfTables(tables)) => {
-            tables.iter_mut().map(|table| table as &mut dyn TableLike).collect()
-        }
-        Some(Item::Value(Value::Array(array))) => {
-            let tables = array.iter_mut().filter_map(Value::as_inline_table_mut);
-            tables.map(|table| table as &mut dyn TableLike).collect()
-        }
-        _ => Vec::new(),
-    }
 }
 
 /// Another value of a key; blanks and comments around it stay.

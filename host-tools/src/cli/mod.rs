@@ -11,6 +11,7 @@ mod diff;
 mod evaluate;
 mod export;
 mod fk;
+mod fleet;
 mod identify;
 mod ik;
 mod import;
@@ -65,6 +66,7 @@ enum Verb {
     Identify(identify::Identify),
     Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
+    Fleet(fleet::Fleet),
     Check(check::Check),
     Compare(compare::Compare),
     Pack(pack::Pack),
@@ -105,6 +107,7 @@ impl Cli {
             Verb::Identify(verb) => verb.run(),
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
+            Verb::Fleet(verb) => verb.run(),
             Verb::Check(verb) => verb.run(),
             Verb::Compare(verb) => verb.run(),
             Verb::Pack(verb) => verb.run(),

@@ -27,6 +27,7 @@ use crate::error::{Error, Kind, Result};
 use crate::identify::estimate::Estimate;
 use crate::identify::registration::register;
 use crate::identify::robust::{Crowd, Flags};
+use crate::identify::typical::as_measured;
 use crate::identify::{
     Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
 };
@@ -110,8 +111,10 @@ fn diagnosed(
     let read = data.has_torques();
     let assumed = (!read).then(|| robot.with_assumed_masses()).flatten();
     let robot = assumed.as_ref().unwrap_or(robot);
+    let few = Options { allow_few_poses: options.allow_few_poses, ..Options::default() };
+    enough(&Problem::new(data, robot, Scaling::Prior), &few)?;
+    let robot = &*as_measured(robot, data)?;
     let problem = Problem::new(data, robot, Scaling::Prior);
-    enough(&problem, &Options { allow_few_poses: options.allow_few_poses, ..Options::default() })?;
     let rows = problem.counted();
     let start = register(data, &problem.nominal, robot.tool)?;
     let mut problem = problem.about(&start);

@@ -30,6 +30,7 @@ fn robot() -> Robot {
         link: Link { kind, parameters: MdhParameters::from_array([0.0, 0.3, 0.0, 0.2, 0.0]) },
         limits: None,
         gear_ratio: Some(101.0),
+        prior: crate::model::LinkPrior::default(),
     };
     Robot {
         path: "robot.toml".into(),

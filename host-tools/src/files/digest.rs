@@ -6,9 +6,18 @@ use toml::{Table, Value};
 /// What the digest covers.
 const COVERED: [&str; 7] =
     ["joints", "corrections", "terms", "measurement_terms", "curves", "frame", "base"];
-/// What may be edited in it: where the arm may go, and how well it is known.
-const FREE: [&str; 7] =
-    ["limits_deg", "limits_mm", "gear_ratio", "sigma", "covered_deg", "covered_mm", "band_rad"];
+/// What may be edited in it: where the arm may go, what is known of its type, and how well it is known.
+const FREE: [&str; 9] = [
+    "limits_deg",
+    "limits_mm",
+    "gear_ratio",
+    "tolerance",
+    "expected",
+    "sigma",
+    "covered_deg",
+    "covered_mm",
+    "band_rad",
+];
 
 /// Of a model.toml: the same for the same values, however they are laid out.
 pub(super) fn digest(text: &str) -> String {

@@ -1,11 +1,13 @@
-//! Changing cells of a user's CSV file and nothing else: other cells, comments,
-//! blanks, quotes and line ends stay as they are.
+//! Changing cells of a user's CSV file, or tables of a TOML file, and nothing else:
+//! other cells, comments, blanks, quotes and line ends stay as they are.
 
 use std::ops::Range;
 use std::path::Path;
 
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+
 use super::source::Source;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Kind, Place, Result};
 
 /// A CSV file whose cells can be changed.
 pub struct CsvEdit<'a> {
@@ -103,6 +105,26 @@ impl<'a> CsvEdit<'a> {
             }
         }
         out + &self.text[at..]
+    }
+}
+
+/// A text to be edited is not what was read from the file.
+pub(crate) fn not_that_text(path: &Path) -> Error {
+    let message = format!("{}: not the text that was read", path.display());
+    Error::data(Kind::File, message, "the file changed in between: try again")
+}
+
+/// `[[joints]]`, or `joints = [{..}]`.
+pub(crate) fn tables<'a>(document: &'a mut DocumentMut, key: &str) -> Vec<&'a mut dyn TableLike> {
+    match document.get_mut(key) {
+        Some(Item::ArrayOfTables(tables)) => {
+            tables.iter_mut().map(|table| table as &mut dyn TableLike).collect()
+        }
+        Some(Item::Value(Value::Array(array))) => {
+            let tables = array.iter_mut().filter_map(Value::as_inline_table_mut);
+            tables.map(|table| table as &mut dyn TableLike).collect()
+        }
+        _ => Vec::new(),
     }
 }
 

@@ -21,11 +21,12 @@ mod signed;
 mod source;
 
 pub use edit::CsvEdit;
+pub(crate) use edit::{not_that_text, tables};
 pub use key::read_key;
 pub use number::number;
 pub use path::Wanted;
 pub use poses::poses_csv;
-pub use robot::RobotDraft;
+pub use robot::{RobotDraft, prior_tables, with_priors};
 pub use signed::{Comment, foreign, overwritable, overwritable_like, signed};
 
 use std::io::Write;

@@ -12,7 +12,7 @@ const SWAPPED: &str = "are the arguments swapped? The arm (robot.toml or model.t
                        the measurements";
 
 /// Keys of robot.toml, for those that resemble one.
-const KEYS: [&str; 27] = [
+const KEYS: [&str; 29] = [
     "name",
     "serial",
     "measurement_sigma_mm",
@@ -34,6 +34,8 @@ const KEYS: [&str; 27] = [
     "limits_deg",
     "limits_mm",
     "gear_ratio",
+    "tolerance",
+    "expected",
     "xyz_mm",
     "rpy_deg",
     "mass_kg",

@@ -57,7 +57,7 @@ impl Covariances {
         let units = problem.units();
         let list = problem.unknowns.list();
         let pull = DVector::from_fn(list.len(), |k, _| {
-            if k < free { 0.0 } else { lambda * spread * list[k].tolerance() / units[k] }
+            if k < free { 0.0 } else { lambda * spread * problem.tolerance(list[k]) / units[k] }
         });
         let root = inverse * DMatrix::from_diagonal(&pull);
         Self { noise: scatter, bias: &root * root.transpose(), units }
@@ -253,15 +253,15 @@ fn parameters(problem: &Problem, state: &State, of: &Covariances) -> Vec<Paramet
     let links = unknowns.filter(|(_, u)| matches!(u, Unknown::Link(..)));
     links
         .map(|(k, unknown)| {
-            let (unit, factor) =
+            let (unit, of_si) =
                 if unknown.is_length() { ("mm", 1e3) } else { ("deg", 1_f64.to_degrees()) };
-            let factor = factor * of.units[k];
+            let factor = of_si * of.units[k];
             let noise = of.noise[(k, k)].max(0.0);
             let both = noise + of.bias[(k, k)].max(0.0);
             ParameterBar {
                 name: unknown.name(problem.data),
                 unit,
-                correction: corrections[k] * factor,
+                correction: corrections[k] * factor + problem.expected(*unknown) * of_si,
                 half_width: both.sqrt() * FACTOR * factor,
                 noise_half_width: noise.sqrt() * FACTOR * factor,
             }

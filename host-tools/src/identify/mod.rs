@@ -29,6 +29,7 @@ mod summary;
 mod suspects;
 #[cfg(test)]
 mod tests;
+pub mod typical;
 pub mod uncertainty;
 mod unknowns;
 
@@ -48,6 +49,7 @@ pub use unknowns::{Layout, State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unkno
 use crate::error::{Error, Kind, Result};
 use crate::model::{KindId, Measurements, Model, Robot, Row};
 use crate::observations::{Residual, kind, measuring};
+use crate::tikhonov::Normal;
 use cross_validation::cross_validate;
 use estimate::estimate;
 use fit::{Freedom, fit};
@@ -72,6 +74,9 @@ pub struct Identification {
     pub figures: Figures,
     /// Per row: residual of the fit, held-out residual, flagged; m.
     pub rows: Vec<RowResult>,
+    /// What the rows say of the links, frames and instruments taken out: their
+    /// corrections beyond the expected ones in units of the problem.
+    pub links: Normal,
 }
 
 /// What became of a row.
@@ -108,8 +113,9 @@ pub fn identify(
             "leave it out: the prior scaling weighs every kind by its own sigma",
         ));
     }
+    enough(&Problem::new(data, robot, options.scaling), options)?;
+    let robot = &*typical::as_measured(robot, data)?;
     let problem = Problem::new(data, robot, options.scaling);
-    enough(&problem, options)?;
     let start = registration::register(data, &problem.nominal, robot.tool)?;
     let mut problem = problem.about(&start);
     let rows = problem.counted();

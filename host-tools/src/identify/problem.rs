@@ -8,7 +8,7 @@ use truearm::{Link, MdhParameters};
 use super::conditions::Conditions;
 use super::noise::Noise;
 use super::unknowns::{Layout, State, Unknown, Unknowns};
-use crate::model::{Measurements, Robot, Values};
+use crate::model::{LinkPrior, Measurements, Robot, Values};
 use crate::observations::{self, equations_of, kind};
 
 /// What lambda weighs.
@@ -29,8 +29,10 @@ pub struct Problem<'a> {
     pub data: &'a Measurements,
     /// What terms depend on, row by row.
     pub conditions: Arc<Conditions>,
-    /// Nominal links, about which corrections are kept small.
+    /// Nominal links.
     pub nominal: Vec<Link<f64>>,
+    /// What their corrections are kept near, and how near.
+    pub priors: Vec<LinkPrior>,
     /// Column order.
     pub unknowns: Unknowns,
     /// What lambda weighs.
@@ -55,7 +57,8 @@ impl<'a> Problem<'a> {
         let conditions = Arc::new(Conditions::new(data, robot));
         let unknowns = Unknowns::of(&Layout::of(data), 0, nominal.len());
         let (noise, targets) = (Noise::default(), Vec::new());
-        Self { data, conditions, nominal, unknowns, scaling, noise, targets }
+        let priors = robot.joints.iter().map(|joint| joint.prior).collect();
+        Self { data, conditions, nominal, priors, unknowns, scaling, noise, targets }
     }
 
     /// The same with targets about where a state has them.
@@ -102,7 +105,22 @@ impl<'a> Problem<'a> {
     pub fn unit(&self, unknown: Unknown) -> f64 {
         match (self.scaling, unknown) {
             (Scaling::Printed, Unknown::Link(..)) => 1.0,
-            _ => unknown.tolerance(),
+            _ => self.tolerance(unknown),
+        }
+    }
+
+    /// One tolerance of an unknown, m or rad: that of the arm's type, where it is known.
+    #[must_use]
+    pub fn tolerance(&self, unknown: Unknown) -> f64 {
+        self.stated(unknown).unwrap_or_else(|| unknown.tolerance())
+    }
+
+    /// The same where robot.toml states one.
+    #[must_use]
+    pub fn stated(&self, unknown: Unknown) -> Option<f64> {
+        match unknown {
+            Unknown::Link(joint, parameter) => self.priors[joint].tolerance[parameter as usize],
+            _ => None,
         }
     }
 
@@ -144,7 +162,17 @@ impl<'a> Problem<'a> {
         observations::equations(&self.data.rows, rows)
     }
 
-    /// Corrections of a state in units, zero for the free unknowns.
+    /// The correction that is expected of an unknown, m or rad.
+    #[must_use]
+    pub fn expected(&self, unknown: Unknown) -> f64 {
+        match unknown {
+            Unknown::Link(joint, parameter) => self.priors[joint].expected[parameter as usize],
+            _ => 0.0,
+        }
+    }
+
+    /// Corrections of a state beyond those that are expected, in units; zero for the
+    /// free unknowns.
     #[must_use]
     pub fn corrections(&self, state: &State) -> DVector<f64> {
         let mut x = DVector::zeros(self.unknowns.list().len());
@@ -152,7 +180,8 @@ impl<'a> Problem<'a> {
             let (now, then) = (link.parameters.to_array(), nominal.parameters.to_array());
             for k in 0..5 {
                 let at = self.unknowns.free() + 5 * i + k;
-                x[at] = (now[k] - then[k]) / self.unit(self.unknowns.list()[at]);
+                let off = now[k] - then[k] - self.priors[i].expected[k];
+                x[at] = off / self.unit(self.unknowns.list()[at]);
             }
         }
         x

@@ -45,7 +45,11 @@ pub fn analyse(problem: &Problem, state: &State, rows: &[usize]) -> Redundancy {
     let smallest = raw.iter().copied().fold(f64::INFINITY, f64::min);
     let names: Vec<String> = problem.unknowns.list().iter().map(|u| u.name(problem.data)).collect();
     let units = |k: usize| if problem.unknowns.list()[k].is_length() { "mm" } else { "mrad" };
-    let null = v_t.rows(rank, v_t.nrows() - rank).into_owned();
+    let mut null = v_t.rows(rank, v_t.nrows() - rank).into_owned();
+    // Tolerances that are not the usual ones are no mm and mrad.
+    for (mut column, unknown) in null.column_iter_mut().zip(problem.unknowns.list()) {
+        column *= scaled.unit(*unknown) / unknown.tolerance();
+    }
     let weak = (0..rank).filter(|k| s[*k] < 1.0).map(|k| {
         let mut parts: Vec<usize> = (0..v_t.ncols()).collect();
         // To so many digits: two that trade off share alike, and rounding must not order them.
@@ -97,7 +101,7 @@ pub fn correlated(problem: &Problem, covariance: &DMatrix<f64>) -> Vec<String> {
     let determined = |k: &usize| {
         !matches!(list[*k], Unknown::Station(..) | Unknown::Term(_) | Unknown::Instrument(..))
             && sigma(*k) > 0.0
-            && sigma(*k) < DETERMINED * list[*k].tolerance()
+            && sigma(*k) < DETERMINED * problem.tolerance(list[*k])
     };
     let known: Vec<usize> = (0..list.len()).filter(determined).collect();
     let mut pairs = Vec::new();

@@ -11,8 +11,8 @@ use super::l_curve::l_curve;
 use super::problem::link_corrections;
 use super::uncertainty::{factor, of_arm};
 use super::{
-    Identification, LCurvePoint, LambdaRule, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE,
-    components, redundancy, rigid_transform, robust,
+    Identification, LambdaRule, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE, components,
+    redundancy, rigid_transform, robust,
 };
 use crate::model::arm::chain;
 use crate::model::{ErrorCurve, Measurements, Model, Provenance, Robot};
@@ -49,11 +49,13 @@ impl Findings<'_> {
     #[must_use]
     pub fn summarise(&self) -> Identification {
         let results = self.row_results();
-        let figures = self.figures(&results);
-        Identification { model: self.model(&figures), figures, rows: results }
+        let factorised = self.factorised();
+        let figures = self.figures(&results, &factorised);
+        let links = factorised.penalised();
+        Identification { model: self.model(&figures), figures, rows: results, links }
     }
 
-    fn figures(&self, results: &[RowResult]) -> Figures {
+    fn figures(&self, results: &[RowResult], factorised: &Factorised) -> Figures {
         let Self { robot, problem, found, held_out, .. } = self;
         let data = problem.data;
         let prior = Problem { scaling: Scaling::Prior, ..(*problem).clone() };
@@ -85,7 +87,7 @@ impl Findings<'_> {
                 Scaling::Printed => "printed",
             },
             lambda_choice: found.choice.clone(),
-            l_curve: self.l_curve(),
+            l_curve: l_curve(factorised, problem.equations(&found.robust.kept), found.lambda),
             correction_norm: prior.corrections(&found.fit.state).norm(),
             residual_over_sigma: found.robust.scale * problem.noise.largest(data),
             nominal: stats(results, false, |r| r.nominal),
@@ -111,15 +113,14 @@ impl Findings<'_> {
         }
     }
 
-    fn l_curve(&self) -> Vec<LCurvePoint> {
+    /// The problem at the fit, for every lambda.
+    fn factorised(&self) -> Factorised {
         let Self { problem, found, .. } = self;
-        let rows = &found.robust.kept;
         let factorise = || {
-            let triangle = problem.linearise(&found.fit.state).triangle(rows, None);
+            let triangle = problem.linearise(&found.fit.state).triangle(&found.robust.kept, None);
             Factorised::new(&triangle, problem.unknowns.free())
         };
-        let solved = found.solved.clone().unwrap_or_else(factorise);
-        l_curve(&solved, problem.equations(rows), found.lambda)
+        found.solved.clone().unwrap_or_else(factorise)
     }
 
     fn warnings(&self) -> Vec<String> {

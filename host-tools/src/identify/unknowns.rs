@@ -187,7 +187,7 @@ impl Unknown {
         }
     }
 
-    /// One tolerance of it, m or rad.
+    /// The tolerance of arms of which nothing else is known, m or rad.
     #[must_use]
     pub fn tolerance(self) -> f64 {
         // Free unknowns: only keeps their columns of one size with the others.

@@ -26,12 +26,12 @@ impl Default for Kalman {
 impl Kalman {
     /// Standard deviation of each unknown before the first point, m and rad.
     #[must_use]
-    pub fn prior(&self, unknowns: &[Unknown]) -> DVector<f64> {
+    pub fn prior(&self, task: &Task) -> DVector<f64> {
         let of = |u: &Unknown| match u {
-            Unknown::Link(..) => u.tolerance(),
+            Unknown::Link(..) => task.problem.tolerance(*u),
             _ => u.tolerance() * self.wide,
         };
-        DVector::from_iterator(unknowns.len(), unknowns.iter().map(of))
+        DVector::from_iterator(task.unknowns().len(), task.unknowns().iter().map(of))
     }
 }
 
@@ -46,7 +46,7 @@ impl Method for Kalman {
 
     fn solve(&self, task: &Task) -> Result<Solution> {
         let n = task.unknowns().len();
-        let mut p = DMatrix::from_diagonal(&self.prior(task.unknowns()).map(|s| s * s));
+        let mut p = DMatrix::from_diagonal(&self.prior(task).map(|s| s * s));
         let identity = DMatrix::<f64>::identity(n, n);
         let mut state: State = task.start().clone();
         // What has been learnt since `state` was last moved.

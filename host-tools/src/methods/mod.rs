@@ -142,7 +142,8 @@ impl<'a> Task<'a> {
         let x = self.problem.corrections(state);
         let list = self.problem.unknowns.list();
         let length = |k: &usize| list[*k].is_length();
-        let longest = (0..x.len()).filter(length).map(|k| x[k].abs() * list[k].tolerance());
+        let longest =
+            (0..x.len()).filter(length).map(|k| x[k].abs() * self.problem.tolerance(list[k]));
         (x.norm(), longest.fold(0.0, f64::max))
     }
 }

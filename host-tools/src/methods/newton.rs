@@ -95,7 +95,7 @@ impl Method for ReducedGaussNewton {
 
 /// Directions that move points of the nominal arm, as columns in m and rad.
 fn identifiable(task: &Task) -> DMatrix<f64> {
-    let tolerance = |u: &Unknown| u.tolerance();
+    let tolerance = |u: &Unknown| task.problem.tolerance(*u);
     let units =
         DVector::from_iterator(task.unknowns().len(), task.unknowns().iter().map(tolerance));
     let scaled = task.system(task.start()).0 * DMatrix::from_diagonal(&units);

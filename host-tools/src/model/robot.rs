@@ -4,6 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 use truearm::{Link, Pose};
 
 use super::arm::chain;
+use super::prior::LinkPrior;
 
 /// The nominal arm, as `robot.toml` describes it, in SI units.
 #[derive(Debug, Clone)]
@@ -87,6 +88,8 @@ pub struct Joint {
     pub limits: Option<[f64; 2]>,
     /// Input turns per output turn.
     pub gear_ratio: Option<f64>,
+    /// Corrections of the link in arms of this type.
+    pub prior: LinkPrior,
 }
 
 /// Mass of a link.

@@ -112,6 +112,21 @@ impl Factorised {
         }
     }
 
+    /// What the equations say of the penalised unknowns when the free ones have taken
+    /// what they like: normal equations of these alone.
+    #[must_use]
+    pub fn penalised(&self) -> Normal {
+        let size = self.s.len();
+        let mut gram = DMatrix::zeros(size + 1, size + 1);
+        let root = DMatrix::from_diagonal(&self.s) * &self.v_t;
+        let pull = root.tr_mul(&self.beta);
+        gram.view_mut((0, 0), (size, size)).copy_from(&root.tr_mul(&root));
+        gram.view_mut((0, size), (size, 1)).copy_from(&pull);
+        gram.view_mut((size, 0), (1, size)).copy_from(&pull.transpose());
+        gram[(size, size)] = self.rest + self.beta.norm_squared();
+        Normal::of_gram(gram, self.equations as usize)
+    }
+
     /// Whether this factorisation sees every direction that a lambda leaves
     /// open.
     #[must_use]

@@ -46,6 +46,23 @@ impl Normal {
         Self { gram: columns * across, equations }
     }
 
+    /// Of `[A, b]'[A, b]` of so many equations.
+    pub(super) fn of_gram(gram: DMatrix<f64>, equations: usize) -> Self {
+        Self { gram, equations }
+    }
+
+    /// The same of unknowns y counted in other units and from elsewhere:
+    /// `x = units y + from`.
+    #[must_use]
+    pub fn recounted(&self, units: &DVector<f64>, from: &DVector<f64>) -> Self {
+        let size = self.unknowns();
+        let mut map = DMatrix::identity(size + 1, size + 1);
+        map.view_mut((0, 0), (size, size)).set_diagonal(units);
+        // A (units y + from) - b
+        map.view_mut((0, size), (size, 1)).copy_from(&-from);
+        Self { gram: map.tr_mul(&self.gram) * map, equations: self.equations }
+    }
+
     /// The sum of two parts.
     #[must_use]
     pub fn plus(mut self, other: &Self) -> Self {

@@ -58,15 +58,19 @@ impl Factorised {
     /// noise is eliminated.
     #[must_use]
     pub fn maximum_likelihood(&self) -> Option<f64> {
-        self.least(|lambda| {
-            // In each direction beta has the variance sigma^2 (1 + s^2 / lambda);
-            // in those at rounding level that of the noise.
-            let share = |k: usize| 1.0 - self.gain(k, lambda) * self.s[k];
-            let weighted: f64 = (0..self.s.len()).map(|k| self.beta[k].powi(2) * share(k)).sum();
-            let spread: f64 =
-                self.directions().map(|k| (1.0 + self.s[k].powi(2) / lambda).ln()).sum();
-            self.equations * (self.rest + weighted).ln() + spread
-        })
+        self.least(|lambda| self.deviance(lambda))
+    }
+
+    /// Minus twice the logarithm of the marginal likelihood of a lambda, but for what
+    /// is the same of every lambda and every prior of the same equations.
+    #[must_use]
+    pub fn deviance(&self, lambda: f64) -> f64 {
+        // In each direction beta has the variance sigma^2 (1 + s^2 / lambda);
+        // in those at rounding level that of the noise.
+        let share = |k: usize| 1.0 - self.gain(k, lambda) * self.s[k];
+        let weighted: f64 = (0..self.s.len()).map(|k| self.beta[k].powi(2) * share(k)).sum();
+        let spread: f64 = self.directions().map(|k| (1.0 + self.s[k].powi(2) / lambda).ln()).sum();
+        self.equations * (self.rest + weighted).ln() + spread
     }
 
     /// The corner of the L-curve (paper Eq. 15-16): the lambda of greatest

@@ -4,6 +4,7 @@ mod blind;
 mod check;
 mod coverage;
 mod dirty;
+mod fleet;
 mod instruments;
 mod lambda;
 mod lines;
@@ -39,6 +40,8 @@ pub enum Study {
     Instruments(instruments::Options),
     /// Planned poses against random ones
     Planning(planning::Options),
+    /// Tolerances learned from arms of a type: what are they worth for the next arm?
+    Fleet(fleet::Options),
     /// Lines of unknown order at any number of rows: are there others than the true ones?
     Lines(lines::Options),
     /// Rules for lambda: how much worse than the best one?
@@ -58,6 +61,7 @@ pub fn run(study: &Study) -> Result {
         Study::Coverage(options) => coverage::run(options),
         Study::Instruments(options) => instruments::run(options),
         Study::Planning(options) => planning::run(options),
+        Study::Fleet(options) => fleet::run(options),
         Study::Lines(options) => lines::run(options),
         Study::Lambda(options) => lambda::run(options),
         Study::Ties(options) => ties::run(options),

@@ -19,7 +19,7 @@ use crate::run::{Result, call, cargo, root};
 
 /// Studies of the package `truearm-study`, for the help.
 pub const OF_ARMS: &str = "Of arms whose truth is known (cargo xtask study NAME --help): \
-                           blind, power, coverage, planning, lambda, lines, ties, reproduce";
+                           blind, power, coverage, planning, fleet, lambda, lines, ties, reproduce";
 
 #[derive(Subcommand)]
 pub enum Study {

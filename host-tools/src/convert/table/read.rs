@@ -7,7 +7,7 @@ use crate::convert::frames::{about_y, screw, twist};
 use crate::convert::verified;
 use crate::error::{Error, Place, Result};
 use crate::files::{self, RobotDraft};
-use crate::model::{Joint, Placement};
+use crate::model::{Joint, LinkPrior, Placement};
 
 /// Which of the two conventions a table is in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -237,6 +237,11 @@ impl<'a> Columns<'a> {
                 "give the lower limit first",
             ));
         }
-        Ok(Joint { link: Link { kind, parameters }, limits, gear_ratio: None })
+        Ok(Joint {
+            link: Link { kind, parameters },
+            limits,
+            gear_ratio: None,
+            prior: LinkPrior::default(),
+        })
     }
 }

@@ -8,7 +8,7 @@ use crate::convert::axes::Convention;
 use crate::convert::verified;
 use crate::error::Result;
 use crate::files::RobotDraft;
-use crate::model::{Joint, Placement};
+use crate::model::{Joint, LinkPrior, Placement};
 
 /// A robot.toml of a URDF.
 #[derive(Debug, Clone)]
@@ -52,7 +52,15 @@ pub fn robot_of_urdf(path: &Path, ends: &Ends) -> Result<FromUrdf> {
         links.clear();
     }
     let joints = chain.joints.iter().zip(&described.links).map(|(joint, link)| {
-        (joint.name.clone(), Joint { link: *link, limits: joint.limits, gear_ratio: None })
+        (
+            joint.name.clone(),
+            Joint {
+                link: *link,
+                limits: joint.limits,
+                gear_ratio: None,
+                prior: LinkPrior::default(),
+            },
+        )
     });
     let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
     let draft = RobotDraft {

@@ -1,5 +1,7 @@
 //! The keys of a model.toml, in file units.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
@@ -111,6 +113,10 @@ pub(super) struct JointFile {
     pub limits_mm: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gear_ratio: Option<f64>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub tolerance: BTreeMap<&'static str, f64>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub expected: BTreeMap<&'static str, f64>,
 }
 
 /// Corrections to a joint and one standard deviation of each.

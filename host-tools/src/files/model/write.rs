@@ -6,7 +6,7 @@ use super::keys::*;
 use super::{SCHEMA, frame_to_file, to_file};
 use crate::error::{Error, Result};
 use crate::files::digest::digest;
-use crate::files::{covariance, model_curves, model_terms};
+use crate::files::{covariance, model_curves, model_terms, prior_tables};
 use crate::model::{Instrument, Joint, Model, Placement, Robot};
 use crate::units::{joint_to_file, point_to_mm, to_mm};
 
@@ -115,6 +115,7 @@ fn joint(joint: &Joint) -> JointFile {
     let [alpha_deg, a_mm, theta_offset_deg, d, beta_deg] = to_file(&joint.link.parameters);
     let revolute = joint.link.kind == JointKind::Revolute;
     let [limits_deg, limits_mm] = range(joint.link.kind, joint.limits);
+    let [(_, tolerance), (_, expected)] = prior_tables(joint);
     JointFile {
         kind: if revolute { "revolute" } else { "prismatic" },
         alpha_deg,
@@ -126,6 +127,8 @@ fn joint(joint: &Joint) -> JointFile {
         limits_deg,
         limits_mm,
         gear_ratio: joint.gear_ratio,
+        tolerance: tolerance.into_iter().collect(),
+        expected: expected.into_iter().collect(),
     }
 }
 

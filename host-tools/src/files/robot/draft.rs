@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use truearm::JointKind;
 
 use super::super::number;
+use super::prior::prior_tables;
 use crate::model::{Joint, LinkMass, Placement};
 use crate::units::{joint_to_file, point_to_mm, to_mm};
 
@@ -102,6 +103,11 @@ fn joint(joint: &Joint) -> String {
     }
     if let Some(ratio) = joint.gear_ratio {
         text += &format!("gear_ratio = {}\n", number(ratio));
+    }
+    for (key, table) in prior_tables(joint).iter().filter(|(_, table)| !table.is_empty()) {
+        let entries: Vec<String> =
+            table.iter().map(|(key, value)| format!("{key} = {}", number(*value))).collect();
+        text += &format!("{key} = {{ {} }}\n", entries.join(", "));
     }
     text
 }

@@ -3,6 +3,8 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::prior::ParametersFile;
+
 #[derive(Deserialize)]
 pub(super) struct RobotFile {
     /// A model.toml names its schema.
@@ -36,6 +38,8 @@ pub(super) struct JointFile {
     pub limits_deg: Option<Spanned<[f64; 2]>>,
     pub limits_mm: Option<Spanned<[f64; 2]>>,
     pub gear_ratio: Option<Spanned<f64>>,
+    pub tolerance: Option<ParametersFile>,
+    pub expected: Option<ParametersFile>,
 }
 
 /// `[base]` or `[tool]`.

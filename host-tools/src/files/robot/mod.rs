@@ -2,6 +2,7 @@ mod check;
 mod draft;
 mod keys;
 mod meaning;
+mod prior;
 mod sense;
 
 use std::path::Path;
@@ -17,6 +18,7 @@ use crate::units::{from_mm, joint_from_file};
 use check::{Checker, printable};
 pub use draft::RobotDraft;
 use keys::{JointFile, PlacementFile, RobotFile};
+pub use prior::{prior_tables, with_priors};
 use sense::Sense;
 
 /// What to do about a file that does not have the right keys.
@@ -153,7 +155,8 @@ impl Checker<'_> {
             beta: j.beta_deg.as_ref().map_or(Ok(0.0), |b| self.angle("beta_deg", b))?,
         };
         let gear_ratio = j.gear_ratio.as_ref().map(|ratio| self.gear_ratio(ratio)).transpose()?;
-        Ok(Joint { link: truearm::Link { kind, parameters }, limits, gear_ratio })
+        let prior = self.prior(kind, j.tolerance.as_ref(), j.expected.as_ref())?;
+        Ok(Joint { link: truearm::Link { kind, parameters }, limits, gear_ratio, prior })
     }
 
     /// The length along the joint's axis that does not move, m.

@@ -133,7 +133,11 @@ impl<'a> Sheet<'a> {
         let of = |(k, unknown): (usize, &Unknown)| {
             let unit = self.problem.unit(*unknown);
             match unknown {
-                Unknown::Link(_, LinkParameter::Theta) => lambda / POLICY.zero_prior.powi(2),
+                Unknown::Link(_, LinkParameter::Theta)
+                    if self.problem.stated(*unknown).is_none() =>
+                {
+                    lambda / POLICY.zero_prior.powi(2)
+                }
                 _ if k >= unknowns.free() => lambda,
                 Unknown::Marker(..) => (unit / POLICY.tool_prior).powi(2),
                 _ => (unit / POLICY.base_prior).powi(2),
