@@ -43,7 +43,7 @@ impl Cell {
         let target = nominal.pose(q).translation;
         let mut q = q.to_vec();
         for _ in 0..6 {
-            let (d, _) = real.derivatives(&q, &[], &RowInputs::default());
+            let d = real.derivatives(&q, &[], &RowInputs::default());
             let columns: Vec<Vector3<f64>> = d.links.iter().map(|l| l.theta).collect();
             let jacobian = Matrix3xX::from_columns(&columns);
             let step = jacobian.clone().pseudo_inverse(1e-6).unwrap() * (target - d.point);

@@ -20,7 +20,7 @@ mod verdict;
 pub mod weigh;
 mod white;
 
-pub use outcome::{Alternative, Coefficient, Effect, GapRow, Outcome, Verdict, said};
+pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Verdict, said};
 
 use crate::error::{Error, Kind, Result};
 use crate::identify::estimate::Estimate;
@@ -85,9 +85,6 @@ pub fn diagnose(
     options: &DiagnoseOptions,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
-    let data = &kinds::taken(data)?;
-    let holdout = holdout.map(kinds::taken).transpose()?;
-    let holdout = holdout.as_ref();
     if let Some(held) = holdout {
         same_torques(robot, data, held)?;
     }
@@ -155,6 +152,8 @@ fn diagnosed(
     let problem = with_curves(&rigid, &tables);
     let question = Question { problem: &problem, ..question };
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
+    let holdout = holdout.map(|held| held.with_noise(weighed.scale));
+    let holdout = holdout.as_ref();
     let show = Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot };
     shown(&show, Found { weighed, best, root, start, not_testable })
 }

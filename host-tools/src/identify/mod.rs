@@ -38,7 +38,7 @@ pub use l_curve::{LCurvePoint, l_curve};
 pub use lambda::{LambdaChoice, LambdaRule, choose};
 pub use linearised::{Equations, Linearised};
 pub use motion::Beside;
-pub use noise::Noise;
+pub use noise::{Noise, in_deviations};
 pub use predictor::{Model as Predictor, View, measurement_column};
 pub use problem::{Problem, Scaling, link_corrections};
 pub use rigid::rigid_transform;

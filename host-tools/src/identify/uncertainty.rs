@@ -55,7 +55,7 @@ fn base(problem: &Problem, state: &State, rows: &[usize], frame: &Pose<f64>) -> 
         let mut normal = Matrix6::zeros();
         let mut pull = Matrix6xX::zeros(columns.list().len());
         for row in rows.iter().map(|r| &problem.data.rows[*r]) {
-            let (real, _) = arms[row.marker].derivatives(&row.q, &[], &RowInputs::default());
+            let real = arms[row.marker].derivatives(&row.q, &[], &RowInputs::default());
             let [rx, ry, rz, tx, ty, tz] = real.base;
             let motion = nalgebra::Matrix3x6::from_columns(&[tx, ty, tz, rx, ry, rz]);
             normal += motion.transpose() * motion;

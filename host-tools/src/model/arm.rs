@@ -47,10 +47,14 @@ pub struct Derivatives {
     pub base: [Vector3<f64>; 6],
     /// To rotations about the robot's own base axes.
     pub about: [Vector3<f64>; 3],
+    /// These axes.
+    axes: [Vector3<f64>; 3],
     /// To the tool point in the last frame.
     pub tool: [Vector3<f64>; 3],
     /// To the parameters of each link.
     pub links: Vec<LinkColumns<f64>>,
+    /// To tilts of each joint's axis, where they do not follow from the links'.
+    tilts: Option<Vec<[Vector3<f64>; 2]>>,
 }
 
 impl Derivatives {
@@ -89,8 +93,16 @@ impl Derivatives {
     ) -> (Vector3<f64>, f64) {
         with_joints!(q.len(), N => {
             let inputs = row.fixed::<N>(q);
-            (term.action(&inputs, links, &self.links, &self.about), term.basis(&inputs))
+            let tilts = |joint: usize| (joint < self.links.len()).then(|| self.tilts(joint));
+            let action = term.action_by(&inputs, links, &self.links, &self.about, tilts);
+            (action, term.basis(&inputs))
         })
+    }
+
+    /// To tilts of a joint's axis about the x and y of the frame that it turns in.
+    #[must_use]
+    pub fn tilts(&self, joint: usize) -> [Vector3<f64>; 2] {
+        self.tilts.as_ref().map_or_else(|| self.links[joint].tilts(), |tilts| tilts[joint])
     }
 
     /// How the last frame is turned.
@@ -99,19 +111,52 @@ impl Derivatives {
         Matrix3::from_columns(&self.tool)
     }
 
-    /// How the last frame turns with the parameters of each link, in their
-    /// order, rad per unit: about the axes that the links' columns lie along.
+    /// The same of how the last frame is turned, rad: a column of an effect is linear
+    /// in these, so that what it moves and what it turns are one function of them.
     #[must_use]
-    pub fn turns(&self) -> Vec<[Vector3<f64>; 5]> {
+    pub fn turning(&self) -> Self {
+        let none = Vector3::zeros();
         let count = self.links.len();
+        // Links turn about the axes that their columns lie along.
         let turn = |i: usize| {
             let link = &self.links[i];
             // x behind the joint and its beta: that of the next link.
             let next = if i + 1 < count { self.links[i + 1].a } else { self.tool[0] };
-            let y = link.d.cross(&next).normalize();
-            [link.a, Vector3::zeros(), link.d, Vector3::zeros(), y]
+            let beta = link.d.cross(&next).normalize();
+            LinkColumns { alpha: link.a, a: none, theta: link.d, d: none, beta }
         };
-        (0..count).map(turn).collect()
+        let [x, y, z] = [0, 1, 2].map(|k| Vector3::ith(k, 1.0));
+        Self {
+            base: [x, y, z, none, none, none],
+            about: self.axes,
+            tool: [none; 3],
+            links: (0..count).map(turn).collect(),
+            tilts: Some(self.links.iter().map(|l| [l.a, l.d.cross(&l.a)]).collect()),
+            ..self.clone()
+        }
+    }
+
+    /// The same of a point of the last frame that is so far behind the tool point, m;
+    /// `turning` is of these.
+    #[must_use]
+    pub fn behind(&self, lever: &Vector3<f64>, turning: &Self) -> Self {
+        let at = |moved: &Vector3<f64>, turned: &Vector3<f64>| moved - turned.cross(lever);
+        let link = |(own, turn): (&LinkColumns<f64>, &LinkColumns<f64>)| LinkColumns {
+            alpha: at(&own.alpha, &turn.alpha),
+            a: own.a,
+            theta: at(&own.theta, &turn.theta),
+            d: own.d,
+            beta: at(&own.beta, &turn.beta),
+        };
+        Self {
+            point: self.point - lever,
+            base: core::array::from_fn(|k| at(&self.base[k], &turning.base[k])),
+            about: core::array::from_fn(|k| at(&self.about[k], &turning.about[k])),
+            tool: [Vector3::zeros(); 3],
+            links: self.links.iter().zip(&turning.links).map(link).collect(),
+            axes: self.axes,
+            tilts: None,
+        }
     }
 }
 
@@ -177,14 +222,16 @@ pub trait Kinematics: Send + Sync {
     fn jacobian(&self, q: &[f64]) -> Vec<[Vector3<f64>; 2]>;
     /// Tool pose with the arm bent by `terms`.
     fn bent(&self, q: &[f64], terms: &[Term<f64>], inputs: &RowInputs) -> Pose<f64>;
-    /// Tool point of the bent arm, its derivatives, and those to the terms'
-    /// coefficients.
-    fn derivatives(
+    /// Tool point of the bent arm, and its derivatives.
+    fn derivatives(&self, q: &[f64], terms: &[Term<f64>], inputs: &RowInputs) -> Derivatives;
+    /// Those to the coefficient of a term, by derivatives of this arm at `q`.
+    fn column(
         &self,
+        of: &Derivatives,
         q: &[f64],
-        terms: &[Term<f64>],
+        term: &Term<f64>,
         inputs: &RowInputs,
-    ) -> (Derivatives, Vec<Vector3<f64>>);
+    ) -> Vector3<f64>;
     /// What gravity does, and nothing else that terms depend on; the base must be the
     /// frame of gravity.
     fn load(&self, masses: &ArmMasses, q: &[f64], payload: f64) -> RowInputs;
@@ -222,12 +269,7 @@ impl<const N: usize> Kinematics for SizedArm<N> {
         self.chain.forward_deflected(&fixed(q), &deflection)
     }
 
-    fn derivatives(
-        &self,
-        q: &[f64],
-        terms: &[Term<f64>],
-        inputs: &RowInputs,
-    ) -> (Derivatives, Vec<Vector3<f64>>) {
+    fn derivatives(&self, q: &[f64], terms: &[Term<f64>], inputs: &RowInputs) -> Derivatives {
         let row = inputs;
         let inputs = row.fixed::<N>(q);
         let deflection = row.deflection(terms, &inputs);
@@ -240,14 +282,27 @@ impl<const N: usize> Kinematics for SizedArm<N> {
                 + j.base_rotation[1] * r[(1, k)]
                 + j.base_rotation[2] * r[(2, k)]
         };
-        let about = [turn(0), turn(1), turn(2)];
-        let columns = terms.iter().map(|t| t.column(&inputs, &self.links, &j.links, &about));
-        let columns = columns.collect();
         let [rx, ry, rz] = j.base_rotation;
         let [tx, ty, tz] = j.base_translation;
-        let links = j.links.to_vec();
-        let point = self.chain.forward_deflected(&inputs.q, &deflection).translation;
-        (Derivatives { point, base: [rx, ry, rz, tx, ty, tz], about, tool: j.tool, links }, columns)
+        Derivatives {
+            point: self.chain.forward_deflected(&inputs.q, &deflection).translation,
+            base: [rx, ry, rz, tx, ty, tz],
+            about: [turn(0), turn(1), turn(2)],
+            axes: [0, 1, 2].map(|k| r.column(k).into_owned()),
+            tool: j.tool,
+            links: j.links.to_vec(),
+            tilts: None,
+        }
+    }
+
+    fn column(
+        &self,
+        of: &Derivatives,
+        q: &[f64],
+        term: &Term<f64>,
+        inputs: &RowInputs,
+    ) -> Vector3<f64> {
+        of.column(term, inputs, q, &self.links)
     }
 
     fn load(&self, masses: &ArmMasses, q: &[f64], payload: f64) -> RowInputs {

@@ -17,6 +17,7 @@ mod plate;
 mod point;
 mod pose;
 mod range;
+mod reading;
 mod residual;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -29,6 +30,7 @@ use crate::model::{Instrument, KindId, Measurements, Row, Values};
 pub use book::{Book, Bound, Told, Unclear};
 pub use column::{Column, Measure};
 pub use partials::{ArmPart, Body, Partials};
+pub use reading::{Reading, postures};
 pub use residual::{Miss, Residual};
 
 /// All kinds. A row's [`KindId`] is the place of its kind here.
@@ -230,9 +232,7 @@ pub fn to_point(row: &mut Row) -> bool {
     if kind(row).point(row).is_none() {
         return false;
     }
-    row.measured = row.measured.point().into();
-    row.kind = KindId::default();
-    row.refers.clear();
+    row.make_point();
     true
 }
 
