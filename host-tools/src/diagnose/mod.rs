@@ -152,8 +152,6 @@ fn diagnosed(
     let problem = with_curves(&rigid, &tables);
     let question = Question { problem: &problem, ..question };
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
-    let holdout = holdout.map(|held| held.with_noise(weighed.scale));
-    let holdout = holdout.as_ref();
     let show = Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot };
     shown(&show, Found { weighed, best, root, start, not_testable })
 }
@@ -190,6 +188,8 @@ struct Found {
 fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let Found { weighed, best, root, start, not_testable } = found;
     let problem = show.question.problem;
+    let holdout = show.holdout.map(|held| held.with_noise(weighed.scale));
+    let show = &Show { holdout: holdout.as_ref(), ..*show };
     let nominal = nominal_state(show.rigid, &best.fit.kept, &start)?;
     let shown = match weighed.stages.is_empty() {
         true => show.with_held_out_gain(&root, best, &nominal)?,

@@ -38,6 +38,7 @@ pub use l_curve::{LCurvePoint, l_curve};
 pub use lambda::{LambdaChoice, LambdaRule, choose};
 pub use linearised::{Equations, Linearised};
 pub use motion::Beside;
+pub(crate) use noise::{Group, groups};
 pub use noise::{Noise, in_deviations};
 pub use predictor::{Model as Predictor, View, measurement_column};
 pub use problem::{Problem, Scaling, link_corrections};

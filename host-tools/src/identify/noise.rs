@@ -72,7 +72,7 @@ pub fn in_deviations(residual: &Residual, row: &Row, noise: &Noise) -> Values {
 
 /// Components of one kind in one unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Group {
+pub(crate) struct Group {
     pub kind: KindId,
     pub measure: Measure,
 }
@@ -86,7 +86,7 @@ impl Group {
 }
 
 /// Those that a file has, in the order of the table.
-pub(super) fn groups(data: &Measurements) -> Vec<Group> {
+pub(crate) fn groups(data: &Measurements) -> Vec<Group> {
     let mut kinds: Vec<KindId> = data.rows.iter().map(|row| row.kind).collect();
     kinds.sort_unstable();
     kinds.dedup();

@@ -113,8 +113,9 @@ impl Model {
         d: &Derivatives,
     ) -> Vec<Vector3<f64>> {
         let inputs = &conditions.rows[index];
+        let mut of_arm = self.chain(row).columns(d, &row.q, &self.arm_terms, inputs).into_iter();
         let column = |term: &ModelTerm| match term {
-            ModelTerm::Arm(term) => self.chain(row).column(d, &row.q, term, inputs),
+            ModelTerm::Arm(_) => of_arm.next().unwrap_or_else(Vector3::zeros),
             _ => measurement_column(term, row, d),
         };
         self.terms.iter().map(column).collect()

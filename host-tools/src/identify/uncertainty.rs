@@ -8,8 +8,8 @@ use truearm::blob::uncertain_parameters;
 use super::accumulate::{CHUNK, tree};
 use super::problem::Problem;
 use super::unknowns::State;
-use crate::model::ModelTerm;
 use crate::model::arm::{Kinematics, RowInputs, chain};
+use crate::model::{Instrument, ModelTerm};
 
 /// Covariance of the parameters in the order of a blob, SI, from that of all
 /// unknowns. The small base between identified and commanded frame is no
@@ -102,4 +102,19 @@ pub fn factor(covariance: &DMatrix<f64>) -> Vec<f32> {
         out.extend((j..size).map(|i| (sign * r[(j, i)] * scale[i]) as f32));
     }
     out
+}
+
+/// Instruments of a state, and how well they were found, from the covariance of all
+/// unknowns, SI.
+#[must_use]
+pub fn instruments(problem: &Problem, state: &State, covariance: &DMatrix<f64>) -> Vec<Instrument> {
+    let found = |(i, instrument): (usize, &Instrument)| {
+        let own: Vec<usize> = problem.unknowns.instrument(i).map(|(column, _)| column).collect();
+        let entry = |a: usize, b: usize| covariance[(own[a], own[b])];
+        match own.is_empty() {
+            true => instrument.clone(),
+            false => instrument.found_within(&DMatrix::from_fn(own.len(), own.len(), entry)),
+        }
+    };
+    state.instruments.iter().enumerate().map(found).collect()
 }

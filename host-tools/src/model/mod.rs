@@ -2,6 +2,7 @@
 //! identified arm and its terms. SI units; nothing here reads or writes a file.
 
 pub mod arm;
+mod derivatives;
 mod error_curve;
 mod identified;
 mod instrument;
@@ -9,6 +10,7 @@ mod measurements;
 pub mod near;
 mod path;
 mod robot;
+mod row_inputs;
 mod term;
 mod values;
 mod workspace;

@@ -1,22 +1,21 @@
 //! Effects named from what is no point: blind sets of every other kind.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm::Pose;
 use truearm_host::Result;
 use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
 use truearm_host::identify::registration::register;
 use truearm_host::identify::{Predictor, Problem, Scaling, State, View};
-use truearm_host::model::{Instrument, Measurements, Robot, Row};
-use truearm_host::observations::{KINDS, Residual, Seen, measuring};
+use truearm_host::model::{Measurements, Robot};
+use truearm_host::observations::{KINDS, Residual, measuring};
 use truearm_simulate::arm::Arm;
 use truearm_simulate::body::Body;
 use truearm_simulate::effects::{Defect, Kind, drawn};
 use truearm_simulate::instruments::Cell;
-use truearm_simulate::oracle::Matrix;
 use truearm_simulate::{at_rest, rigid, robots};
 
+use super::bent::Bent;
 use super::cases::Wanted;
 use crate::blind::score::of;
 use crate::judged::{cell, most_probable, read};
@@ -256,45 +255,6 @@ fn columns(
     }
     (free..unknowns).for_each(|k| geometry[(count + k - free, k)] = 1.0);
     (geometry, own)
-}
-
-/// A view of the rows in which the arm is moved as one that is bent is from a rigid one.
-struct Bent<'a> {
-    view: &'a View<'a>,
-    state: &'a State,
-    arm: &'a Arm,
-    bent: &'a Arm,
-}
-
-impl Seen for Bent<'_> {
-    fn row(&self, index: usize) -> &Row {
-        self.view.row(index)
-    }
-
-    fn point(&self, index: usize) -> Vector3<f64> {
-        self.pose(index).translation
-    }
-
-    fn pose(&self, index: usize) -> Pose<f64> {
-        let moment = at_rest(&self.row(index).q);
-        let [from, to] = [self.arm, self.bent].map(|arm| pose(&arm.last_frame(&moment)));
-        let base = &self.state.bases[self.row(index).station];
-        let moved = base.compose(&to).compose(&base.compose(&from).inverse());
-        moved.compose(&self.view.pose(index))
-    }
-
-    fn marker(&self, index: usize) -> Vector3<f64> {
-        self.view.marker(index)
-    }
-
-    fn instrument(&self, index: usize) -> &Instrument {
-        self.view.instrument(index)
-    }
-}
-
-fn pose(matrix: &Matrix<f64>) -> Pose<f64> {
-    let rotation = Matrix3::from_fn(|i, j| matrix[i][j]);
-    Pose { rotation, translation: Vector3::from_fn(|i, _| matrix[i][3]) }
 }
 
 /// What else could be there, each with every phase it may have.
