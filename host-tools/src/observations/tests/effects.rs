@@ -42,6 +42,8 @@ fn terms(joints: u8, rng: &mut ChaCha8Rng) -> Vec<ModelTerm> {
         for component in 0..effect.components().len().max(1) {
             let joint = match effect.acts_on() {
                 ActsOn::Base => 0,
+                // Some links have no length.
+                ActsOn::Lengths => Term::<f64>::ALL,
                 _ => rng.random_range(1..joints),
             };
             let order = if matches!(effect.order(), Order::Harmonic) { 1.0 } else { 0.0 };
@@ -85,6 +87,10 @@ fn worst(data: &Measurements, robot: &Robot, state: &State) -> (f64, Vec<String>
     let problem = Problem::new(data, robot, Scaling::Prior).with_terms(state.terms.len());
     let at = problem.linearise(state);
     let first = problem.unknowns.terms().start;
+    let rows = measuring(&data.rows);
+    // Beside what a mm or a mrad of a link does, per m or rad.
+    let steepest =
+        rows.iter().map(|row| at.equations(*row).block.amax()).fold(0.0, f64::max) / 1e-3;
     let (mut worst, mut still) = (0.0_f64, Vec::new());
     for k in 0..state.terms.len() {
         let unit = problem.unit(problem.unknowns.list()[first + k]);
@@ -105,7 +111,7 @@ fn worst(data: &Measurements, robot: &Robot, state: &State) -> (f64, Vec<String>
         };
         let (less, more) = (moved(-size), moved(size));
         let (mut largest, mut off) = (0.0_f64, 0.0_f64);
-        for row in measuring(&data.rows) {
+        for row in rows.iter().copied() {
             let block = at.equations(row).block;
             let slope = (less.scaled_residual(row) - more.scaled_residual(row)) / (2.0 * size);
             for c in 0..slope.len() {
@@ -114,9 +120,11 @@ fn worst(data: &Measurements, robot: &Robot, state: &State) -> (f64, Vec<String>
                 off = off.max((slope[c] - column).abs());
             }
         }
-        worst = worst.max(off / largest.max(f64::MIN_POSITIVE));
-        if largest == 0.0 {
+        // What does nothing leaves the rounding of differences.
+        if largest < 1e-8 * steepest {
             still.push(format!("{} {}", state.terms[k].effect_name(), state.terms[k].part()));
+        } else {
+            worst = worst.max(off / largest);
         }
     }
     (worst, still)
