@@ -42,7 +42,7 @@ fn host_sigma(model: &Model, q: &[f64]) -> Vector3<f64> {
     let factor = model.covariance.as_deref().unwrap();
     let base = Pose::from_rotation_vector(model.frame_translation, model.frame_rotation);
     let arm = chain(&model.links(), base, model.markers[0].1);
-    let (d, _) = arm.derivatives(q, &[], &RowInputs::default());
+    let d = arm.derivatives(q, &[], &RowInputs::default());
     let [rx, ry, rz, tx, ty, tz] = d.base;
     let mut columns = vec![tx, ty, tz, rx, ry, rz];
     columns.extend(d.tool);

@@ -1,4 +1,4 @@
-//! Effects named from lengths, touches and holes; kinds that they are not named from.
+//! Effects named from every kind.
 
 mod judged;
 
@@ -46,12 +46,17 @@ const GAIN: Kind = Kind::JointGain { joint: 2 };
 
 #[test]
 fn a_gain_is_named_from_every_kind_and_from_several() {
-    let all: [&Wanted; 5] = [
+    let all: [&Wanted; 10] = [
         &[("distance", 200)],
         &[("touch", 240)],
         &[("plate", 90)],
         &[("sphere", 120), ("distance", 60)],
         &[("point", 20), ("touch", 100), ("closure", 40)],
+        &[("pair", 200)],
+        &[("pose", 40)],
+        &[("range", 200)],
+        &[("inclination", 100), ("distance", 80)],
+        &[("pixel", 20)],
     ];
     for (seed, wanted) in all.into_iter().enumerate() {
         let mut rng = ChaCha8Rng::seed_from_u64(40 + seed as u64);
@@ -60,7 +65,7 @@ fn a_gain_is_named_from_every_kind_and_from_several() {
         let found = named(&cell, wanted, &mut rng).outcome;
         let names: Vec<_> = found.effects.iter().map(|e| (e.name, e.joints.clone())).collect();
         assert_eq!(names, [("joint-gain", vec![3])], "{wanted:?}: {:?}", found.verdict);
-        let held: Vec<f64> = found.gap.iter().map(|row| row.holdout_rms_mm.unwrap()).collect();
+        let held: Vec<f64> = found.gap.iter().map(|row| row.holdout_rms_sigmas.unwrap()).collect();
         let [.., before, after] = held[..] else { panic!("{held:?}") };
         assert!(after < 0.7 * before, "{wanted:?}: {held:?}");
         assert_eq!(found.verdict, Verdict::Explained, "{wanted:?}");
@@ -69,8 +74,15 @@ fn a_gain_is_named_from_every_kind_and_from_several() {
 
 #[test]
 fn nothing_is_named_of_a_sound_arm() {
-    let all: [&Wanted; 3] =
-        [&[("distance", 150)], &[("touch", 200)], &[("point", 20), ("touch", 100)]];
+    let all: [&Wanted; 7] = [
+        &[("distance", 150)],
+        &[("touch", 200)],
+        &[("point", 20), ("touch", 100)],
+        &[("pair", 150)],
+        &[("pose", 40)],
+        &[("inclination", 80), ("range", 120)],
+        &[("pixel", 12)],
+    ];
     for (seed, wanted) in all.into_iter().enumerate() {
         let mut rng = ChaCha8Rng::seed_from_u64(60 + seed as u64);
         let cell = cell(&robot(), &mut rng);
@@ -177,15 +189,22 @@ fn nothing_is_said_of_where_a_sound_arm_disagrees() {
     }
 }
 
+/// What a hold-out file refers to and the training does not know is refused, with what
+/// the verb can do.
 #[test]
-fn kinds_that_turn_with_the_last_frame_are_refused_by_name() {
+fn a_holdout_of_another_kind_is_refused_with_a_remedy() {
     let mut rng = ChaCha8Rng::seed_from_u64(13);
     let cell = cell(&robot(), &mut rng);
-    for kind in ["range", "inclination", "pair"] {
-        let data = read(&robot(), &cell, &cell.file(&[("point", 30), (kind, 3)], &mut rng));
-        let error = diagnose(&robot(), &data, None, &DiagnoseOptions::default(), &|_| ());
-        let words = error.unwrap_err().to_string();
-        assert!(words.contains(&format!("kind {kind}, which diagnose does not take")), "{words}");
+    let mut file = |wanted: &Wanted| read(&robot(), &cell, &cell.file(wanted, &mut rng));
+    let data = file(&[("distance", 120)]);
+    let others = [("touch", "plane \"P0\" is unknown"), ("point", "station \"\", which no row")];
+    for (kind, what) in others {
+        let holdout = file(&[(kind, 20)]);
+        let error = diagnose(&robot(), &data, Some(&holdout), &DiagnoseOptions::default(), &|_| ());
+        let error = error.err().unwrap();
+        assert!(error.to_string().contains(what), "{error}");
+        let help = error.help().to_owned();
+        assert!(help.starts_with("hold out rows of the kinds"), "{help}");
     }
 }
 
@@ -241,10 +260,13 @@ fn several_files_of_a_session() {
     let out = command.current_dir(&folder).args(["check", "robot.toml", "holes.csv"]).output();
     let out = out.unwrap();
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
-    write("ranges.csv", &cell.file(&[("range", 3)], &mut rng));
+    write("ranges.csv", &cell.file(&[("range", 80), ("pair", 40), ("inclination", 40)], &mut rng));
     let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
     command.current_dir(&folder).args(["diagnose", "robot.toml", "--data", "lengths.csv"]);
-    let out = command.args(["--data", "ranges.csv"]).output().unwrap();
-    let warned = String::from_utf8(out.stderr).unwrap();
-    assert!(warned.contains("ranges.csv:2: a row of kind range"), "{warned}");
+    let out = command.args(["--data", "ranges.csv", "--out", "turning"]).output().unwrap();
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let said = String::from_utf8(out.stdout).unwrap();
+    assert!(said.contains("RMS error, standard deviations of each kind's noise"), "{said}");
+    let page = fs::read_to_string(folder.path().join("turning/report.html")).unwrap();
+    assert!(page.contains("standard deviations of each kind"));
 }

@@ -127,9 +127,11 @@ fn commanded_points_are_verified_alike() {
         let commanded = Commanded::parse(Path::new("c.csv"), &table(to_file), &model.robot);
         verify(&reread(model), &commanded.unwrap(), false).unwrap()
     });
-    assert!((a.errors.rms_mm - b.errors.rms_mm).abs() < 1e-8 && a.errors.rms_mm > 0.1);
-    assert!((a.accuracy.max_mm - b.accuracy.max_mm).abs() < 1e-8);
+    let [of_a, of_b] = [&a, &b].map(|found| found.points.as_ref().unwrap());
+    assert!((of_a.errors.rms_mm - of_b.errors.rms_mm).abs() < 1e-8 && of_a.errors.rms_mm > 0.1);
+    assert!((of_a.accuracy.max_mm - of_b.accuracy.max_mm).abs() < 1e-8);
     for (a, b) in a.row_errors.iter().zip(&b.row_errors) {
+        let (a, b) = (a.unwrap(), b.unwrap());
         assert!((a - base().rotation * b).norm() < 1e-11, "{a} {b}");
     }
 }

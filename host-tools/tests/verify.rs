@@ -14,7 +14,9 @@ use truearm_host::identify::{Options, identify};
 use truearm_host::model::Workspace;
 use truearm_host::model::arm::{RowInputs, chain};
 use truearm_host::model::{Commanded, Measurements, Model};
-use truearm_host::verify::{Conformity, accuracy, repeatability, test_poses, verify};
+use truearm_host::verify::{
+    Conformity, OfPoints, Verification, accuracy, repeatability, test_poses, verify,
+};
 
 const SIGMA: f64 = 2e-5;
 
@@ -43,7 +45,7 @@ impl Cell {
         let target = nominal.pose(q).translation;
         let mut q = q.to_vec();
         for _ in 0..6 {
-            let (d, _) = real.derivatives(&q, &[], &RowInputs::default());
+            let d = real.derivatives(&q, &[], &RowInputs::default());
             let columns: Vec<Vector3<f64>> = d.links.iter().map(|l| l.theta).collect();
             let jacobian = Matrix3xX::from_columns(&columns);
             let step = jacobian.clone().pseudo_inverse(1e-6).unwrap() * (target - d.point);
@@ -75,6 +77,10 @@ impl Cell {
     }
 }
 
+fn of_points(found: &Verification) -> &OfPoints {
+    found.points.as_ref().unwrap()
+}
+
 fn poses(count: usize, rng: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
     (0..count).map(|_| (0..6).map(|_| rng.random_range(-2.4..2.4)).collect()).collect()
 }
@@ -90,32 +96,32 @@ fn before_and_after() {
     let before = verify(&cell.model, &off, false).unwrap();
     println!(
         "before {:.3} mm, after {:.4} mm RMS, AP {:.4}, RP {:.4}, U {:.4}",
-        before.errors.rms_mm,
-        after.errors.rms_mm,
-        after.accuracy.max_mm,
-        after.repeatability.unwrap().max_mm,
-        after.expanded_uncertainty_mm
+        of_points(&before).errors.rms_mm,
+        of_points(&after).errors.rms_mm,
+        of_points(&after).accuracy.max_mm,
+        of_points(&after).repeatability.unwrap().max_mm,
+        of_points(&after).expanded_uncertainty_mm
     );
     assert_eq!((after.rows, after.poses, after.repeats), (150, 30, [5, 5]));
-    assert!(before.errors.rms_mm > 1.0 && after.errors.rms_mm < 0.06);
+    assert!(of_points(&before).errors.rms_mm > 1.0 && of_points(&after).errors.rms_mm < 0.06);
     // What the model says of the arm without compensation is what is measured.
     for found in [&before, &after] {
-        let predicted = found.predicted_without_compensation.unwrap();
-        assert!((predicted.rms_mm / before.errors.rms_mm - 1.0).abs() < 0.02);
+        let predicted = of_points(found).predicted_without_compensation.unwrap();
+        assert!((predicted.rms_mm / of_points(&before).errors.rms_mm - 1.0).abs() < 0.02);
     }
     // Noise of 20 um a coordinate: mean distance to a barycentre of five, and
     // three of its deviations.
-    let rp = after.repeatability.unwrap();
+    let rp = of_points(&after).repeatability.unwrap();
     assert_eq!(rp.poses, 30);
     assert!((0.04..0.1).contains(&rp.mean_mm), "{rp:?}");
-    assert!((after.expanded_uncertainty_mm / 0.0407 - 1.0).abs() < 0.02);
+    assert!((of_points(&after).expanded_uncertainty_mm / 0.0407 - 1.0).abs() < 0.02);
 
-    assert_eq!(after.conformity(0.3), Conformity::Pass);
-    assert_eq!(before.conformity(0.3), Conformity::Fail);
-    let edge = after.errors.max_mm;
-    assert_eq!(after.conformity(edge + 0.01), Conformity::NotProven);
-    assert_eq!(after.conformity(edge - 0.01), Conformity::NotProven);
-    assert_eq!(after.conformity(edge + 0.05), Conformity::Pass);
+    assert_eq!(after.kinds[0].conformity(0.3), Conformity::Pass);
+    assert_eq!(before.kinds[0].conformity(0.3), Conformity::Fail);
+    let edge = of_points(&after).errors.max_mm;
+    assert_eq!(after.kinds[0].conformity(edge + 0.01), Conformity::NotProven);
+    assert_eq!(after.kinds[0].conformity(edge - 0.01), Conformity::NotProven);
+    assert_eq!(after.kinds[0].conformity(edge + 0.05), Conformity::Pass);
 }
 
 #[test]
@@ -135,8 +141,8 @@ fn commanded_points_and_a_moved_tracker() {
     }
     let same = verify(&cell.model, &cell.read(&points), false).unwrap();
     assert_eq!((same.poses, same.repeats), (20, [2, 2]));
-    assert!((same.errors.rms_mm - joints.errors.rms_mm).abs() < 1e-6);
-    assert!(same.predicted_without_compensation.is_none());
+    assert!((of_points(&same).errors.rms_mm - of_points(&joints).errors.rms_mm).abs() < 1e-6);
+    assert!(of_points(&same).predicted_without_compensation.is_none());
 
     // Another station: refused, then fitted, which is no worse than the truth.
     let moved = text.replace(",S0,", ",S9,");
@@ -145,8 +151,13 @@ fn commanded_points_and_a_moved_tracker() {
     assert!(error.to_string().contains("station \"S9\" is unknown"), "{error}");
     assert!(error.help().contains("--reregister base"), "{}", error.help());
     let fitted = verify(&cell.model, &moved, true).unwrap();
-    assert!(fitted.errors.rms_mm <= joints.errors.rms_mm && fitted.errors.rms_mm > 0.02);
-    assert!(fitted.expanded_uncertainty_mm > joints.expanded_uncertainty_mm);
+    assert!(
+        of_points(&fitted).errors.rms_mm <= of_points(&joints).errors.rms_mm
+            && of_points(&fitted).errors.rms_mm > 0.02
+    );
+    assert!(
+        of_points(&fitted).expanded_uncertainty_mm > of_points(&joints).expanded_uncertainty_mm
+    );
 }
 
 /// ISO 9283 by hand: four points at the corners of a square of 2 mm about a

@@ -90,16 +90,31 @@ impl<T: Scalar> Term<T> {
         columns: &[LinkColumns<T>],
         base_rotation: &[Vector3<T>; 3],
     ) -> Vector3<T> {
+        let tilts = |joint: usize| columns.get(joint).map(LinkColumns::tilts);
+        self.action_by(inputs, links, columns, base_rotation, tilts)
+    }
+
+    /// The same of anything that moves with the links as these columns say, such as how
+    /// the tool is turned: `tilts` says how it moves with those of a joint's axis, as
+    /// [`LinkColumns::tilts`] does of the tool point.
+    #[must_use]
+    #[inline]
+    pub fn action_by<const N: usize>(
+        &self,
+        inputs: &TermInputs<T, N>,
+        links: &[Link<T>],
+        columns: &[LinkColumns<T>],
+        base_rotation: &[Vector3<T>; 3],
+        tilts: impl FnOnce(usize) -> Option<[Vector3<T>; 2]>,
+    ) -> Vector3<T> {
         let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
         let joint = usize::from(self.joint);
         let column = match self.effect.acts_on() {
             ActsOn::Base => base_rotation.get(usize::from(self.component)).copied(),
             ActsOn::Axis => {
                 let across = inputs.load.across_axis(joint);
-                columns.get(joint).zip(across).map(|(c, [_, x, y])| {
-                    let [about_x, about_y] = c.tilts();
-                    about_x * x + about_y * y
-                })
+                let along = |[about_x, about_y]: [Vector3<T>; 2], x, y| about_x * x + about_y * y;
+                tilts(joint).zip(across).map(|(tilts, [_, x, y])| along(tilts, x, y))
             }
             ActsOn::Lengths => {
                 let mut sum = none;

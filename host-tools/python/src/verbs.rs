@@ -107,20 +107,22 @@ pub fn evaluate(
 
 /// Compares commanded with measured: the report as JSON.
 #[pyfunction]
-#[pyo3(signature = (model, path, reregister=false, tolerance_mm=None))]
+#[pyo3(signature = (model, path, reregister=false, tolerance_mm=None, tolerance_deg=None))]
 pub fn verify(
     py: Python<'_>,
     model: &Model,
     path: PathBuf,
     reregister: bool,
     tolerance_mm: Option<f64>,
+    tolerance_deg: Option<f64>,
 ) -> PyResult<String> {
-    let data = Commanded::read(&path, &model.inner.robot).map_err(refused)?;
+    let data = Commanded::read(&path, &model.inner).map_err(refused)?;
     let after = py.detach(|| verification::verify(&model.inner, &data, reregister));
     let after = after.map_err(refused)?;
     let file = model.inner.robot.path.display().to_string();
-    let warnings = data.data.warnings.clone();
-    Ok(to_json(&VerifyReport::new(file, None, after, tolerance_mm, warnings)))
+    let warnings = [data.data.warnings.clone(), after.warnings.clone()].concat();
+    let tolerances = [tolerance_mm, tolerance_deg];
+    Ok(to_json(&VerifyReport::new(file, None, after, tolerances, warnings)))
 }
 
 /// Poses to measure, of which points or poses determine the arm best: joint values

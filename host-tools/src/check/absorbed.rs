@@ -44,10 +44,11 @@ fn numbers(search: &Search, nothing: &Found) -> Vec<String> {
     let mut columns =
         vec![[(); 4].map(|()| DVector::zeros(3 * scene.sights.len())); search.links.len()];
     for (i, sight) in scene.sights.iter().enumerate() {
-        let d = state
-            .chain(sight.station, sight.marker)
-            .derivatives(&sight.q, &[], &RowInputs::default())
-            .0;
+        let d = state.chain(sight.station, sight.marker).derivatives(
+            &sight.q,
+            &[],
+            &RowInputs::default(),
+        );
         for k in 0..6 {
             spanned.fixed_view_mut::<3, 1>(3 * i, 6 * sight.station + k).copy_from(&d.base[k]);
         }

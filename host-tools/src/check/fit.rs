@@ -177,7 +177,7 @@ impl Fitter<'_> {
     fn equations(&self, state: &State) -> (DMatrix<f64>, DVector<f64>) {
         let chains = Chains::new(state);
         let sights = &self.scene.sights;
-        let at = |s: &Sight| chains.of(s.station, s.marker).derivatives(&s.q, &[], &PLAIN).0;
+        let at = |s: &Sight| chains.of(s.station, s.marker).derivatives(&s.q, &[], &PLAIN);
         let moved: Vec<Derivatives> = sights.iter().map(at).collect();
         let residuals: Vec<Vector3<f64>> =
             sights.iter().zip(&moved).map(|(s, d)| s.point - d.point).collect();

@@ -1,9 +1,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use nalgebra::Vector3;
 use truearm_host::files::{csv_text, overwritable, overwritable_like, poses_csv, write};
-use truearm_host::model::{Commanded, Measurements, Model, Row};
+use truearm_host::model::{Commanded, KindId, Measurements, Model, Row};
+use truearm_host::observations::kind;
 use truearm_host::page::verified;
 use truearm_host::report::{VerifyReport, to_json};
 use truearm_host::units::to_mm;
@@ -32,9 +32,12 @@ pub struct Verify {
     /// directions of the error out
     #[arg(long, value_enum, requires = "data")]
     reregister: Option<Refit>,
-    /// Largest error allowed
+    /// Largest error allowed of what measured points or lengths
     #[arg(long, value_name = "MM", requires = "data", allow_hyphen_values = true)]
     tolerance_mm: Option<f64>,
+    /// Largest error allowed of turns and inclinations
+    #[arg(long, value_name = "DEG", requires = "data", allow_hyphen_values = true)]
+    tolerance_deg: Option<f64>,
     /// Write poses to verify at into this file
     #[arg(long, alias = "check-poses", value_name = "FILE.csv")]
     test_poses: Option<PathBuf>,
@@ -75,12 +78,7 @@ const FILES: [&str; 3] = ["report.json", "errors.csv", "report.html"];
 
 impl Verify {
     pub fn run(self) -> Result<Said> {
-        if let Some(mm) = self.tolerance_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
-            return Err(Error::usage(
-                format!("--tolerance-mm {mm}"),
-                "give the largest error allowed in mm, such as 0.3",
-            ));
-        }
+        let tolerances = self.tolerances()?;
         own::folder_apart(self.out.as_deref(), &FILES, self.inputs())?;
         let model = Model::read(&self.model)?;
         let mut text = match &self.test_poses {
@@ -89,22 +87,32 @@ impl Verify {
         };
         let Some(path) = &self.data else { return Ok(text.into()) };
         let refit = self.reregister.is_some();
-        let data = Commanded::read(path, &model.robot)?;
+        let data = Commanded::read(path, &model)?;
         let after = verify(&model, &data, refit)?;
-        let mut warnings = data.data.warnings.clone();
+        let mut warnings = [data.data.warnings.clone(), after.warnings.clone()].concat();
         let before = self.before.as_ref().map(|path| {
-            let data = Commanded::read(path, &model.robot)?;
+            let data = Commanded::read(path, &model)?;
             verify(&model, &data, refit)
         });
         let before = before.transpose()?;
-        if after.repeats[0] < STANDARD_REPEATS {
+        if after.points.is_some() && after.repeats[0] < STANDARD_REPEATS {
             warnings.push(format!(
                 "{}: {} to {} repetitions a pose, where ISO 9283 asks for {STANDARD_REPEATS}",
                 after.file, after.repeats[0], after.repeats[1]
             ));
         }
         let name = self.model.display().to_string();
-        let report = VerifyReport::new(name, before, after, self.tolerance_mm, warnings);
+        let report = VerifyReport::new(name, before, after, tolerances.map(|t| t.1), warnings);
+        for (option, tolerance, unit) in tolerances.map(|(o, t)| (o, t, o.rsplit('-').next())) {
+            let judged = report.judged.iter().any(|j| Some(j.unit) == unit);
+            if tolerance.is_some() && !judged {
+                return Err(Error::usage(
+                    format!("{option}: no row of {} is measured in that unit", path.display()),
+                    "give a tolerance of what was measured: mm of points and lengths, deg of turns \
+                     and inclinations",
+                ));
+            }
+        }
         warn(&report.warnings);
         let json = to_json(&report);
         text += &if self.json { json.clone() } else { words::verification(&report) };
@@ -125,6 +133,20 @@ impl Verify {
             Some(Conformity::NotProven) => End::Undecided,
         };
         Ok(Said { text, end })
+    }
+
+    /// Each with its option.
+    fn tolerances(&self) -> Result<[(&'static str, Option<f64>); 2]> {
+        let all = [("--tolerance-mm", self.tolerance_mm), ("--tolerance-deg", self.tolerance_deg)];
+        for (option, value) in all {
+            if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
+                return Err(Error::usage(
+                    format!("{option} {value}"),
+                    "give the largest error allowed in this unit, such as 0.3",
+                ));
+            }
+        }
+        Ok(all)
     }
 
     fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
@@ -149,13 +171,26 @@ impl Verify {
 }
 
 fn errors(data: &Measurements, found: &Verification) -> String {
-    let header = "row,line,station,marker,pose,dx_mm,dy_mm,dz_mm,distance_mm";
-    let line = |(i, (row, e)): (usize, (&Row, &Vector3<f64>))| {
+    let mut header: Vec<&str> =
+        "row,line,station,marker,pose,dx_mm,dy_mm,dz_mm,distance_mm".split(',').collect();
+    let others = data.rows.iter().any(|row| row.kind != KindId::default());
+    if others {
+        header.extend(["kind", "residual"]);
+    }
+    let line = |(i, row): (usize, &Row)| {
         let (station, marker) = (&data.stations[row.station], &data.markers[row.marker]);
         let mut cells = vec![(i + 1).to_string(), row.line.to_string()];
         cells.extend([station.clone(), marker.clone(), (row.pose + 1).to_string()]);
-        cells.extend([e.x, e.y, e.z, e.norm()].map(|x| format!("{:.5}", to_mm(x))));
+        cells.extend(match found.row_errors[i] {
+            Some(e) => [e.x, e.y, e.z, e.norm()].map(|x| format!("{:.5}", to_mm(x))),
+            None => [(); 4].map(|()| String::new()),
+        });
+        if others {
+            let all = found.residuals[i].in_files();
+            let all: Vec<String> = all.iter().map(|x| format!("{x:.5}")).collect();
+            cells.extend([kind(row).name().to_owned(), all.join(" ")]);
+        }
         cells
     };
-    csv_text(header.split(','), data.rows.iter().zip(&found.row_errors).enumerate().map(line))
+    csv_text(header, data.rows.iter().enumerate().map(line))
 }

@@ -1,36 +1,10 @@
-//! Which kinds of measurements effects are named from, and how noisy each is.
+//! How noisy each kind of measurement is.
 
 use super::node::Node;
 use super::question::Question;
 use crate::error::{Kind, Result};
 use crate::identify::robust::Crowd;
 use crate::identify::{Noise, Problem, State, components};
-use crate::model::Measurements;
-use crate::observations::{kind, not_taken, to_point};
-
-/// Rows as effects are named from them: of a pose its point, of other kinds what they
-/// measure of where the target is.
-///
-/// # Errors
-/// Rows of a kind that hangs on how the last frame is turned, or on two postures of
-/// the arm: how effects move those is not worked out.
-pub fn taken(data: &Measurements) -> Result<Measurements> {
-    let mut out = data.clone();
-    for (i, row) in out.rows.iter_mut().enumerate() {
-        let own = kind(row);
-        if !to_point(row) && (own.turns() || own.joined_by().is_some()) {
-            let give = "points, poses, distances, touches, holes of a plate or closures";
-            return Err(not_taken(data, i, "diagnose", give));
-        }
-    }
-    let used: Vec<usize> = (0..out.instruments.len())
-        .filter(|i| out.rows.iter().any(|r| r.refers.contains(i)))
-        .collect();
-    out.instruments = used.iter().map(|i| data.instruments[*i].clone()).collect();
-    let places = out.rows.iter_mut().flat_map(|row| &mut row.refers);
-    places.for_each(|i| *i = used.iter().position(|u| u == i).unwrap_or(0));
-    Ok(out)
-}
 
 /// By how much each kind is noisier than stated, from a state; where many rows
 /// contradict the others they are what is shown, and nothing is known of the noise.

@@ -20,7 +20,7 @@ mod verdict;
 pub mod weigh;
 mod white;
 
-pub use outcome::{Alternative, Coefficient, Effect, GapRow, Outcome, Verdict, said};
+pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Verdict, said};
 pub use weigh::Doubt;
 
 use crate::error::{Error, Kind, Result};
@@ -87,9 +87,6 @@ pub fn diagnose(
     options: &DiagnoseOptions,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
-    let data = &kinds::taken(data)?;
-    let holdout = holdout.map(kinds::taken).transpose()?;
-    let holdout = holdout.as_ref();
     if let Some(held) = holdout {
         same_torques(robot, data, held)?;
     }
@@ -195,6 +192,8 @@ struct Found {
 fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let Found { weighed, best, root, start, not_testable } = found;
     let problem = show.question.problem;
+    let holdout = show.holdout.map(|held| held.with_noise(weighed.scale));
+    let show = &Show { holdout: holdout.as_ref(), ..*show };
     let nominal = nominal_state(show.rigid, &best.fit.kept, &start)?;
     let shown = match weighed.stages.is_empty() {
         true => show.with_held_out_gain(&root, best, &nominal)?,

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::weigh::Doubt;
 use crate::identify::Figures;
+use crate::observations::Measure;
 
 /// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -80,6 +81,84 @@ pub struct GapRow {
     pub cross_validated_rms_mm: Option<f64>,
     /// RMS of the hold-out file, mm.
     pub holdout_rms_mm: Option<f64>,
+    /// RMS of the kept rows in standard deviations, each kind's by the noise that was
+    /// found of it: 1 where noise alone is left.
+    pub train_rms_sigmas: f64,
+    /// The same of poses held out in folds.
+    pub cross_validated_rms_sigmas: Option<f64>,
+    /// The same of the hold-out file.
+    pub holdout_rms_sigmas: Option<f64>,
+}
+
+/// How far off residuals are, root mean square.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Rms {
+    /// mm; of what is no length as [`crate::observations::Kind::miss`] counts it.
+    pub mm: f64,
+    /// Standard deviations of an equation.
+    pub sigmas: f64,
+}
+
+impl GapRow {
+    /// Of a model.
+    #[must_use]
+    pub fn new(model: String, train: Rms, folds: Option<Rms>, holdout: Option<Rms>) -> Self {
+        Self {
+            model,
+            train_rms_mm: train.mm,
+            cross_validated_rms_mm: folds.map(|r| r.mm),
+            holdout_rms_mm: holdout.map(|r| r.mm),
+            train_rms_sigmas: train.sigmas,
+            cross_validated_rms_sigmas: folds.map(|r| r.sigmas),
+            holdout_rms_sigmas: holdout.map(|r| r.sigmas),
+        }
+    }
+}
+
+/// What the gap counts in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GapUnit {
+    /// Where one kind measured lengths.
+    Millimetres,
+    /// Where kinds, or lengths and angles, count together: each in standard deviations
+    /// of its own noise.
+    Deviations,
+}
+
+impl GapUnit {
+    /// Fitted rows, rows held out in folds, hold-out file.
+    #[must_use]
+    pub fn figures(self, row: &GapRow) -> [Option<f64>; 3] {
+        match self {
+            Self::Millimetres => {
+                [Some(row.train_rms_mm), row.cross_validated_rms_mm, row.holdout_rms_mm]
+            }
+            Self::Deviations => {
+                [Some(row.train_rms_sigmas), row.cross_validated_rms_sigmas, row.holdout_rms_sigmas]
+            }
+        }
+    }
+
+    /// What its figures are.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Millimetres => "RMS error, mm",
+            Self::Deviations => "RMS error, standard deviations of each kind's noise",
+        }
+    }
+}
+
+impl Outcome {
+    /// What its gap is told in.
+    #[must_use]
+    pub fn gap_unit(&self) -> GapUnit {
+        match &self.figures.kinds[..] {
+            [] => GapUnit::Millimetres,
+            [only] if only.unit == Measure::Length.unit() => GapUnit::Millimetres,
+            _ => GapUnit::Deviations,
+        }
+    }
 }
 
 /// Another explanation that the data cannot rule out.

@@ -5,6 +5,7 @@ use nalgebra::DVector;
 
 use super::node::Node;
 use crate::identify::Problem;
+use crate::observations::Reading;
 
 /// A covariate along which neighbouring residuals are alike.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,12 +48,9 @@ pub fn left(problem: &Problem, node: &Node) -> Option<Likeness> {
 /// Mean residual of each pose of the kept rows, in sigmas, with its first row.
 fn poses(problem: &Problem, node: &Node) -> Vec<(usize, DVector<f64>)> {
     let at = problem.linearise(&node.fit.fit.state);
-    let key = |r: &usize| {
-        let row = &problem.data.rows[*r];
-        (row.kind.0, row.station, row.marker, row.pose, &row.refers)
-    };
+    let key = |r: &usize| Reading::of(&problem.data.rows, *r);
     let mut rows = node.fit.kept.clone();
-    rows.sort_by_key(|r| (key(r), *r));
+    rows.sort_by_cached_key(|r| (key(r), *r));
     let mean = |rows: &[usize]| {
         let sum = rows.iter().map(|r| DVector::from(at.scaled_residual(*r).to_vec()));
         let sum = sum.reduce(|a, b| a + b).unwrap_or_else(|| DVector::zeros(0));

@@ -74,11 +74,18 @@ fn known_markers(model: &Model, data: &Measurements) -> Result<Vec<Vector3<f64>>
     data.markers.iter().map(marker).collect()
 }
 
+/// What to do where the rows of a scored file refer to something else.
+const SCORED: &str = "give rows whose labels the training has, or --reregister base+tool";
+
 /// What the rows of a file refer to, as the training found it.
 ///
 /// # Errors
-/// One that the training does not have.
-pub fn known_instruments(known: &[Instrument], data: &Measurements) -> Result<Vec<Instrument>> {
+/// One that the training does not have, with what to do then.
+pub fn known_instruments(
+    known: &[Instrument],
+    data: &Measurements,
+    help: &'static str,
+) -> Result<Vec<Instrument>> {
     let find = |wanted: &Instrument| {
         let same = |i: &&Instrument| (i.form, &i.label) == (wanted.form, &wanted.label);
         let stated = wanted.unknowns().is_empty().then_some(wanted);
@@ -87,7 +94,7 @@ pub fn known_instruments(known: &[Instrument], data: &Measurements) -> Result<Ve
             Error::data(
                 Kind::UnknownMarker,
                 format!("{}: {what} \"{label}\" is unknown to the model", data.path.display()),
-                "give rows whose labels the training has, or --reregister base+tool",
+                help,
             )
         })
     };
@@ -99,7 +106,7 @@ fn trained(model: &Model, data: &Measurements) -> Result<State> {
     Ok(State {
         bases: data.stations.iter().map(station).collect::<Result<_>>()?,
         markers: known_markers(model, data)?,
-        instruments: known_instruments(&model.instruments, data)?,
+        instruments: known_instruments(&model.instruments, data, SCORED)?,
         links: model.links(),
         terms: model.terms.clone(),
     })
@@ -116,7 +123,7 @@ pub(super) fn with_bases(
     let mut state = State {
         bases: vec![Pose::identity(); data.stations.len()],
         markers,
-        instruments: known_instruments(&model.instruments, data)?,
+        instruments: known_instruments(&model.instruments, data, SCORED)?,
         links: model.links(),
         terms: arm_terms(model),
     };

@@ -6,7 +6,7 @@ use super::instruments::Gathered;
 use super::source::Source;
 use crate::error::Result;
 use crate::model::near::Reach;
-use crate::model::{Commanded, Measurements, Robot, Row};
+use crate::model::{Commanded, Measurements, Model, Robot, Row};
 use crate::units::from_mm;
 
 const POINT: [&str; 3] = ["cmd_x_mm", "cmd_y_mm", "cmd_z_mm"];
@@ -14,19 +14,26 @@ const POINT: [&str; 3] = ["cmd_x_mm", "cmd_y_mm", "cmd_z_mm"];
 const SAME_POINT: f64 = 1e-6;
 
 impl Commanded {
-    /// Reads and checks the file.
+    /// Reads and checks the file. What its rows refer to beside the arm is as the
+    /// instruments.toml beside it states, or else as the model found it.
     ///
     /// # Errors
     /// Names file, line, column and remedy.
-    pub fn read(path: &Path, robot: &Robot) -> Result<Self> {
-        Self::parse(path, &super::read(path)?, robot)
+    pub fn read(path: &Path, model: &Model) -> Result<Self> {
+        let mut book = Gathered::beside(path, &model.robot)?;
+        book.known_to(&model.instruments);
+        Self::parsed(path, &super::read(path)?, &model.robot, book)
     }
 
-    /// Like [`Commanded::read`] from a text.
+    /// Like [`Commanded::read`] from a text, with nothing but an arm.
     ///
     /// # Errors
     /// As for [`Commanded::read`].
     pub fn parse(path: &Path, text: &str, robot: &Robot) -> Result<Self> {
+        Self::parsed(path, text, robot, Gathered::default())
+    }
+
+    fn parsed(path: &Path, text: &str, robot: &Robot, book: Gathered) -> Result<Self> {
         let source = Source { path, text };
         let names = source.headings();
         let header: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -46,18 +53,11 @@ impl Commanded {
                  cmd_z_mm in the robot's frame",
             )),
             (_, false) => {
-                let data = Measurements::table(
-                    path,
-                    text,
-                    robot,
-                    (Some("cmd"), true),
-                    Gathered::default(),
-                )?;
+                let data = Measurements::table(path, text, robot, (Some("cmd"), true), book)?;
                 Ok(Self { data, points: Vec::new() })
             }
             (false, true) => {
-                let mut data =
-                    Measurements::table(path, text, robot, (None, true), Gathered::default())?;
+                let mut data = Measurements::table(path, text, robot, (None, true), book)?;
                 let to_arm = robot.base.pose().inverse();
                 let points = points_of(&source, &header, &data)?;
                 let points: Vec<_> = points.iter().map(|p| to_arm.transform_point(p)).collect();

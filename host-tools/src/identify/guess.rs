@@ -32,13 +32,18 @@ struct Sight<'a> {
     at: Pose<f64>,
     /// The origin of the last frame, m.
     flange: Vector3<f64>,
-    /// Where its ray goes, if it has one.
-    ray: Option<Vector3<f64>>,
+    /// The axes of what is mounted on it, if anything is.
+    axes: Option<Matrix3<f64>>,
     /// The camera that sees it.
     camera: Option<&'a Instrument>,
 }
 
 impl Sight<'_> {
+    /// Where its ray goes, if it has one.
+    fn ray(&self) -> Option<Vector3<f64>> {
+        self.axes.map(|axes| axes.column(2).into_owned())
+    }
+
     /// The line of sight of a corner as the board's mounting sees it: the corner,
     /// the camera, and which way.
     fn line(&self, on_flange: bool) -> Option<[Vector3<f64>; 3]> {
@@ -61,11 +66,11 @@ fn sights<'a>(data: &'a Measurements, state: &'a State, index: usize) -> Vec<Sig
         let at = state.chain(row.station, row.marker).pose(&row.q);
         let mut mounted = row.refers.iter().map(|i| &state.instruments[*i]);
         let turn = mounted.find(|i| i.form == Form::Turn);
-        let ray = turn.map(|turn| at.rotation * turn.place.rotation.column(2));
+        let axes = turn.map(|turn| at.rotation * turn.place.rotation);
         let flange = at.translation - at.rotation * state.markers[row.marker];
         let mut seen = row.refers.iter().map(|i| &state.instruments[*i]);
         let camera = seen.find(|i| i.form == Form::Camera);
-        Sight { row, at, flange, ray, camera }
+        Sight { row, at, flange, axes, camera }
     };
     data.rows.iter().filter(|row| row.refers.contains(&index)).map(of).collect()
 }
@@ -92,7 +97,8 @@ fn guess(instrument: &Instrument, sights: &[Sight]) -> Option<Instrument> {
             let place = rigid_transform(&holes, &points, &vec![1.0; holes.len()])?;
             Some(Instrument { place, ..instrument.clone() })
         }
-        Form::Camera | Form::Up | Form::Probe => None,
+        Form::Up => up(sights).map(|turn| at(instrument, Vector3::zeros(), turn)),
+        Form::Camera | Form::Probe => None,
     }
 }
 
@@ -110,6 +116,23 @@ fn turn(sights: &[Sight]) -> Option<Pose<f64>> {
     sign[(2, 2)] = (u * v_t).determinant().signum();
     let found = sum.norm() > 0.0;
     found.then(|| Pose { rotation: u * sign * v_t, translation: Vector3::zeros() })
+}
+
+/// Where up is by how far axes lean from the level: a sine is linear in it.
+fn up(sights: &[Sight]) -> Option<Matrix3<f64>> {
+    let leaning = |s: &Sight| Some((s.axes?, kind(s.row).lean(s.row)?));
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for (axes, lean) in sights.iter().filter_map(leaning) {
+        for (c, angle) in lean.into_iter().enumerate() {
+            let axis = axes.column(c);
+            normal += axis * axis.transpose();
+            right += axis * angle.sin();
+        }
+    }
+    let up = normal.cholesky()?.solve(&right).try_normalize(1e-9)?;
+    // Any frame whose z it is.
+    let aside = Vector3::ith(up.iamin(), 1.0).cross(&up).normalize();
+    Some(Matrix3::from_columns(&[aside, up.cross(&aside), up]))
 }
 
 /// The point that is so far from the targets: of `|p - a|^2 = d^2`, linear in a
@@ -131,7 +154,7 @@ fn anchor(sights: &[Sight]) -> Option<Vector3<f64>> {
 /// Where rays end, or targets are; z to where the last frame is.
 fn plane(sights: &[Sight]) -> Option<(Vector3<f64>, Matrix3<f64>)> {
     let end = |s: &Sight| {
-        let range = s.ray.zip(kind(s.row).distance(s.row));
+        let range = s.ray().zip(kind(s.row).distance(s.row));
         s.at.translation + range.map_or_else(Vector3::zeros, |(way, range)| way * range)
     };
     let points: Vec<_> = sights.iter().map(end).collect();

@@ -9,8 +9,8 @@ use crate::model::arm::Derivatives;
 use crate::model::{Instrument, Row};
 use crate::observations::{ArmPart, Body, Moving, Partials, Seen};
 
-/// Points that move with something beside the unknowns: as many columns for
-/// every row, SI.
+/// How the target of a row moves with something beside the unknowns, as many columns
+/// for every row, SI: linear in the derivatives, which are asked of how it turns, too.
 pub type Beside<'b> = dyn Fn(usize, &Derivatives) -> Vec<Vector3<f64>> + Sync + 'b;
 
 /// The targets' motion with the unknowns, in units, and with what is beside.
@@ -28,13 +28,16 @@ impl Motion<'_> {
         View { model: self.model, data, conditions }
     }
 
-    /// Where the arm stands at a row, and how the row's target moves with each
-    /// unknown in its unit and with what is beside, m.
-    fn place(&self, index: usize) -> (Derivatives, DMatrix<f64>) {
+    fn derivatives(&self, index: usize) -> Derivatives {
+        self.model.derivatives(self.row(index), index, &self.problem.conditions)
+    }
+
+    /// How what these derivatives at a row are of moves with each unknown in its unit
+    /// and with what is beside.
+    fn columns(&self, index: usize, d: &Derivatives) -> DMatrix<f64> {
         let (row, problem) = (self.row(index), self.problem);
         let unknowns = &problem.unknowns;
-        let (d, terms) = self.model.derivatives(row, index, &problem.conditions);
-        let beside = (self.beside)(index, &d);
+        let beside = (self.beside)(index, d);
         let count = unknowns.list().len();
         let mut block = DMatrix::zeros(3, count + beside.len());
         let mut set = |first: Option<usize>, columns: &[Vector3<f64>]| {
@@ -45,55 +48,37 @@ impl Motion<'_> {
         set(unknowns.station(row.station), &d.base);
         set(unknowns.marker(row.marker), &d.tool);
         if !unknowns.terms().is_empty() {
+            let terms = self.model.columns(row, index, &problem.conditions, d);
             set(Some(unknowns.terms().start), &terms);
         }
         for (i, columns) in d.links.iter().enumerate() {
             set(Some(unknowns.free() + 5 * i), &columns.to_array());
         }
         set(Some(count), &beside);
-        self.in_units(&mut block);
-        (d, block)
-    }
-
-    /// How the last frame of a row turns with each unknown in its unit, rad;
-    /// terms, and what is beside, turn nothing.
-    fn turned(&self, index: usize, d: &Derivatives, columns: usize) -> DMatrix<f64> {
-        let (row, unknowns) = (self.row(index), &self.problem.unknowns);
-        let mut block = DMatrix::zeros(3, columns);
-        if let Some(first) = unknowns.station(row.station) {
-            (0..3).for_each(|k| block[(k, first + k)] = 1.0);
-        }
-        for (i, link) in d.turns().iter().enumerate() {
-            for (k, column) in link.iter().enumerate() {
-                block.column_mut(unknowns.free() + 5 * i + k).copy_from(column);
-            }
-        }
-        self.in_units(&mut block);
-        block
-    }
-
-    fn in_units(&self, block: &mut DMatrix<f64>) {
         for (mut column, unit) in block.column_iter_mut().zip(self.units) {
             column *= *unit;
         }
+        block
     }
 
     /// How what a part of a row pulls at moves, as many rows as it has columns.
     fn body(&self, part: &ArmPart) -> DMatrix<f64> {
-        let (d, mut point) = self.place(part.row);
+        let row = part.row;
+        let target = self.derivatives(row);
         if part.pull.ncols() == 3 {
-            return point;
+            return self.columns(row, &target);
         }
-        let turned = self.turned(part.row, &d, point.ncols());
-        if part.body == Body::Flange {
-            let lever = self.pose(part.row).rotation * self.marker(part.row);
-            point += lever.cross_matrix() * &turned;
-            if let Some(first) = self.problem.unknowns.marker(self.row(part.row).marker) {
-                point.columns_mut(first, 3).fill(0.0);
+        let turning = target.turning();
+        let at = match part.body {
+            Body::Target => target,
+            Body::Flange => {
+                let lever = self.pose(row).rotation * self.marker(row);
+                target.behind(&lever, &turning)
             }
-        }
-        let mut all = DMatrix::zeros(6, point.ncols());
-        all.rows_mut(0, 3).copy_from(&point);
+        };
+        let (moved, turned) = (self.columns(row, &at), self.columns(row, &turning));
+        let mut all = DMatrix::zeros(6, moved.ncols());
+        all.rows_mut(0, 3).copy_from(&moved);
         all.rows_mut(3, 3).copy_from(&turned);
         all
     }
@@ -123,8 +108,8 @@ impl Seen for Motion<'_> {
 
 impl Moving for Motion<'_> {
     fn moved(&self, index: usize) -> (Vector3<f64>, DMatrix<f64>) {
-        let (d, block) = self.place(index);
-        (d.point, block)
+        let d = self.derivatives(index);
+        (d.point, self.columns(index, &d))
     }
 
     fn block(&self, partials: &Partials) -> DMatrix<f64> {

@@ -1,7 +1,7 @@
 //! How much noisier each kind of measurement is than stated.
 
-use crate::model::{KindId, Measurements, Row};
-use crate::observations::{KINDS, Measure, equations_of};
+use crate::model::{KindId, Measurements, Row, Values};
+use crate::observations::{KINDS, Measure, Residual, equations_of, kind};
 
 /// Measures in the order of [`Noise`].
 const MEASURES: [Measure; 3] = [Measure::Length, Measure::Angle, Measure::Pixel];
@@ -22,6 +22,15 @@ impl Noise {
     pub fn of(&self, kind: KindId, measure: Measure) -> f64 {
         let place = MEASURES.iter().position(|m| *m == measure).unwrap_or(0);
         self.0[usize::from(kind.0)][place]
+    }
+
+    /// Standard deviations of a row's components, SI; none where it gives no equation.
+    #[must_use]
+    pub fn sigmas(&self, row: &Row) -> Values {
+        let own = kind(row);
+        let stated = own.sigmas(row);
+        let sigma = |c: usize| stated[c] * self.of(row.kind, own.measure(c));
+        Values::from_fn(equations_of(row), sigma)
     }
 
     /// The largest of those that a file has.
@@ -55,9 +64,15 @@ impl Noise {
     }
 }
 
+/// A residual of a row in standard deviations.
+#[must_use]
+pub fn in_deviations(residual: &Residual, row: &Row, noise: &Noise) -> Values {
+    residual.values().zip_map(&noise.sigmas(row), |r, sigma| r / sigma)
+}
+
 /// Components of one kind in one unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Group {
+pub(crate) struct Group {
     pub kind: KindId,
     pub measure: Measure,
 }
@@ -71,7 +86,7 @@ impl Group {
 }
 
 /// Those that a file has, in the order of the table.
-pub(super) fn groups(data: &Measurements) -> Vec<Group> {
+pub(crate) fn groups(data: &Measurements) -> Vec<Group> {
     let mut kinds: Vec<KindId> = data.rows.iter().map(|row| row.kind).collect();
     kinds.sort_unstable();
     kinds.dedup();

@@ -1,6 +1,6 @@
 //! Where a state sees the targets, and how they move with its unknowns.
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use truearm::Pose;
 use truearm::effects::Term;
 
@@ -16,7 +16,6 @@ pub struct Model {
     markers: usize,
     arm_terms: Vec<Term<f64>>,
     terms: Vec<ModelTerm>,
-    bases: Vec<Vector3<f64>>,
     places: Vec<Vector3<f64>>,
     instruments: Vec<Instrument>,
 }
@@ -36,7 +35,6 @@ impl Model {
             markers,
             arm_terms: state.terms.iter().filter_map(arm).collect(),
             terms: state.terms.clone(),
-            bases: state.bases.iter().map(|b| b.translation).collect(),
             places: state.markers.clone(),
             instruments: state.instruments.clone(),
         }
@@ -53,21 +51,36 @@ impl Model {
         if self.arm_terms.len() == self.terms.len() {
             return self.chain(row).bent(&row.q, &self.arm_terms, inputs).translation;
         }
-        self.derivatives(row, index, conditions).0.point
+        self.derivatives(row, index, conditions).point
     }
 
     /// The same with how the last frame is turned.
     #[must_use]
     pub fn pose(&self, row: &Row, index: usize, conditions: &Conditions) -> Pose<f64> {
         let inputs = &conditions.rows[index];
-        let pose = self.chain(row).bent(&row.q, &self.arm_terms, inputs);
-        Pose { translation: self.point(row, index, conditions), ..pose }
+        let bent = self.chain(row).bent(&row.q, &self.arm_terms, inputs);
+        if self.arm_terms.len() == self.terms.len() {
+            return bent;
+        }
+        let d = self.chain(row).derivatives(&row.q, &self.arm_terms, inputs);
+        let turn = Rotation3::from_scaled_axis(self.measured(row, &d.turning()));
+        let translation = d.point + self.measured(row, &d);
+        Pose { rotation: turn.matrix() * bent.rotation, translation }
     }
 
-    /// Of a marker its place in the last frame, m.
+    /// Where the target of a row is in the last frame, m: the place of its marker, and
+    /// how it was seated.
     #[must_use]
     pub fn marker(&self, row: &Row) -> Vector3<f64> {
-        self.places[row.marker]
+        let seated = |term: &ModelTerm| match term {
+            ModelTerm::Remount { series, axis, coefficient }
+                if row.series.as_ref() == Some(series) =>
+            {
+                Vector3::ith(*axis, *coefficient)
+            }
+            _ => Vector3::zeros(),
+        };
+        self.places[row.marker] + self.terms.iter().map(seated).sum::<Vector3<f64>>()
     }
 
     /// What rows refer to.
@@ -76,60 +89,53 @@ impl Model {
         &self.instruments
     }
 
-    /// The same with all derivatives, those of the terms in their order.
+    /// The same with all derivatives.
     #[must_use]
-    pub fn derivatives(
+    pub fn derivatives(&self, row: &Row, index: usize, conditions: &Conditions) -> Derivatives {
+        let inputs = &conditions.rows[index];
+        let mut d = self.chain(row).derivatives(&row.q, &self.arm_terms, inputs);
+        d.point += self.measured(row, &d);
+        d
+    }
+
+    /// What the terms of the measurement do together, by these derivatives.
+    fn measured(&self, row: &Row, d: &Derivatives) -> Vector3<f64> {
+        self.terms.iter().map(|term| measurement_column(term, row, d) * term.coefficient()).sum()
+    }
+
+    /// Derivatives to the coefficients of all terms in their order, by these of the row.
+    #[must_use]
+    pub fn columns(
         &self,
         row: &Row,
         index: usize,
         conditions: &Conditions,
-    ) -> (Derivatives, Vec<Vector3<f64>>) {
+        d: &Derivatives,
+    ) -> Vec<Vector3<f64>> {
         let inputs = &conditions.rows[index];
-        let (mut d, arm) = self.chain(row).derivatives(&row.q, &self.arm_terms, inputs);
-        let mut arm = arm.into_iter();
-        let mut shift = Vector3::zeros();
-        let mut columns = Vec::with_capacity(self.terms.len());
-        for term in &self.terms {
-            let column = match term {
-                ModelTerm::Arm(_) => arm.next().unwrap_or_else(Vector3::zeros),
-                _ => {
-                    let column = measurement_column(term, row, &d, &self.bases[row.station]);
-                    shift += column * term.coefficient();
-                    column
-                }
-            };
-            columns.push(column);
-        }
-        d.point += shift;
-        (d, columns)
+        let mut of_arm = self.chain(row).columns(d, &row.q, &self.arm_terms, inputs).into_iter();
+        let column = |term: &ModelTerm| match term {
+            ModelTerm::Arm(_) => of_arm.next().unwrap_or_else(Vector3::zeros),
+            _ => measurement_column(term, row, d),
+        };
+        self.terms.iter().map(column).collect()
     }
 }
 
-/// Derivative of the seen point to a term of the measurement.
+/// To the coefficient of a term of the measurement, by derivatives of where the target
+/// is seen or of how it is turned; nothing of a term of the arm.
 #[must_use]
-pub fn measurement_column(
-    term: &ModelTerm,
-    row: &Row,
-    d: &Derivatives,
-    base: &Vector3<f64>,
-) -> Vector3<f64> {
+pub fn measurement_column(term: &ModelTerm, row: &Row, d: &Derivatives) -> Vector3<f64> {
     match term {
-        ModelTerm::Arm(_) => Vector3::zeros(),
-        ModelTerm::Drift { component, course, .. } => {
-            let axis = Vector3::ith(component % 3, 1.0);
-            course.at(row) * if *component < 3 { axis.cross(&(d.point - base)) } else { axis }
-        }
+        ModelTerm::Drift { component, course, .. } => d.base[*component] * course.at(row),
         ModelTerm::Lag { joint, .. } => {
             let side = row.directions.get(*joint).copied().unwrap_or(0);
             d.links[*joint].theta * f64::from(side)
         }
-        ModelTerm::Remount { series, axis, .. } => {
-            if row.series.as_ref() == Some(series) {
-                d.tool[*axis]
-            } else {
-                Vector3::zeros()
-            }
+        ModelTerm::Remount { series, axis, .. } if row.series.as_ref() == Some(series) => {
+            d.tool[*axis]
         }
+        ModelTerm::Remount { .. } | ModelTerm::Arm(_) => Vector3::zeros(),
     }
 }
 

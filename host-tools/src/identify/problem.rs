@@ -134,13 +134,7 @@ impl<'a> Problem<'a> {
     /// SI to one unit of each equation of a row.
     #[must_use]
     pub fn scale(&self, row: usize) -> Values {
-        let row = &self.data.rows[row];
-        let sigmas = match observations::equations_of(row) {
-            0 => Values::default(),
-            _ => kind(row).sigmas(row),
-        };
-        let scaled = |c: usize| sigmas[c] * self.noise.of(row.kind, kind(row).measure(c));
-        let sigmas = Values::from_fn(sigmas.len(), scaled);
+        let sigmas = self.noise.sigmas(&self.data.rows[row]);
         match self.scaling {
             Scaling::Prior => sigmas,
             Scaling::Printed => sigmas.map(|_| 1.0),

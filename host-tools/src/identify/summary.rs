@@ -9,7 +9,7 @@ use super::estimate::Estimate;
 use super::figures::{AllRows, Figures, FlaggedRow};
 use super::l_curve::l_curve;
 use super::problem::link_corrections;
-use super::uncertainty::{factor, of_arm};
+use super::uncertainty::{factor, instruments, of_arm};
 use super::{
     Identification, LambdaRule, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE, components,
     redundancy, rigid_transform, robust,
@@ -186,7 +186,7 @@ impl Findings<'_> {
             curves: self.curves.clone(),
             stations: stations.collect(),
             markers: markers.collect(),
-            instruments: state.instruments.clone(),
+            instruments: instruments(problem, state, &unknowns),
             frame_translation: frame.translation,
             frame_rotation: turn,
             orientation_identified: figures.orientation_identified,

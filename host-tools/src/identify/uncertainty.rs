@@ -8,8 +8,8 @@ use truearm::blob::uncertain_parameters;
 use super::accumulate::{CHUNK, tree};
 use super::problem::Problem;
 use super::unknowns::State;
-use crate::model::ModelTerm;
 use crate::model::arm::{Kinematics, RowInputs, chain};
+use crate::model::{Instrument, ModelTerm};
 
 /// Covariance of the parameters in the order of a blob, SI, from that of all
 /// unknowns. The small base between identified and commanded frame is no
@@ -55,7 +55,7 @@ fn base(problem: &Problem, state: &State, rows: &[usize], frame: &Pose<f64>) -> 
         let mut normal = Matrix6::zeros();
         let mut pull = Matrix6xX::zeros(columns.list().len());
         for row in rows.iter().map(|r| &problem.data.rows[*r]) {
-            let (real, _) = arms[row.marker].derivatives(&row.q, &[], &RowInputs::default());
+            let real = arms[row.marker].derivatives(&row.q, &[], &RowInputs::default());
             let [rx, ry, rz, tx, ty, tz] = real.base;
             let motion = nalgebra::Matrix3x6::from_columns(&[tx, ty, tz, rx, ry, rz]);
             normal += motion.transpose() * motion;
@@ -102,4 +102,19 @@ pub fn factor(covariance: &DMatrix<f64>) -> Vec<f32> {
         out.extend((j..size).map(|i| (sign * r[(j, i)] * scale[i]) as f32));
     }
     out
+}
+
+/// Instruments of a state, and how well they were found, from the covariance of all
+/// unknowns, SI.
+#[must_use]
+pub fn instruments(problem: &Problem, state: &State, covariance: &DMatrix<f64>) -> Vec<Instrument> {
+    let found = |(i, instrument): (usize, &Instrument)| {
+        let own: Vec<usize> = problem.unknowns.instrument(i).map(|(column, _)| column).collect();
+        let entry = |a: usize, b: usize| covariance[(own[a], own[b])];
+        match own.is_empty() {
+            true => instrument.clone(),
+            false => instrument.found_within(&DMatrix::from_fn(own.len(), own.len(), entry)),
+        }
+    };
+    state.instruments.iter().enumerate().map(found).collect()
 }

@@ -1,7 +1,7 @@
 //! What was measured with and on: places, sizes and constants beside the arm
 //! that a row refers to, known or to be found with it.
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use truearm::Pose;
 
 /// What an instrument is, and so which of its numbers mean something.
@@ -114,6 +114,9 @@ pub struct Instrument {
     pub stated: bool,
     /// Whether it moves with the flange.
     pub on_flange: bool,
+    /// How well it was found: the factor L of the covariance L L' of the six freedoms of
+    /// its place and of its numbers, SI; empty where nothing of it was found.
+    pub spread: DMatrix<f64>,
 }
 
 impl Instrument {
@@ -132,6 +135,7 @@ impl Instrument {
             free,
             stated: false,
             on_flange: matches!(form, Form::Turn | Form::Probe),
+            spread: DMatrix::zeros(0, 0),
         }
     }
 
@@ -183,6 +187,30 @@ impl Instrument {
             None => component >= 3,
             Some(_) => self.form.has_lengths(),
         }
+    }
+
+    /// The same with what a covariance of its [`Self::unknowns`] says of it, SI.
+    #[must_use]
+    pub fn found_within(&self, covariance: &DMatrix<f64>) -> Self {
+        let (own, all) = (self.unknowns(), self.free.len());
+        // Where rounding leaves no factor: no sum of n numbers varies by more than n times
+        // their own squares.
+        let largest = || {
+            let variance = |v: f64| (own.len() as f64 * v.max(0.0)).sqrt();
+            DMatrix::from_diagonal(&covariance.diagonal().map(variance))
+        };
+        let factor = covariance.clone().cholesky().map_or_else(largest, |factor| factor.l());
+        let mut spread = DMatrix::zeros(all, all);
+        for (i, row) in own.iter().enumerate() {
+            own.iter().enumerate().for_each(|(j, column)| spread[(*row, *column)] = factor[(i, j)]);
+        }
+        Self { spread, ..self.clone() }
+    }
+
+    /// Variance of something that moves with its freedoms and numbers like this.
+    #[must_use]
+    pub fn variance(&self, pull: &DVector<f64>) -> f64 {
+        if self.spread.is_empty() { 0.0 } else { self.spread.tr_mul(pull).norm_squared() }
     }
 
     /// Moved by a step of its unknowns, about and along its own axes.

@@ -124,6 +124,14 @@ impl Row {
         }
     }
 
+    /// Becomes a point, known or not: of what measured more its first three numbers.
+    pub fn make_point(&mut self) {
+        self.measured = self.measured.point().into();
+        self.kind = KindId::default();
+        self.refers.clear();
+        self.partner = None;
+    }
+
     /// Whether both say the same, on whatever line of the file.
     fn repeats(&self, other: &Self) -> bool {
         // Most differ in what was measured: no need to look at the rest. Where approach

@@ -2,6 +2,7 @@
 //! identified arm and its terms. SI units; nothing here reads or writes a file.
 
 pub mod arm;
+mod derivatives;
 mod error_curve;
 mod identified;
 mod instrument;
@@ -10,6 +11,7 @@ pub mod near;
 mod path;
 mod prior;
 mod robot;
+mod row_inputs;
 mod term;
 mod values;
 mod workspace;

@@ -47,6 +47,10 @@ impl Kind for Inclination {
         "every length, where the arm stands, and turns about the vertical"
     }
 
+    fn lean(&self, row: &Row) -> Option<[f64; 2]> {
+        Some([row.measured[0], row.measured[1]])
+    }
+
     fn of_marker(&self, _row: &Row) -> bool {
         false
     }

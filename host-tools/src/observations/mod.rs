@@ -17,6 +17,7 @@ mod plate;
 mod point;
 mod pose;
 mod range;
+mod reading;
 mod residual;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -29,6 +30,7 @@ use crate::model::{Instrument, KindId, Measurements, Row, Values};
 pub use book::{Book, Bound, Told, Unclear};
 pub use column::{Column, Measure};
 pub use partials::{ArmPart, Body, Partials};
+pub use reading::{Reading, postures};
 pub use residual::{Miss, Residual};
 
 /// All kinds. A row's [`KindId`] is the place of its kind here.
@@ -148,6 +150,11 @@ pub trait Kind: Sync {
         None
     }
 
+    /// How far the x and y of the marker's frame lean from the level, rad.
+    fn lean(&self, _row: &Row) -> Option<[f64; 2]> {
+        None
+    }
+
     /// Whether what a row measures depends on the place of its marker.
     fn of_marker(&self, _row: &Row) -> bool {
         true
@@ -230,24 +237,8 @@ pub fn to_point(row: &mut Row) -> bool {
     if kind(row).point(row).is_none() {
         return false;
     }
-    row.measured = row.measured.point().into();
-    row.kind = KindId::default();
-    row.refers.clear();
+    row.make_point();
     true
-}
-
-/// That a verb does not take a row of this kind, and what to give.
-pub fn not_taken(data: &Measurements, row: usize, verb: &str, give: &str) -> crate::Error {
-    let (file, own) = (data.file_of(row).display(), &data.rows[row]);
-    crate::Error::data(
-        crate::Kind::Usage,
-        format!(
-            "{file}:{}: a row of kind {}, which {verb} does not take yet",
-            own.line,
-            kind(own).name()
-        ),
-        format!("`truearm identify` and `truearm evaluate` take every kind; give {give} here"),
-    )
 }
 
 /// The same rows for a verb that takes points only: poses without their turns.
@@ -258,7 +249,17 @@ pub fn points_only(data: &Measurements, verb: &str) -> crate::Result<Measurement
     let mut out = data.clone();
     for (i, row) in out.rows.iter_mut().enumerate() {
         if !to_point(row) {
-            return Err(not_taken(data, i, verb, "points or poses"));
+            let (file, own) = (data.file_of(i).display(), &data.rows[i]);
+            return Err(crate::Error::data(
+                crate::Kind::Usage,
+                format!(
+                    "{file}:{}: a row of kind {}, which {verb} does not take",
+                    own.line,
+                    kind(own).name()
+                ),
+                "`truearm identify`, `truearm evaluate` and `truearm diagnose` take every kind; give \
+                 points or poses here",
+            ));
         }
     }
     out.instruments.clear();

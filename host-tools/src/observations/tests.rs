@@ -1,6 +1,8 @@
 //! Derivatives of every kind against differences of its residual, and sums over
 //! rows of several kinds.
 
+mod effects;
+
 use std::path::Path;
 
 use nalgebra::{DVector, Vector3};

@@ -33,7 +33,7 @@ pub use identify::IdentifyReport;
 pub use ik::IkReport;
 pub use import::ImportReport;
 pub use plan::{PlanReport, SeparatedAlternative, SeparationReport};
-pub use verify::VerifyReport;
+pub use verify::{Judged, VerifyReport};
 
 /// A report as text.
 #[must_use]

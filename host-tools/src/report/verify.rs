@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::verify::{COVERAGE_FACTOR, Conformity, Verification};
+use crate::verify::{COVERAGE_FACTOR, Conformity, KindVerified, Verification};
 
 /// What `verify --json` prints, and its `report.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -20,37 +20,67 @@ pub struct VerifyReport {
     pub after: Verification,
     /// Of the expanded uncertainty.
     pub coverage_factor: f64,
-    /// Largest error allowed, mm.
+    /// Largest error allowed of what measured points or lengths, mm.
     pub tolerance_mm: Option<f64>,
+    /// The same of turns and inclinations, degrees.
+    pub tolerance_deg: Option<f64>,
     /// How conformity was decided.
     pub decision_rule: &'static str,
-    /// What the tolerance says of the errors.
+    /// What the tolerances say of the errors: the worst that they say of a kind.
     pub conformity: Option<Conformity>,
+    /// What they say of each kind that has one, in the order of `after.kinds`.
+    pub judged: Vec<Judged>,
     /// Remarks.
     pub warnings: Vec<String>,
+}
+
+/// What a tolerance says of a kind.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Judged {
+    /// Its name, as in the column `kind`.
+    pub kind: &'static str,
+    /// Of the tolerance.
+    pub unit: &'static str,
+    /// Largest error allowed.
+    pub tolerance: f64,
+    /// What it says.
+    pub conformity: Conformity,
 }
 
 impl VerifyReport {
     /// Name of the schema.
     pub const SCHEMA: &'static str = "truearm-verify-1";
 
-    /// Of a model file and its verified measurements, judged by a tolerance.
+    /// Of a model file and its verified measurements, judged by tolerances of lengths, mm,
+    /// and of angles, degrees.
     #[must_use]
     pub fn new(
         model: String,
         before: Option<Verification>,
         after: Verification,
-        tolerance_mm: Option<f64>,
+        [tolerance_mm, tolerance_deg]: [Option<f64>; 2],
         warnings: Vec<String>,
     ) -> Self {
+        let judge = |own: &KindVerified| {
+            let tolerance = match own.unit {
+                "mm" => tolerance_mm,
+                "deg" => tolerance_deg,
+                _ => None,
+            }?;
+            let conformity = own.conformity(tolerance);
+            Some(Judged { kind: own.kind, unit: own.unit, tolerance, conformity })
+        };
+        let judged: Vec<Judged> = after.kinds.iter().filter_map(judge).collect();
         Self {
             schema: Self::SCHEMA,
             command: "verify",
             model,
             coverage_factor: COVERAGE_FACTOR,
             tolerance_mm,
+            tolerance_deg,
             decision_rule: "ISO 14253-1, conformity to be proven, guard band U (k = 2)",
-            conformity: tolerance_mm.map(|mm| after.conformity(mm)),
+            conformity: judged.iter().map(|j| j.conformity).max(),
+            judged,
             before,
             after,
             warnings,

@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::kinds::KindVerified;
+use crate::observations::Residual;
 use crate::statistics::Stats;
 
 /// Mean and largest over poses, mm.
@@ -17,16 +19,24 @@ pub struct OverPoses {
     pub max_mm: f64,
 }
 
-/// What a tolerance says of the errors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Conformity {
-    /// The largest error and its uncertainty are within the tolerance.
-    Pass,
-    /// The largest error is beyond it by more than its uncertainty.
-    Fail,
-    /// The tolerance lies within the uncertainty of the largest error.
-    NotProven,
+/// What the points of a file say.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct OfPoints {
+    /// Errors of the rows.
+    #[serde(flatten)]
+    pub errors: Stats,
+    /// Positioning accuracy, ISO 9283:1998 (7.2.1): distance of the barycentre
+    /// of the attained points of a pose from the commanded point.
+    pub accuracy: OverPoses,
+    /// Positioning repeatability, ISO 9283:1998 (7.2.2): `mean l + 3 S_l`, l
+    /// the distances of the attained points of a pose from their barycentre and
+    /// `S_l^2 = sum (l - mean l)^2 / (n - 1)`; of poses with repetitions.
+    pub repeatability: Option<OverPoses>,
+    /// Of the error of one row, k = 2: measurement and frame.
+    pub expanded_uncertainty_mm: f64,
+    /// Errors that the model predicts without compensation; `None` where points
+    /// were commanded.
+    pub predicted_without_compensation: Option<Stats>,
 }
 
 /// A verified file.
@@ -42,24 +52,28 @@ pub struct Verification {
     pub repeats: [usize; 2],
     /// `none` or `base`: what was fitted on this file.
     pub reregistered: &'static str,
-    /// Errors of the rows.
+    /// What its points say; nothing where it has none.
     #[serde(flatten)]
-    pub errors: Stats,
-    /// Positioning accuracy, ISO 9283:1998 (7.2.1): distance of the barycentre
-    /// of the attained points of a pose from the commanded point.
-    pub accuracy: OverPoses,
-    /// Positioning repeatability, ISO 9283:1998 (7.2.2): `mean l + 3 S_l`, l
-    /// the distances of the attained points of a pose from their barycentre and
-    /// `S_l^2 = sum (l - mean l)^2 / (n - 1)`; of poses with repetitions.
-    pub repeatability: Option<OverPoses>,
-    /// Of the error of one row, k = 2: measurement and frame.
-    pub expanded_uncertainty_mm: f64,
+    pub points: Option<OfPoints>,
+    /// Kinds of measurements, each in its own unit.
+    pub kinds: Vec<KindVerified>,
     /// Joints commanded outside the range of the identification, from 1.
     pub joints_not_covered: Vec<usize>,
-    /// Error of every row in the coordinates of the files, m.
+    /// Error of every row that measured a point, in the coordinates of the files, m.
     #[serde(skip)]
-    pub row_errors: Vec<Vector3<f64>>,
-    /// Errors that the model predicts without compensation; `None` where points
-    /// were commanded.
-    pub predicted_without_compensation: Option<Stats>,
+    pub row_errors: Vec<Option<Vector3<f64>>>,
+    /// Measured beyond what was commanded, of every row, SI.
+    #[serde(skip)]
+    pub residuals: Vec<Residual>,
+    /// Remarks.
+    #[serde(skip)]
+    pub warnings: Vec<String>,
+}
+
+impl Verification {
+    /// Whether it has more than points.
+    #[must_use]
+    pub fn has_others(&self) -> bool {
+        self.points.is_none() || self.kinds.len() > 1
+    }
 }

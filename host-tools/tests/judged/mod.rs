@@ -119,7 +119,7 @@ impl Judged {
         let units = problem.units();
         let mut moved = DMatrix::zeros(3 * JUDGED, list.len());
         for (i, q) in self.poses.iter().enumerate() {
-            let (d, _) = arm.derivatives(q, &[], &RowInputs::default());
+            let d = arm.derivatives(q, &[], &RowInputs::default());
             for (k, unknown) in list.iter().enumerate() {
                 let column = match unknown {
                     Unknown::Link(joint, p) => *d.links[*joint].get(*p),

@@ -1,4 +1,4 @@
-//! Effects named from what is no point: blind sets of lengths, touches and holes.
+//! Effects named from what is no point: blind sets of every other kind.
 
 use nalgebra::{DMatrix, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -6,15 +6,16 @@ use rand_chacha::ChaCha8Rng;
 use truearm_host::Result;
 use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
 use truearm_host::identify::registration::register;
-use truearm_host::identify::{Problem, Scaling, State};
+use truearm_host::identify::{Predictor, Problem, Scaling, State, View};
 use truearm_host::model::{Measurements, Robot};
-use truearm_host::observations::{KINDS, measuring};
+use truearm_host::observations::{KINDS, Residual, measuring};
 use truearm_simulate::arm::Arm;
-use truearm_simulate::body::{Body, apply};
+use truearm_simulate::body::Body;
 use truearm_simulate::effects::{Defect, Kind, drawn};
 use truearm_simulate::instruments::Cell;
 use truearm_simulate::{at_rest, rigid, robots};
 
+use super::bent::Bent;
 use super::cases::Wanted;
 use crate::blind::score::of;
 use crate::judged::{cell, most_probable, read};
@@ -26,6 +27,15 @@ pub const FILES: [(&str, &Wanted); 4] = [
     ("touches of three planes", &[("touch", 240)]),
     ("lengths and touches", &[("distance", 120), ("touch", 120)]),
     ("touches of a ball, holes of a plate", &[("sphere", 120), ("plate", 60)]),
+];
+
+/// The same of what hangs on how the last frame is turned, or on two postures.
+pub const TURNING: [(&str, &Wanted); 5] = [
+    ("distances between two poses", &[("pair", 240)]),
+    ("full poses", &[("pose", 60)]),
+    ("inclinations, lengths to three feet", &[("inclination", 120), ("distance", 120)]),
+    ("ranges to three planes", &[("range", 240)]),
+    ("images of a board", &[("pixel", 30)]),
 ];
 
 /// Six and seven joints; the others hardly reach the planes.
@@ -80,10 +90,14 @@ pub struct Answered {
 ///
 /// # Errors
 /// As of `diagnose`.
-pub fn answered(seed: u64, misstated: f64) -> Result<Answered> {
+pub fn answered(
+    seed: u64,
+    misstated: f64,
+    files: &[(&'static str, &'static Wanted)],
+) -> Result<Answered> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let (file, wanted) = FILES[seed as usize % FILES.len()];
-    let text = robots::ALL[ARMS[(seed as usize / FILES.len()) % ARMS.len()]];
+    let (file, wanted) = files[seed as usize % files.len()];
+    let text = robots::ALL[ARMS[(seed as usize / files.len()) % ARMS.len()]];
     let robot = robot(&format!("gravity_m_s2 = [0.0, 0.0, -9.81]\n{text}"));
     let mut cell = cell(&robot, &mut rng);
     let arm = heavy(&robot, &cell);
@@ -99,7 +113,12 @@ pub fn answered(seed: u64, misstated: f64) -> Result<Answered> {
     let mut stated = data.clone();
     let mut wrong = || misstated.powf(rng.random_range(-1.0..1.0));
     let factors: Vec<f64> = KINDS.iter().map(|_| wrong()).collect();
-    stated.rows.iter_mut().for_each(|row| row.sigma *= factors[usize::from(row.kind.0)]);
+    for row in &mut stated.rows {
+        let factor = factors[usize::from(row.kind.0)];
+        row.sigma *= factor;
+        row.sigma_angle *= factor;
+        row.sigma_px *= factor;
+    }
     let found = diagnose(&robot, &stated, None, &DiagnoseOptions::default(), &|_| ())?.outcome;
     let named = of(&found.effects);
     let places: Vec<Place> = hidden.iter().map(place).collect();
@@ -214,13 +233,10 @@ fn columns(
 ) -> (DMatrix<f64>, DMatrix<f64>) {
     let with = |defect: &Defect| Arm { defects: vec![defect.clone()], ..arm.clone() };
     let arms: Vec<Arm> = defects.iter().map(with).collect();
+    let predictor = Predictor::new(state);
+    let view = View { model: &predictor, data: problem.data, conditions: &problem.conditions };
+    let bent: Vec<Bent> = arms.iter().map(|bent| Bent { view: &view, state, arm, bent }).collect();
     let data = problem.data;
-    let moved = |index: usize| {
-        let moment = at_rest(&data.rows[index].q);
-        let target = |arm: &Arm| apply(&arm.last_frame(&moment), &arm.tool);
-        let rigid = target(arm);
-        arms.iter().map(|a| target(a) - rigid).collect::<Vec<Vector3<f64>>>()
-    };
     let (at, rows) = (problem.linearise(state), measuring(&data.rows));
     let (free, unknowns) = (problem.unknowns.free(), problem.unknowns.list().len());
     let count = problem.equations(&rows);
@@ -228,13 +244,13 @@ fn columns(
     let mut own = DMatrix::zeros(count, defects.len());
     let mut first = 0;
     for row in rows {
-        let block = at.equations_beside(row, &|i, _| moved(i)).block;
-        let height = block.nrows();
-        let [links, beside] = [(0, unknowns), (unknowns, defects.len())];
-        geometry
-            .view_mut((first, 0), (height, unknowns))
-            .copy_from(&block.columns(links.0, links.1));
-        own.rows_mut(first, height).copy_from(&block.columns(beside.0, beside.1));
+        let e = at.equations(row);
+        let height = e.block.nrows();
+        geometry.view_mut((first, 0), (height, unknowns)).copy_from(&e.block);
+        for (k, bent) in bent.iter().enumerate() {
+            let moved = e.scaled(&(e.residual - Residual::of(row, bent)));
+            own.view_mut((first, k), (height, 1)).copy_from(&moved.column());
+        }
         first += height;
     }
     (free..unknowns).for_each(|k| geometry[(count + k - free, k)] = 1.0);

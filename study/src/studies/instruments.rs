@@ -9,7 +9,7 @@ use truearm_simulate::robots;
 
 use super::Result;
 use crate::instruments::cases::{CASES, OTHERS, Wanted, needed, open};
-use crate::instruments::named::{Answered, FILES, TOLD, Truth, answered};
+use crate::instruments::named::{Answered, FILES, TOLD, TURNING, Truth, answered};
 use crate::instruments::scanner::{Setup, means};
 use crate::instruments::{held, mixed};
 use crate::judged::efficiency;
@@ -35,6 +35,9 @@ pub struct Options {
     /// So many blind sets with an effect instead: is it named?
     #[arg(long, value_name = "SETS")]
     named: Option<u64>,
+    /// Those sets of pairs, poses, inclinations, ranges and images
+    #[arg(long, requires = "named")]
+    turning: bool,
     /// The first of those sets
     #[arg(long, default_value_t = 0, requires = "named")]
     seed: u64,
@@ -54,7 +57,8 @@ pub fn run(options: &Options) -> Result {
         return scanner(options.arms);
     }
     if let Some(sets) = options.named {
-        return blind(options.seed, sets, options.misstated);
+        let files = if options.turning { &TURNING[..] } else { &FILES[..] };
+        return blind(options.seed, sets, options.misstated, files);
     }
     let mut missed = Vec::new();
     for (name, text) in [("6R", robots::UR10_LIKE), ("7R", robots::ALL[4])] {
@@ -132,9 +136,15 @@ fn mixed(name: &str, robot: &Robot, arms: u64) -> Result<Vec<String>> {
 /// Least share of what can be told that is to be named.
 const NAMED: f64 = 0.9;
 
-/// Effects behind lengths, touches and holes, a row a file; whether enough are named.
-fn blind(first: u64, sets: u64, misstated: f64) -> Result {
-    let all = (first..first + sets).into_par_iter().map(|seed| (seed, answered(seed, misstated)));
+/// Effects behind what is no point, a row a file; whether enough are named.
+fn blind(
+    first: u64,
+    sets: u64,
+    misstated: f64,
+    files: &[(&'static str, &'static Wanted)],
+) -> Result {
+    let seeds = (first..first + sets).into_par_iter();
+    let all = seeds.map(|seed| (seed, answered(seed, misstated, files)));
     let mut answers = Vec::new();
     for (seed, answer) in all.collect::<Vec<_>>() {
         match answer {
@@ -147,9 +157,9 @@ fn blind(first: u64, sets: u64, misstated: f64) -> Result {
          nothing hidden | clean |\n|---|---|---|---|---|---|---|---|---|---|"
     );
     let mut share = [0, 0];
-    for (file, _) in FILES {
+    for (file, _) in files {
         let own: Vec<&Answered> =
-            answers.iter().map(|(_, a)| a).filter(|a| a.file == file).collect();
+            answers.iter().map(|(_, a)| a).filter(|a| a.file == *file).collect();
         let truths = own.iter().flat_map(|a| &a.hidden);
         let (told, dark): (Vec<&Truth>, Vec<&Truth>) = truths.partition(|t| t.sure >= TOLD);
         let named = |all: &[&Truth]| all.iter().filter(|t| t.named).count();

@@ -114,10 +114,15 @@ def evaluate(
 
 
 def verify(
-    model: Model, path: str, *, reregister: bool = False, tolerance_mm: float | None = None
+    model: Model,
+    path: str,
+    *,
+    reregister: bool = False,
+    tolerance_mm: float | None = None,
+    tolerance_deg: float | None = None,
 ) -> dict[str, Any]:
     """Commanded against measured, after flashing."""
-    return json.loads(_truearm.verify(model, path, reregister, tolerance_mm))
+    return json.loads(_truearm.verify(model, path, reregister, tolerance_mm, tolerance_deg))
 
 
 def plan(

@@ -70,7 +70,11 @@ def diagnose(
 def check(robot: Robot, data: Measurements) -> str: ...
 def evaluate(model: Model, data: Measurements, reregister: str | None = None) -> str: ...
 def verify(
-    model: Model, path: str, reregister: bool = False, tolerance_mm: float | None = None
+    model: Model,
+    path: str,
+    reregister: bool = False,
+    tolerance_mm: float | None = None,
+    tolerance_deg: float | None = None,
 ) -> str: ...
 def plan(
     robot: Robot,

@@ -1,5 +1,5 @@
 use truearm_host::diagnose::policy::POLICY;
-use truearm_host::diagnose::{Alternative, Effect, Outcome, Verdict, said};
+use truearm_host::diagnose::{Alternative, Effect, GapUnit, Outcome, Verdict, said};
 use truearm_host::effects::OUTLIERS;
 use truearm_host::identify::KindFigures;
 use truearm_host::model::CURVE;
@@ -28,7 +28,7 @@ pub fn diagnosis(r: &Outcome) -> String {
     }
     r.unnamed.iter().for_each(|line| out += &format!("without a name: {line}\n"));
     out += &format!("\n{}held out: {}\n", gap(r), b.cross_validation);
-    if let Some(nested) = r.nested_rms_mm {
+    if let Some(nested) = r.nested_rms_mm.filter(|_| r.gap_unit() == GapUnit::Millimetres) {
         out += &format!(
             "held out with the choice of effects made anew in each fold: {nested:.4} mm\n"
         );
@@ -54,7 +54,11 @@ pub fn diagnosis(r: &Outcome) -> String {
 fn noise(r: &Outcome) -> String {
     match &r.figures.kinds[..] {
         kinds @ [_, _, ..] => {
-            let of = |k: &KindFigures| format!("of {} {:.2} times", k.kind, k.noise_scale);
+            let twice = |k: &KindFigures| kinds.iter().filter(|o| o.kind == k.kind).count() > 1;
+            let of = |k: &KindFigures| match twice(k) {
+                true => format!("of {} ({}) {:.2} times", k.kind, k.unit, k.noise_scale),
+                false => format!("of {} {:.2} times", k.kind, k.noise_scale),
+            };
             kinds.iter().map(of).collect::<Vec<_>>().join(", ")
         }
         _ => format!("{:.2} times", r.noise_scale),
@@ -90,13 +94,17 @@ fn effects(effects: &[Effect], suspected: bool) -> String {
 }
 
 fn gap(r: &Outcome) -> Table {
-    let mut table = Table::new(["RMS error, mm", "fitted", "cross-val", "hold-out"]);
+    let unit = r.gap_unit();
+    let mut table = Table::new([unit.words(), "fitted", "cross-val", "hold-out"]);
     let cell = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.4}"));
     for row in &r.gap {
-        let cells = [Some(row.train_rms_mm), row.cross_validated_rms_mm, row.holdout_rms_mm];
-        table.row(std::iter::once(row.model.clone()).chain(cells.map(cell)));
+        let cells = unit.figures(row).map(cell);
+        table.row(std::iter::once(row.model.clone()).chain(cells));
     }
-    table.numbers("noise as stated", [r.noise_floor_mm]);
+    match unit {
+        GapUnit::Millimetres => table.numbers("noise as stated", [r.noise_floor_mm]),
+        GapUnit::Deviations => table.numbers("noise alone", [1.0]),
+    };
     table
 }
 

@@ -8,7 +8,7 @@ use crate::diagnose::policy::POLICY;
 use crate::diagnose::question::Question;
 use crate::evaluate::residuals;
 use crate::identify::{Conditions, State, folds};
-use crate::model::Robot;
+use crate::model::{Robot, Row};
 use crate::units::joint_to_file;
 
 /// The most probable models that make other claims, fitted.
@@ -57,7 +57,9 @@ fn separating(q: &Question, robot: &Robot, a: &State, b: &State) -> Vec<Separati
         robot.joints.iter().zip(data.covered()).map(|(j, c)| j.limits.unwrap_or(c)).collect();
     let pose = |_| ranges.iter().map(|[low, high]| rng.random_range(*low..=*high)).collect();
     let poses: Vec<Vec<f64>> = (0..POLICY.tried).map(pose).collect();
-    let tried = data.trial(&poses, &mut rng);
+    let mut tried = data.trial(&poses, &mut rng);
+    // Where the target is, whatever measured it.
+    tried.rows.iter_mut().for_each(Row::make_point);
     let conditions = Conditions::new(&tried, robot);
     let (first, second) = (residuals(&tried, &conditions, a), residuals(&tried, &conditions, b));
     let mut order: Vec<(f64, usize)> =

@@ -99,7 +99,7 @@ fn curve_size(curve: &Curved) -> Coefficient {
 
 /// Fall of the error of held-out poses from the stage before a row to the row.
 fn gain(gap: &[GapRow], row: &GapRow) -> f64 {
-    let figure = |row: &GapRow| row.holdout_rms_mm.or(row.cross_validated_rms_mm);
+    let figure = |row: &GapRow| row.holdout_rms_sigmas.or(row.cross_validated_rms_sigmas);
     let k = gap.iter().position(|r| r.model == row.model).unwrap_or(0);
     match (k.checked_sub(1).and_then(|k| figure(&gap[k])), figure(row)) {
         (Some(before), Some(after)) if before > 0.0 => 1.0 - after / before,

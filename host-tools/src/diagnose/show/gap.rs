@@ -3,14 +3,14 @@ use rayon::prelude::*;
 use super::stages::stages;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::node::{Node, fitted};
-use crate::diagnose::outcome::GapRow;
+use crate::diagnose::outcome::{GapRow, Rms};
 use crate::diagnose::question::Question;
 use crate::diagnose::weigh::{Stage, with_curves};
-use crate::error::{Error, Label, Result};
+use crate::error::{Error, Kind, Label, Result};
 use crate::evaluate::{known_instruments, residuals};
 use crate::identify::cross_validation::Parts;
 use crate::identify::folds::Fold;
-use crate::identify::{Conditions, Problem, State};
+use crate::identify::{Conditions, Layout, Noise, Problem, State, in_deviations};
 use crate::model::{CURVE, ErrorCurve, Measurements, Robot};
 use crate::observations::Residual;
 use crate::statistics::{Stats, own_evidence};
@@ -62,24 +62,16 @@ impl Show<'_> {
         let figures = Figures::of(self, &stages[stages.len() - 1])?;
         let train = |state: &State| figures.train(self, self.rigid, state);
         let held = |state: &State| figures.held(self, &[], state);
-        let mut rows = vec![GapRow {
-            model: "nominal".to_owned(),
-            train_rms_mm: train(nominal),
-            cross_validated_rms_mm: None,
-            holdout_rms_mm: held(nominal)?,
-        }];
+        let mut rows =
+            vec![GapRow::new("nominal".to_owned(), train(nominal), None, held(nominal)?)];
         for (k, node) in stages.iter().enumerate() {
             let known =
                 |c: &&Candidate| k > 0 && stages[k - 1].added.iter().any(|a| a.name() == c.name());
             let new = node.added.iter().find(|c| !known(c)).map(|c| c.name());
             let state = &node.fit.fit.state;
-            let cross = figures.rms_of_rows(&self.held_out(node, self.question.folds)?);
-            rows.push(GapRow {
-                model: new.map_or("geometry".to_owned(), stage_name),
-                train_rms_mm: train(state),
-                cross_validated_rms_mm: Some(cross),
-                holdout_rms_mm: held(state)?,
-            });
+            let cross = figures.rms_of_rows(self, &self.held_out(node, self.question.folds)?);
+            let name = new.map_or("geometry".to_owned(), stage_name);
+            rows.push(GapRow::new(name, train(state), Some(cross), held(state)?));
         }
         Ok(rows)
     }
@@ -98,7 +90,7 @@ impl Show<'_> {
         loop {
             let stages = stages(self.question, root, &best)?;
             let gap = self.gap(nominal, &stages)?;
-            let held = |k: usize| gap[k + 1].cross_validated_rms_mm.unwrap_or(f64::INFINITY);
+            let held = |k: usize| gap[k + 1].cross_validated_rms_sigmas.unwrap_or(f64::INFINITY);
             let useless = (1..stages.len()).rev().find(|k| held(*k) >= held(k - 1));
             let Some(k) = useless else {
                 let held_out = self.held_out(&best, self.question.folds)?;
@@ -134,15 +126,40 @@ impl Show<'_> {
             let added = best.added.iter().filter(own).cloned().collect();
             let q = Question { problem: &problem, ..*self.question };
             let node = fitted(&q, added, &best.fit.fit.state)?;
-            gap.push(GapRow {
-                model: stage_name(stage.names.last().copied().unwrap_or(CURVE)),
-                train_rms_mm: figures.train(self, &problem, &node.fit.fit.state),
-                cross_validated_rms_mm: Some(figures.rms_of_rows(&stage.held_out)),
-                holdout_rms_mm: figures.held(self, &stage.tables, &node.fit.fit.state)?,
-            });
+            let state = &node.fit.fit.state;
+            gap.push(GapRow::new(
+                stage_name(stage.names.last().copied().unwrap_or(CURVE)),
+                figures.train(self, &problem, state),
+                Some(figures.rms_of_rows(self, &stage.held_out)),
+                figures.held(self, &stage.tables, state)?,
+            ));
         }
         let held_out = stages.last().map_or(HeldOut::new(), |stage| stage.held_out.clone());
         Ok(Shown { best, gap, held_out })
+    }
+
+    /// Refuses rows that tell where a station stands which the training left where the
+    /// robot file has it.
+    fn stands_somewhere(&self, holdout: &Measurements) -> Result<()> {
+        let data = self.question.problem.data;
+        let known = |label: &String| {
+            let place = data.stations.iter().position(|l| l == label);
+            place.is_some_and(|s| self.rigid.unknowns.station(s).is_some())
+        };
+        let of = Layout::of(holdout).stations;
+        let asked = holdout.stations.iter().zip(of).find(|(label, tells)| *tells && !known(label));
+        match asked {
+            None => Ok(()),
+            Some((label, _)) => Err(Error::data(
+                Kind::UnknownStation,
+                format!(
+                    "{}: rows that are measured in the frame of station \"{label}\", which no row of \
+                     the training tells",
+                    holdout.path.display()
+                ),
+                JUDGED,
+            )),
+        }
     }
 
     /// Residuals of a hold-out file in the frames of the training.
@@ -164,7 +181,8 @@ impl Show<'_> {
         for label in &holdout.markers {
             markers.push(state.markers[place(&data.markers, label, Label::Marker)?]);
         }
-        let instruments = known_instruments(&state.instruments, holdout)?;
+        self.stands_somewhere(holdout)?;
+        let instruments = known_instruments(&state.instruments, holdout, JUDGED)?;
         let state = State { bases, markers, instruments, ..state.clone() };
         let conditions = Conditions::new(holdout, self.robot).with_curves(holdout, tables);
         Ok(residuals(holdout, &conditions, &state))
@@ -197,19 +215,20 @@ impl Figures {
         Ok(Self { flagged, left_out })
     }
 
-    fn rms_of_rows(&self, rows: &[Option<Residual>]) -> f64 {
-        rms((0..rows.len()).filter(|i| !self.flagged.contains(i)).filter_map(|i| rows[i]))
+    fn rms_of_rows(&self, show: &Show, rows: &[Option<Residual>]) -> Rms {
+        rms(show.rigid.data, &show.rigid.noise, rows, &self.flagged)
     }
 
-    fn train(&self, show: &Show, problem: &Problem, state: &State) -> f64 {
-        let all = residuals(show.question.problem.data, &problem.conditions, state);
-        rms((0..all.len()).filter(|i| !self.flagged.contains(i)).map(|i| all[i]))
+    fn train(&self, show: &Show, problem: &Problem, state: &State) -> Rms {
+        let all = residuals(problem.data, &problem.conditions, state);
+        self.rms_of_rows(show, &all.into_iter().map(Some).collect::<Vec<_>>())
     }
 
-    fn held(&self, show: &Show, tables: &[ErrorCurve], state: &State) -> Result<Option<f64>> {
+    fn held(&self, show: &Show, tables: &[ErrorCurve], state: &State) -> Result<Option<Rms>> {
         let Some(holdout) = show.holdout else { return Ok(None) };
         let all = show.on_holdout(holdout, tables, state)?;
-        Ok(Some(rms((0..all.len()).filter(|i| !self.left_out.contains(i)).map(|i| all[i]))))
+        let all: Vec<_> = all.into_iter().map(Some).collect();
+        Ok(Some(rms(holdout, &show.rigid.noise, &all, &self.left_out)))
     }
 }
 
@@ -223,20 +242,37 @@ pub struct Shown {
     pub held_out: HeldOut,
 }
 
-fn rms(residuals: impl Iterator<Item = Residual>) -> f64 {
-    Stats::of(&residuals.collect::<Vec<_>>()).map_or(0.0, |s| s.rms_mm)
+/// Of the rows that say something and are not left out.
+fn rms(data: &Measurements, noise: &Noise, left: &[Option<Residual>], without: &[usize]) -> Rms {
+    let used = |i: &usize| !without.contains(i) && left[*i].is_some_and(|r| !r.is_empty());
+    let rows: Vec<usize> = (0..left.len()).filter(used).collect();
+    let own: Vec<Residual> = rows.iter().filter_map(|i| left[*i]).collect();
+    let each = rows.iter().zip(&own).map(|(i, r)| in_deviations(r, &data.rows[*i], noise));
+    let (square, count) = each.fold((0.0, 0), |sum, r| (sum.0 + r.norm_squared(), sum.1 + r.len()));
+    Rms {
+        mm: Stats::of(&own).map_or(0.0, |s| s.rms_mm),
+        sigmas: (square / (count as f64).max(1.0)).sqrt(),
+    }
 }
 
 /// Held-out residuals of rows, where the others determine them.
 pub type HeldOut = Vec<Option<Residual>>;
 
+/// What to do where a hold-out file refers to something else.
+const JUDGED: &str = "hold out rows of the kinds, anchors, surfaces and plates that the training has, \
+                      state this one in instruments.toml, or give some of these rows to the \
+                      training; `truearm evaluate --reregister base+tool` finds it on the file itself";
+
 /// A station or marker of a hold-out file that the training did not have.
 fn unknown_label(data: &Measurements, of: Label, label: &str) -> Error {
     let what = of.name();
+    let refit = if of == Label::Marker { "base+tool" } else { "base" };
     Error::data(
         of.unknown(),
         format!("{}: {what} \"{label}\" is not in the training data", data.path.display()),
-        "hold-out poses are judged in the frames of the training; for another station use \
-         `truearm evaluate --reregister base`",
+        format!(
+            "hold-out poses are judged in the frames of the training; for another {what} use \
+             `truearm evaluate --reregister {refit}`"
+        ),
     )
 }

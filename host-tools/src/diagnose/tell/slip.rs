@@ -15,8 +15,10 @@ use crate::units::{joint_to_file, joint_unit};
 pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     let rows = &root.fit.kept;
     let kind_of = |row: &usize| problem.data.rows[*row].kind;
-    // Files put behind each other: from kind to kind steps what geometry lacks.
-    if rows.iter().any(|row| kind_of(row) != kind_of(&rows[0])) {
+    // Files put behind each other: from kind to kind steps what geometry lacks. Of pairs
+    // a scan knows either end alone.
+    let joined = |row: &usize| problem.data.rows[*row].partner.is_some();
+    if rows.iter().any(|row| kind_of(row) != kind_of(&rows[0]) || joined(row)) {
         return Vec::new();
     }
     let weights = Weights { rows: vec![1.0; problem.data.rows.len()], common: 0.0 };

@@ -10,6 +10,7 @@ use super::possible::What;
 use super::sheet;
 use crate::diagnose::moments;
 use crate::evidence::{Explanation, Gram, prior};
+use crate::identify::in_deviations;
 use crate::model::ErrorCurve;
 use crate::observations::Residual;
 
@@ -53,8 +54,7 @@ fn gain(from: &From, k: usize, half: usize) -> f64 {
         let sum = joined(of(1 - half).map(|p| &from.grams[p]), all.sheet.size());
         let part = all.part(sum, from.found.scale);
         let (_, solution) = all.refitted(&part, from.found, &from.found.best.members);
-        let left = all.sheet.left(&rows, &solution);
-        left.iter().map(|(_, r)| r.norm().powi(2)).sum::<f64>().sqrt()
+        all.sheet.misfit(&rows, &solution).sqrt()
     };
     // A curve that is held at nothing.
     let mut without = from.all.precision.clone();
@@ -97,16 +97,18 @@ pub fn stages(from: &From) -> Vec<Stage> {
     for (name, _) in sizes {
         let last = &out[out.len() - 1];
         let next = stage([last.names.as_slice(), &[name]].concat());
-        if square(&next.held_out) < square(&last.held_out) {
+        if square(from, &next.held_out) < square(from, &last.held_out) {
             out.push(next);
         }
     }
     out
 }
 
-/// Sum of squares of what is left of all rows.
-fn square(rows: &[Option<Residual>]) -> f64 {
-    rows.iter().flatten().map(|r| r.norm().powi(2)).sum()
+/// Sum of squares of what is left of all rows, in standard deviations.
+fn square(from: &From, rows: &[Option<Residual>]) -> f64 {
+    let noise = &from.all.q.problem.noise;
+    let rows = rows.iter().zip(&from.all.q.problem.data.rows);
+    rows.filter_map(|(left, row)| Some(in_deviations(&(*left)?, row, noise).norm_squared())).sum()
 }
 
 /// Sums without each fold and of all rows, under a prior of geometry.

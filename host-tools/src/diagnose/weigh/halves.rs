@@ -53,10 +53,7 @@ pub fn of_claim(
             let (part, other) = (&halves[h].part, &halves[1 - h].rows);
             let (own, solution) = of.refitted(part, found, members);
             let (_, bare) = of.refitted(part, found, &without);
-            let rms = |s| {
-                let left = of.sheet.left(other, s);
-                left.iter().map(|(_, r)| r.norm().powi(2)).sum::<f64>().sqrt()
-            };
+            let rms = |s| of.sheet.misfit(other, s).sqrt();
             gains[kind][h] = 1.0 - rms(&solution) / rms(&bare).max(f64::MIN_POSITIVE);
             let each = members.iter().zip(own).filter(|(m, _)| holds(m));
             coefficients.push(each.flat_map(|(_, c)| c).collect::<Vec<_>>());

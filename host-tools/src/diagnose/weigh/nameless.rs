@@ -134,13 +134,13 @@ impl Nameless {
         match self {
             Self::Wobble { times, .. } => {
                 let (sin, cos) = (*times as f64 * q).sin_cos();
-                let [x, y] = d.links[joint].tilts();
+                let [x, y] = d.tilts(joint);
                 vec![x * cos, x * sin, y * cos, y * sin]
             }
             Self::Bend { .. } => {
                 let inputs = &problem.conditions.rows[index];
                 let turn = q + problem.nominal[joint].parameters.theta;
-                bends(inputs, joint, turn, d.links[joint].tilts()).to_vec()
+                bends(inputs, joint, turn, d.tilts(joint)).to_vec()
             }
             Self::Memory { .. } => {
                 let before = problem.conditions.before[index];

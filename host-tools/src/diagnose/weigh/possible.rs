@@ -79,17 +79,11 @@ impl Possible {
 
     /// How the target of a row moves with each of its coefficients, SI.
     #[must_use]
-    pub fn columns(
-        &self,
-        problem: &Problem,
-        index: usize,
-        d: &Derivatives,
-        bases: &[Vector3<f64>],
-    ) -> Vec<Vector3<f64>> {
+    pub fn columns(&self, problem: &Problem, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
         match &self.what {
             What::Effect(candidate) => {
                 let terms = candidate.terms.iter();
-                terms.map(|term| column(problem, term, index, d, bases)).collect()
+                terms.map(|term| column(problem, term, index, d)).collect()
             }
             What::Nameless(nameless) => nameless.columns(problem, index, d),
         }
@@ -97,19 +91,13 @@ impl Possible {
 }
 
 /// How the target of a row moves with the coefficient of a term.
-pub fn column(
-    problem: &Problem,
-    term: &ModelTerm,
-    index: usize,
-    d: &Derivatives,
-    bases: &[Vector3<f64>],
-) -> Vector3<f64> {
+pub fn column(problem: &Problem, term: &ModelTerm, index: usize, d: &Derivatives) -> Vector3<f64> {
     let row = &problem.data.rows[index];
     match term {
         ModelTerm::Arm(term) => {
             d.column(term, &problem.conditions.rows[index], &row.q, &problem.nominal)
         }
-        _ => measurement_column(term, row, d, &bases[row.station]),
+        _ => measurement_column(term, row, d),
     }
 }
 

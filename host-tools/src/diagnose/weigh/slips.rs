@@ -6,6 +6,7 @@ use super::nameless::Nameless;
 use super::possible::{Numbers, Possible};
 use crate::evidence::lines::JointColumn;
 use crate::identify::Problem;
+use crate::observations::postures;
 
 /// Share of a step's column that geometry must not imitate.
 const SEEN: f64 = 1e-4;
@@ -21,11 +22,11 @@ pub struct Step {
     pub at: usize,
 }
 
-/// The rows in the order of measurement, as places among `rows`.
+/// Where the arm stood in the order of measurement, as places among `postures`.
 #[must_use]
-pub fn in_order(problem: &Problem, rows: &[usize]) -> Vec<usize> {
-    let when = |k: &usize| problem.data.when(rows[*k]);
-    let mut order: Vec<usize> = (0..rows.len()).collect();
+pub fn in_order(problem: &Problem, postures: &[usize]) -> Vec<usize> {
+    let when = |k: &usize| problem.data.when(postures[*k]);
+    let mut order: Vec<usize> = (0..postures.len()).collect();
     order.sort_by(|a, b| when(a).total_cmp(&when(b)));
     order
 }
@@ -57,11 +58,14 @@ pub fn offered(
     columns: &[(usize, JointColumn)],
     numbers: &mut Numbers,
 ) -> Vec<Possible> {
-    let order = in_order(problem, rows);
+    let postures = postures(&problem.data.rows, rows);
+    let order = in_order(problem, &postures);
     let steps = columns.iter().map(|(joint, column)| (*joint, strongest(column, &order)));
     let found = steps.filter(|(_, step)| step.explained > 0.0);
     let tried = columns.len() * rows.len();
     found
-        .map(|(joint, step)| numbers.nameless(Nameless::Slip { joint, row: rows[step.at] }, tried))
+        .map(|(joint, step)| {
+            numbers.nameless(Nameless::Slip { joint, row: postures[step.at] }, tried)
+        })
         .collect()
 }

@@ -6,6 +6,7 @@ use crate::diagnose::node::Node;
 use crate::evidence::poses::{Readings, common_share};
 use crate::evidence::tails::{Rest, Tails};
 use crate::identify::Problem;
+use crate::observations::Reading;
 
 /// What rows weigh after a fit.
 #[must_use]
@@ -28,12 +29,9 @@ pub fn after(problem: &Problem, node: &Node) -> Weights {
 
 /// Share of the noise that the readings of a pose have in common.
 fn common(problem: &Problem, kept: &[usize], residuals: &[Vec<f64>], used: f64) -> f64 {
-    let key = |k: usize| {
-        let row = &problem.data.rows[kept[k]];
-        (row.pose, row.station, row.marker, row.kind.0, &row.refers)
-    };
+    let key = |k: usize| Reading::of(&problem.data.rows, kept[k]);
     let mut order: Vec<usize> = (0..kept.len()).collect();
-    order.sort_by_key(|k| (key(*k), *k));
+    order.sort_by_cached_key(|k| (key(*k), *k));
     let poses = order.chunk_by(|a, b| key(*a) == key(*b)).map(|readings| {
         let equations = residuals[readings[0]].len();
         Readings::from_fn(equations, readings.len(), |e, r| residuals[readings[r]][e])

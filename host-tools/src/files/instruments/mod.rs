@@ -27,6 +27,18 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
+    /// Takes over what was found of places and numbers that are not stated.
+    pub fn known_to(&mut self, found: &[Instrument]) {
+        for own in found {
+            let same = |i: &&mut Instrument| (i.form, &i.label) == (own.form, &own.label);
+            match self.list.iter_mut().find(same) {
+                Some(stated) if stated.unknowns().is_empty() => {}
+                Some(open) => *open = own.clone(),
+                None => self.list.push(own.clone()),
+            }
+        }
+    }
+
     /// Hands over to the rows that were read with it. Markers sit as the tool
     /// does until something says otherwise; what no row refers to is left out.
     pub fn hand_over(self, data: &mut Measurements, robot: &Robot) {

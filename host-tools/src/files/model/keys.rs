@@ -184,4 +184,7 @@ pub(super) struct InstrumentFile {
     pub quaternion_xyzw: [f64; 4],
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<f64>,
+    /// A lower triangle, a line a column; SI.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub covariance: Vec<Vec<f64>>,
 }

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::{DMatrix, Quaternion, UnitQuaternion};
 use toml::Spanned;
 use truearm::Pose;
 
@@ -166,7 +166,7 @@ impl Part<'_> {
 
     /// What was measured with and on, as it was found.
     fn instrument(&self, file: &Spanned<InstrumentFile>) -> Result<Instrument> {
-        let InstrumentFile { form, label, on_flange, xyz_mm, quaternion_xyzw, numbers } =
+        let InstrumentFile { form, label, on_flange, xyz_mm, quaternion_xyzw, numbers, covariance } =
             file.get_ref();
         let known = Form::ALL.into_iter().find(|f| f.name() == form);
         let pose = self.pose(xyz_mm, quaternion_xyzw);
@@ -181,7 +181,12 @@ impl Part<'_> {
         let number = |value: &f64| if form.has_lengths() { from_mm(*value) } else { *value };
         let numbers = numbers.iter().map(number).collect();
         let unknown = Instrument::unknown(form, label);
-        let found = Instrument { place, numbers, on_flange: *on_flange, stated: true, ..unknown };
+        let spread = factor(covariance, unknown.free.len()).ok_or_else(|| {
+            let message = format!("{} \"{label}\": covariance is no triangle", form.name());
+            self.source.at(file.span(), message, HELP)
+        })?;
+        let on_flange = *on_flange;
+        let found = Instrument { place, numbers, on_flange, stated: true, spread, ..unknown };
         Ok(found.known())
     }
 
@@ -232,5 +237,15 @@ impl Model {
             return Self::read(path);
         }
         Ok(Self::nominal(Robot::parse(path, &text)?))
+    }
+}
+
+/// A lower triangle of so many columns, or of none; `None` of anything else.
+fn factor(columns: &[Vec<f64>], count: usize) -> Option<DMatrix<f64>> {
+    let complete = columns.len() == count && (0..count).all(|j| columns[j].len() == count - j);
+    let at = |i: usize, j: usize| if i < j { 0.0 } else { columns[j][i - j] };
+    match columns.is_empty() {
+        true => Some(DMatrix::zeros(0, 0)),
+        false => complete.then(|| DMatrix::from_fn(count, count, at)),
     }
 }

@@ -1,4 +1,4 @@
-use nalgebra::{Rotation3, UnitQuaternion};
+use nalgebra::{DMatrix, Rotation3, UnitQuaternion};
 use truearm::{JointKind, Pose};
 
 use super::finite::unlike_a_number;
@@ -170,5 +170,12 @@ fn instrument(instrument: &Instrument) -> InstrumentFile {
         xyz_mm: point_to_mm(&instrument.place.translation),
         quaternion_xyzw: quaternion(&instrument.place),
         numbers: instrument.numbers.iter().map(number).collect(),
+        covariance: triangle(&instrument.spread),
     }
+}
+
+/// Columns of a lower triangle.
+fn triangle(factor: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let column = |j: usize| (j..factor.nrows()).map(|i| factor[(i, j)]).collect();
+    (0..factor.ncols()).map(column).collect()
 }

@@ -14,4 +14,4 @@ pub use errors::{before_and_after, method_errors, method_sizes, shares};
 pub use intervals::corrections;
 pub use l_curve::l_curve;
 pub use projections::{magnified, projections};
-pub use staircase::{Step, staircase};
+pub use staircase::{Floor, Step, staircase};

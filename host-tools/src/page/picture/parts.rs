@@ -130,10 +130,9 @@ fn action(seen: &Seen, term: &ModelTerm) -> Vec<Vector3<f64>> {
         ModelTerm::Drift { component, .. } => {
             let row = &seen.on.data.rows[seen.kept[k]];
             let hour = crate::model::Row { time: Some(3600.0), ..row.clone() };
-            let base = seen.state.bases[row.station].translation;
             let (component, course) = (*component, Course::Time);
             let whole = ModelTerm::Drift { component, course, coefficient: 1.0 };
-            measurement_column(&whole, &hour, d, &base)
+            measurement_column(&whole, &hour, d)
         }
     };
     seen.moves.iter().enumerate().map(|(k, d)| seen.measured(k, &of((k, d)))).collect()

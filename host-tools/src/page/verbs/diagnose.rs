@@ -1,10 +1,10 @@
-use super::super::charts::Step;
+use super::super::charts::{Floor, Step};
 use super::super::document::{Page, Section};
 use super::super::numbers::{mm, period};
 use super::super::picture::{Measured, Seen, left, parts};
 use super::super::sections::{self, folded, next};
 use super::{file_name, of_figures, rows_of};
-use crate::diagnose::{Effect, GapRow, Outcome, Verdict};
+use crate::diagnose::{Effect, GapRow, GapUnit, Outcome, Verdict};
 use crate::effects::OUTLIERS;
 use crate::error::Result;
 use crate::report::DiagnoseReport;
@@ -20,11 +20,12 @@ pub fn diagnosed(report: &DiagnoseReport, on: &Measured, next: &next::Next) -> R
     let r = &report.outcome;
     let f = &r.figures;
     let seen = Seen::new(*on)?;
-    let steps: Vec<Step> = r.gap.iter().map(step).collect();
+    let unit = r.gap_unit();
+    let steps: Vec<Step> = r.gap.iter().map(|row| step(row, unit)).collect();
     let effects = [r.effects.clone(), r.suspected.clone()].concat();
     let clean = r.verdict == Verdict::Clean;
     let mut all = vec![
-        sections::gap(&steps, Some(r.noise_floor_mm), &f.cross_validation),
+        sections::gap(&steps, floor(r), &f.cross_validation),
         sections::effects(&r.effects, &r.suspected, &parts(&seen, &effects), clean),
     ];
     let curves = if r.verdict == Verdict::Unexplained { left(&seen) } else { Vec::new() };
@@ -36,17 +37,19 @@ pub fn diagnosed(report: &DiagnoseReport, on: &Measured, next: &next::Next) -> R
     all.extend(whereabouts(r));
     all.push(next::steps(&next::commands("diagnose", &r.alternatives, next)));
     all.extend(sections::remarks(&f.warnings));
-    let (before, after) = ends(&r.gap);
+    let [before, after] = ends(r);
     let mut numbers = vec![
-        ("error before, RMS".to_owned(), mm(before)),
-        ("error after, held out, RMS".to_owned(), mm(after)),
-        ("stated noise alone, RMS".to_owned(), mm(r.noise_floor_mm)),
+        ("error before, RMS".to_owned(), before),
+        ("error after, held out, RMS".to_owned(), after),
         ("noise over the stated".to_owned(), format!("{:.2}", r.noise_scale)),
         rows_of(f),
         ("rows left out".to_owned(), f.outliers.len().to_string()),
     ];
-    if let Some(nested) = r.nested_rms_mm {
-        numbers.insert(2, ("held out, effects chosen anew, RMS".to_owned(), mm(nested)));
+    if unit == GapUnit::Millimetres {
+        numbers.insert(2, ("stated noise alone, RMS".to_owned(), mm(r.noise_floor_mm)));
+        if let Some(nested) = r.nested_rms_mm {
+            numbers.insert(2, ("held out, effects chosen anew, RMS".to_owned(), mm(nested)));
+        }
     }
     Ok(Page {
         title: format!("{}: diagnosed from {}", f.robot, file_name(&f.data)),
@@ -57,28 +60,41 @@ pub fn diagnosed(report: &DiagnoseReport, on: &Measured, next: &next::Next) -> R
     })
 }
 
-fn step(row: &GapRow) -> Step {
-    Step {
-        name: row.model.clone(),
-        fitted: Some(row.train_rms_mm),
-        held_out: row.cross_validated_rms_mm,
-        other: row.holdout_rms_mm,
+fn step(row: &GapRow, unit: GapUnit) -> Step {
+    let [fitted, held_out, other] = unit.figures(row);
+    Step { name: row.model.clone(), fitted, held_out, other }
+}
+
+fn floor(r: &Outcome) -> Floor {
+    let axis = r.gap_unit().words();
+    match r.gap_unit() {
+        GapUnit::Millimetres => Floor { axis, unit: "mm", at: Some(r.noise_floor_mm) },
+        GapUnit::Deviations => Floor { axis, unit: "sd", at: Some(1.0) },
     }
 }
 
-/// Error of the first and of the last model, mm: held out where that is known.
-fn ends(gap: &[GapRow]) -> (f64, f64) {
-    let of = |row: &GapRow| row.cross_validated_rms_mm.unwrap_or(row.train_rms_mm);
-    (gap.first().map_or(0.0, of), gap.last().map_or(0.0, of))
+/// Error of the first and of the last model: held out where that is known.
+fn ends(r: &Outcome) -> [String; 2] {
+    let unit = r.gap_unit();
+    [r.gap.first(), r.gap.last()].map(|row| {
+        let [fitted, held_out, _] = row.map_or([None; 3], |row| unit.figures(row));
+        let error = held_out.or(fitted).unwrap_or(0.0);
+        match unit {
+            GapUnit::Millimetres => mm(error),
+            GapUnit::Deviations => format!("{error:.2} standard deviations of its noise"),
+        }
+    })
 }
 
 /// What was found, in one sentence.
 fn verdict(r: &Outcome) -> String {
-    let (before, after) = ends(&r.gap);
+    let [before, after] = ends(r);
+    let what = match r.gap_unit() {
+        GapUnit::Millimetres => "the arm misses",
+        GapUnit::Deviations => "what was measured is missed",
+    };
     let fall = format!(
-        "the arm misses by {} as drawn and by {} with this model on poses held out (RMS)",
-        mm(before),
-        mm(after)
+        "{what} by {before} as drawn and by {after} with this model on poses held out (RMS)"
     );
     let names = found(&r.effects).join("; ");
     match (r.verdict, names.is_empty()) {

@@ -1,9 +1,10 @@
-use super::super::charts::Step;
+use super::super::charts::{Floor, Step};
 use super::super::document::Page;
 use super::super::numbers::mm;
 use super::super::picture::{Measured, Seen, left};
 use super::super::sections::{self, next};
 use super::{file_name, noise_floor_mm, of_figures, rows_of};
+use crate::diagnose::GapUnit;
 use crate::error::Result;
 use crate::identify::KindFigures;
 use crate::report::IdentifyReport;
@@ -30,11 +31,12 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
         ),
         false => format!("; the residuals are {:.1} times the stated noise", f.residual_over_sigma),
     };
-    let floor = noise_floor_mm(on);
+    let noise = noise_floor_mm(on);
+    let floor = Floor { axis: GapUnit::Millimetres.words(), unit: "mm", at: Some(noise) };
     let lengths = steps[0].fitted.is_some();
     let mut all = Vec::new();
     if lengths {
-        all.push(sections::gap(&steps, Some(floor), &f.cross_validation));
+        all.push(sections::gap(&steps, floor, &f.cross_validation));
     }
     let names = ["before, nominal", "after, identified"];
     all.extend(sections::workspace(&on.in_robot_frame(), names, "row"));
@@ -47,7 +49,7 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
         let lengths = [
             ("error before, RMS".to_owned(), mm(before)),
             ("error after, held out, RMS".to_owned(), mm(after)),
-            ("noise alone, RMS".to_owned(), mm(floor)),
+            ("noise alone, RMS".to_owned(), mm(noise)),
         ];
         numbers.splice(0..0, lengths);
     }

@@ -11,25 +11,44 @@ use crate::model::ErrorCurve;
 use crate::model::arm::Derivatives;
 
 impl Sheet<'_> {
-    /// What a curve does in the state, rad.
-    pub(super) fn bent(&self, index: usize, curve: &Curve) -> f64 {
-        let curves = &self.problem.conditions.rows[index].curves;
-        curves.get(curve.joint).copied().unwrap_or(0.0)
+    /// What the curves of the state do where the arm stands at a row.
+    pub(super) fn bent(&self, index: usize, d: &Derivatives) -> Vector3<f64> {
+        let here = &self.problem.conditions.rows[index].curves;
+        let value = |c: &Curve| here.get(c.joint).copied().unwrap_or(0.0);
+        self.curves.iter().map(|c| self.of_joint(c, d) * value(c)).sum()
+    }
+
+    fn of_joint(&self, curve: &Curve, d: &Derivatives) -> Vector3<f64> {
+        *d.links[curve.joint].joint(self.problem.nominal[curve.joint].kind)
     }
 
     /// What the moments of the state do in a row's equations.
-    pub(super) fn of_moments(&self, e: &Equations) -> DVector<f64> {
+    pub(super) fn by_moments(&self, e: &Equations) -> DVector<f64> {
         let held = DVector::from_column_slice(self.held_moments());
         e.block.columns(self.unknowns() - held.len(), held.len()) * held
     }
 
-    /// Columns of moments, then of the joints that have a curve.
-    pub(super) fn of_geometry(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
-        let of = |c: &Curve| *d.links[c.joint].joint(self.problem.nominal[c.joint].kind);
+    /// Columns of moments.
+    pub(super) fn of_moments(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
         let bending = self.bending.as_ref();
-        let mut all = bending.map_or(Vec::new(), |b| b.columns(self.problem, index, d));
-        all.extend(self.curves.iter().map(of));
-        all
+        bending.map_or(Vec::new(), |b| b.columns(self.problem, index, d))
+    }
+
+    /// Columns of the curves' coefficients.
+    pub(super) fn of_curves(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
+        let q = &self.problem.data.rows[index].q;
+        let of = |c: &Curve| {
+            let joint = self.of_joint(c, d);
+            c.basis(q[c.joint]).into_iter().map(move |value| joint * value)
+        };
+        self.curves.iter().flat_map(of).collect()
+    }
+
+    /// What the curves of a solution do where the arm stands at a row.
+    pub(super) fn by_curves(&self, index: usize, d: &Derivatives, of: &Solution) -> Vector3<f64> {
+        let columns = self.of_curves(index, d);
+        let own = of.geometry.rows(self.unknowns(), columns.len());
+        columns.iter().zip(own.iter()).map(|(column, c)| column * *c).sum()
     }
 
     /// Where the columns of a curve stand in geometry.

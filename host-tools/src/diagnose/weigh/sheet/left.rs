@@ -15,39 +15,41 @@ impl Sheet<'_> {
         rows.par_iter().map(|index| (*index, self.left_of(*index, solution))).collect()
     }
 
+    /// Sum of squares of the same in standard deviations, each kind's by its own noise.
+    #[must_use]
+    pub fn misfit(&self, rows: &[usize], solution: &Solution) -> f64 {
+        let left = self.left(rows, solution);
+        let square = |(row, left): &(usize, Residual)| {
+            left.values().zip_map(&self.problem.scale(*row), |r, scale| r / scale).norm_squared()
+        };
+        left.iter().map(square).sum()
+    }
+
     fn left_of(&self, index: usize, solution: &Solution) -> Residual {
         let used = |i: usize, d: &Derivatives| {
-            let mut all = self.of_geometry(i, d);
+            let mut all = self.of_moments(i, d);
             all.push(self.shift(i, d, solution));
             all
         };
         let e = self.at.equations_beside(index, &used);
         let p = self.unknowns();
         let mut imitated = e.block.columns(0, p) * solution.geometry.rows(0, p);
-        imitated -= self.of_moments(&e);
-        imitated -= e.block.column(p + self.curves.len());
-        let mut first = p;
-        for (i, curve) in self.curves.iter().enumerate() {
-            let basis = curve.basis(self.problem.data.rows[index].q[curve.joint]);
-            let own = solution.geometry.rows(first, basis.len());
-            let value: f64 = basis.iter().zip(own.iter()).map(|(b, c)| b * c).sum();
-            imitated += e.block.column(p + i) * (value - self.bent(index, curve));
-            first += basis.len();
-        }
+        imitated -= self.by_moments(&e);
+        imitated -= e.block.column(p);
         let values = Values::from_fn(e.rhs.len(), |c| (e.rhs[c] - imitated[c]) * e.scale[c]);
         e.residual.with(values)
     }
 
-    /// How the target moves from a solution's candidates to those of the state.
+    /// How the target moves from a solution's candidates and curves to those of the state.
     fn shift(&self, index: usize, d: &Derivatives, solution: &Solution) -> Vector3<f64> {
         let mut first = 0;
-        let mut sum = Vector3::zeros();
+        let mut sum = self.bent(index, d) - self.by_curves(index, d, solution);
         for possible in self.possible {
             let own = first..first + possible.count();
             first = own.end;
             let by = |c: usize| self.held[c] - solution.columns[c];
             if own.clone().any(|c| solution.columns[c] != 0.0 || self.held[c] != 0.0) {
-                let columns = possible.columns(self.problem, index, d, &self.bases);
+                let columns = possible.columns(self.problem, index, d);
                 sum += own.zip(columns).map(|(c, column)| column * by(c)).sum::<Vector3<f64>>();
             }
         }

@@ -19,6 +19,7 @@ use crate::identify::accumulate::tree;
 use crate::identify::{Linearised, Problem, State, Unknown};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
+use crate::observations::Reading;
 
 /// Equations given to a Gram matrix at a time.
 const TOGETHER: usize = 240;
@@ -42,7 +43,6 @@ pub struct Weights {
 pub struct Sheet<'a> {
     problem: &'a Problem<'a>,
     at: Linearised<'a>,
-    bases: Vec<Vector3<f64>>,
     possible: &'a [Possible],
     /// Coefficient of every column in the state.
     held: DVector<f64>,
@@ -85,7 +85,6 @@ impl<'a> Sheet<'a> {
         });
         Self {
             held: DVector::from_iterator(columns_of(possible), held),
-            bases: state.bases.iter().map(|b| b.translation).collect(),
             at: problem.linearise(state),
             problem,
             possible,
@@ -208,12 +207,9 @@ impl<'a> Sheet<'a> {
 
     /// Rows that are readings of one target in one pose from one station.
     fn readings(&self, rows: &[usize]) -> Vec<Vec<usize>> {
-        let key = |r: &usize| {
-            let row = &self.problem.data.rows[*r];
-            (row.pose, row.station, row.marker, row.kind.0, &row.refers)
-        };
+        let key = |r: &usize| Reading::of(&self.problem.data.rows, *r);
         let mut sorted = rows.to_vec();
-        sorted.sort_by_key(|r| (key(r), *r));
+        sorted.sort_by_cached_key(|r| (key(r), *r));
         sorted.chunk_by(|a, b| key(a) == key(b)).map(<[usize]>::to_vec).collect()
     }
 
@@ -236,33 +232,28 @@ impl<'a> Sheet<'a> {
         (block, within(left.as_slice(), readings.len()))
     }
 
-    /// `[G, Z, y]` of a row, its curves where they belong, and its residual.
+    /// `[G, Z, y]` of a row and its residual.
     fn part(&self, index: usize) -> (DMatrix<f64>, Values) {
         let e = self.at.equations_beside(index, &|i, d| {
-            let mut all = self.of_geometry(i, d);
-            all.extend(self.beside(i, d));
+            let mut all = self.of_moments(i, d);
+            let (candidates, curves) = (self.beside(i, d), self.of_curves(i, d));
+            all.extend(
+                if self.apart { [candidates, curves] } else { [curves, candidates] }.concat(),
+            );
+            all.push(self.bent(i, d));
             all
         });
-        let (p, k, c) = (self.unknowns(), self.held.len(), self.curves.len());
+        let (p, k) = (self.unknowns(), self.held.len());
         let curves = curves::columns(self.curves);
-        let (candidates, mut at) = if self.apart { (p, p + k) } else { (p + curves, p) };
-        let mut part = DMatrix::zeros(e.block.nrows(), p + k + curves + 1);
-        part.columns_mut(0, p).copy_from(&e.block.columns(0, p));
-        part.columns_mut(candidates, k).copy_from(&e.block.columns(p + c, k));
-        let mut y = e.block.columns(p + c, k) * &self.held + self.of_moments(&e);
-        let row = &self.problem.data.rows[index];
-        for (i, curve) in self.curves.iter().enumerate() {
-            let column = e.block.column(p + i);
-            for value in curve.basis(row.q[curve.joint]) {
-                part.set_column(at, &(column * value));
-                at += 1;
-            }
-            y += column * self.bent(index, curve);
-        }
+        let first = if self.apart { p } else { p + curves };
+        let last = p + k + curves;
+        let y = e.block.columns(first, k) * &self.held + self.by_moments(&e) + e.block.column(last);
+        let residual = e.scaled_residual();
+        let mut part = e.block;
         for component in 0..y.len() {
-            part[(component, p + k + curves)] = e.rhs[component] + y[component];
+            part[(component, last)] = e.rhs[component] + y[component];
         }
-        (part, e.scaled_residual())
+        (part, residual)
     }
 
     /// Unknowns of geometry, curves among them, and columns of candidates.
@@ -276,7 +267,7 @@ impl<'a> Sheet<'a> {
     }
 
     fn beside(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
-        let of = |possible: &Possible| possible.columns(self.problem, index, d, &self.bases);
+        let of = |possible: &Possible| possible.columns(self.problem, index, d);
         self.possible.iter().flat_map(of).collect()
     }
 }

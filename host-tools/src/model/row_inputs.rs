@@ -1,0 +1,95 @@
+//! What terms depend on at a row of an arm whose number of joints is known at run time.
+
+use truearm::Approach;
+use truearm::effects::{Load, Term, TermInputs, deflection};
+use truearm::kinematics::Deflection;
+
+/// Calls `$body` with the constant `N` equal to the run-time `$n`.
+macro_rules! with_joints {
+    ($n:expr, $N:ident => $body:expr) => {{
+        macro_rules! arm {
+            ($count:literal) => {{
+                const $N: usize = $count;
+                $body
+            }};
+        }
+        match $n {
+            1 => arm!(1),
+            2 => arm!(2),
+            3 => arm!(3),
+            4 => arm!(4),
+            5 => arm!(5),
+            6 => arm!(6),
+            7 => arm!(7),
+            8 => arm!(8),
+            9 => arm!(9),
+            10 => arm!(10),
+            11 => arm!(11),
+            12 => arm!(12),
+            13 => arm!(13),
+            14 => arm!(14),
+            15 => arm!(15),
+            16 => arm!(16),
+            n => unreachable!("robot files have 1 to 16 joints, not {n}"),
+        }
+    }};
+}
+pub(crate) use with_joints;
+
+/// What terms depend on at one row, for any number of joints; SI units.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RowInputs {
+    /// Gravity torque of each joint; empty without masses.
+    pub torque: Vec<f64>,
+    /// Overturning moment about the base's x and y.
+    pub moment: [f64; 2],
+    /// Moment across each joint's axis; empty without masses.
+    pub across: Vec<[f64; 2]>,
+    /// How each joint came to rest; empty if unknown.
+    pub approach: Vec<Approach>,
+    /// Temperature above reference, K.
+    pub warmth: f64,
+    /// What the curves of a model add to each joint here, rad; empty without.
+    pub curves: Vec<f64>,
+}
+
+impl RowInputs {
+    /// For so many joints; what is not known is zero or [`Approach::Unknown`].
+    pub(crate) fn fixed<const N: usize>(&self, q: &[f64]) -> TermInputs<f64, N> {
+        let or_zero = |v: &[f64]| v.try_into().unwrap_or([0.0; N]);
+        TermInputs {
+            q: fixed(q),
+            load: Load {
+                torque: or_zero(&self.torque),
+                moment: self.moment,
+                across: self.across.as_slice().try_into().ok(),
+            },
+            approach: self.approach.as_slice().try_into().unwrap_or([Approach::Unknown; N]),
+            warmth: self.warmth,
+        }
+    }
+
+    /// What terms and curves do to an arm.
+    pub(super) fn deflection<const N: usize>(
+        &self,
+        terms: &[Term<f64>],
+        inputs: &TermInputs<f64, N>,
+    ) -> Deflection<f64, N> {
+        let mut out = deflection(terms, inputs);
+        out.joints.iter_mut().zip(&self.curves).for_each(|(joint, curve)| *joint += curve);
+        out
+    }
+}
+
+impl RowInputs {
+    /// Basis of a term at joint values `q`.
+    #[must_use]
+    pub fn basis(&self, q: &[f64], term: &Term<f64>) -> f64 {
+        with_joints!(q.len(), N => term.basis(&self.fixed::<N>(q)))
+    }
+}
+
+/// A slice whose length the file reader has checked.
+pub(crate) fn fixed<T: Copy, const N: usize>(q: &[T]) -> [T; N] {
+    q.try_into().unwrap_or_else(|_| unreachable!("every row has a value for every joint"))
+}
