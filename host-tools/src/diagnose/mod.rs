@@ -35,6 +35,7 @@ use crate::model::{ErrorCurve, Measurements, Model, Robot};
 use crate::observations::{Residual, kind};
 use crate::statistics::Stats;
 use answer::answered;
+use candidates::Candidate;
 use moments::Moments;
 use node::Node;
 use policy::POLICY;
@@ -138,10 +139,7 @@ fn diagnosed(
         answer = answered(&mut question, &start, progress)?;
     }
     let (root, weighed) = answer;
-    let mut added = weighed.best.added.clone();
-    if let Some(stage) = weighed.stages.last() {
-        added.retain(|candidate| stage.names.contains(&candidate.name()));
-    }
+    let added = kept(&weighed);
     // Masses are found by what they bend: of a model without springs they stay.
     let bends = added.iter().any(|candidate| moments::bends(candidate.name()));
     let found = weighed.moments.as_ref().filter(|_| bends).and_then(Moments::robot);
@@ -158,6 +156,15 @@ fn diagnosed(
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
     let show = Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot };
     shown(&show, Found { weighed, best, root, start, not_testable })
+}
+
+/// Effects of the most probable model; where there are curves, those of the last stage.
+fn kept(weighed: &Weighed) -> Vec<Candidate> {
+    let mut added = weighed.best.added.clone();
+    if let Some(stage) = weighed.stages.last() {
+        added.retain(|candidate| stage.names.contains(&candidate.name()));
+    }
+    added
 }
 
 /// Torques that were read count in place of computed ones: in both files or in none.

@@ -61,10 +61,20 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
         let place = if own { target } else { target.map(|x| (x / PLACE).round() * PLACE) };
         Some(place.iter().copied().collect())
     });
+    let slips =
+        if crowded(root) { contradiction(problem, root) } else { step(problem, root, lambda) };
+    slips.into_iter().chain(significant(&residuals, tests)).collect()
+}
+
+/// What residuals go with beyond chance, the most first.
+fn significant(
+    residuals: &[(KindId, Values)],
+    tests: Vec<(String, Vec<Vec<f64>>)>,
+) -> impl Iterator<Item = String> {
     let count = tests.len() as f64;
     let mut found: Vec<(f64, String)> = Vec::new();
     for (name, functions) in tests {
-        let Some((share, p)) = dependence(&residuals, &functions) else { continue };
+        let Some((share, p)) = dependence(residuals, &functions) else { continue };
         if p * count < POLICY.significant {
             let (percent, chance) = (share * 100.0, chance(p * count));
             let sentence =
@@ -73,9 +83,7 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
         }
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let slips =
-        if crowded(root) { contradiction(problem, root) } else { step(problem, root, lambda) };
-    slips.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect()
+    found.into_iter().map(|(_, sentence)| sentence)
 }
 
 /// Places nearer to each other than this are one, m: more than residuals are, and less

@@ -3,8 +3,6 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::prior::ParametersFile;
-
 #[derive(Deserialize)]
 pub(super) struct RobotFile {
     /// A model.toml names its schema.
@@ -58,4 +56,15 @@ pub(super) struct LinkFile {
 #[derive(Deserialize)]
 pub(super) struct PayloadFile {
     pub com_mm: Spanned<[f64; 3]>,
+}
+
+/// A number a parameter, under the names that nominal ones have.
+#[derive(Deserialize)]
+pub(super) struct ParametersFile {
+    pub alpha_deg: Option<Spanned<f64>>,
+    pub a_mm: Option<Spanned<f64>>,
+    pub theta_offset_deg: Option<Spanned<f64>>,
+    pub d_mm: Option<Spanned<f64>>,
+    pub d_offset_mm: Option<Spanned<f64>>,
+    pub beta_deg: Option<Spanned<f64>>,
 }

@@ -1,11 +1,10 @@
 //! `tolerance` and `expected` of a joint: corrections that arms of its type have.
 
-use serde::Deserialize;
-use toml::Spanned;
 use toml_edit::{DocumentMut, InlineTable, Item, Value};
 use truearm::{JointKind, LinkParameter};
 
 use super::check::Checker;
+use super::keys::ParametersFile;
 use crate::error::Result;
 use crate::files::edit::{not_that_text, tables};
 use crate::model::{Joint, LinkPrior, Robot};
@@ -16,17 +15,6 @@ const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-6..=100.0;
 /// The largest correction that arms of a type may share, mm or degrees: beyond, the
 /// drawing is of another arm.
 const FARTHEST: f64 = 100.0;
-
-/// A number a parameter, under the names that nominal ones have.
-#[derive(Deserialize)]
-pub(super) struct ParametersFile {
-    alpha_deg: Option<Spanned<f64>>,
-    a_mm: Option<Spanned<f64>>,
-    theta_offset_deg: Option<Spanned<f64>>,
-    d_mm: Option<Spanned<f64>>,
-    d_offset_mm: Option<Spanned<f64>>,
-    beta_deg: Option<Spanned<f64>>,
-}
 
 /// Name of a parameter of a link as a key of the file.
 fn parameter_key(kind: JointKind, parameter: LinkParameter) -> &'static str {
