@@ -19,6 +19,8 @@ use super::triangular::{cholesky, solve_lower};
 pub const LENGTHS: [f64; 5] = [0.0436, 0.0698, 0.1117, 0.1787, 0.2859];
 /// Standard deviations of a function, rad: those of arms are 0.1 to 0.5 mrad.
 pub const SIZES: [f64; 7] = [2e-5, 4e-5, 8e-5, 1.6e-4, 3.2e-4, 6.4e-4, 1.28e-3];
+/// Ways to be a curve: the best is taken of so many, which is a price.
+pub const PRIORS: usize = LENGTHS.len() * SIZES.len();
 /// Orders whose variance is below this share of the first one's are left out.
 const CUT: f64 = 1e-4;
 /// Times that each function is chosen again, the others as they are.

@@ -45,7 +45,7 @@ pub fn chosen(
     let gram = sheet.gram(rows);
     let projected = gram.project(&gram.geometry(&sheet.precision(lambda), scale));
     let line = |order: usize| line_odds(joints.len(), order, highest);
-    let curve = prior::log_odds(joints.len(), 1);
+    let curve = prior::log_odds(joints.len(), smooth::PRIORS);
     let shapes = |line: Option<&dyn Fn(usize) -> f64>| {
         let odds = Odds { curve, line };
         smooth::choose(&projected, columns_of(members), smooth::orders(length), &odds)
@@ -69,8 +69,9 @@ pub fn chosen(
 
 /// Of a line, or of an eccentricity, which has the lowest two orders.
 fn line_odds(joints: usize, order: usize, highest: f64) -> f64 {
+    let sizes = smooth::SIZES.len();
     match order as f64 > LOWEST {
-        true => prior::line_log_odds(joints, 1, highest as usize, true),
-        false => prior::log_odds(joints, 2),
+        true => prior::line_log_odds(joints, 1, sizes * highest as usize, true),
+        false => prior::log_odds(joints, 2 * sizes),
     }
 }

@@ -9,7 +9,7 @@ use super::parts::{Parts, joined};
 use super::possible::What;
 use super::sheet;
 use crate::diagnose::moments;
-use crate::evidence::{Explanation, Gram, prior};
+use crate::evidence::{Explanation, Gram, prior, smooth};
 use crate::identify::in_deviations;
 use crate::model::ErrorCurve;
 use crate::observations::Residual;
@@ -39,7 +39,7 @@ pub fn worth(from: &From, curves: &[Curve], tables: &[ErrorCurve]) -> Vec<Curved
         let half_gain = [0, 1].map(|half| gain(from, k, half));
         let columns = all.sheet.columns_of_curve(k);
         let evidence = geometry.worth(all.precision, &solution.geometry, columns);
-        let log_odds = evidence + prior::log_odds(all.q.problem.nominal.len(), 1);
+        let log_odds = evidence + prior::log_odds(all.q.problem.nominal.len(), smooth::PRIORS);
         Some(Curved { table: table.clone(), length: curves[k].prior.length, log_odds, half_gain })
     });
     out.collect()
