@@ -5,6 +5,11 @@ pub const NU: f64 = 2.0;
 /// Guard against a stale scatter of repeats: the scale cannot come out at less
 /// than 0.7 of what all equations together say. Without repeats it is idle.
 const LEAST: f64 = 0.5;
+/// A gain of so many nats the guard never cuts: more than any effect costs. What is common
+/// to repeats is structure at first, and half of it is little where poses are few: a
+/// session of 37 poses read five times each had no name, and of the first reading of
+/// each pose four.
+const GAIN: f64 = 100.0;
 
 /// How much a sum of squares left over says: the noise scale integrated out.
 #[derive(Debug, Clone, Copy)]
@@ -13,8 +18,8 @@ pub(super) struct Noise {
     pub poses: f64,
     /// N: equations of their own pose, less those of geometry.
     pub freedom: f64,
-    /// Share of N in all equations less those of geometry; 1 without repeats.
-    share: f64,
+    /// Least share of all squares that a model can leave of the poses' own.
+    least: f64,
     /// Squares of repeats about their pose's mean.
     repeats: f64,
 }
@@ -24,15 +29,17 @@ impl Noise {
         let (equations, repeated) = (equations as f64, repeats.0 as f64);
         let poses = equations - repeated;
         let freedom = (poses - geometry).max(1.0);
-        Self { poses, freedom, share: freedom / (freedom + repeated), repeats: repeats.1 }
+        let share = freedom / (freedom + repeated);
+        let least = share * LEAST.min((-2.0 * GAIN / freedom).exp());
+        Self { poses, freedom, least, repeats: repeats.1 }
     }
 
     /// Squares of the poses alone: repeats about their mean tell how readings
     /// scatter, not how poses do. A model that explains part of that scatter is
-    /// not believed to leave less than [`LEAST`] of the poses' share.
+    /// not believed to leave next to nothing.
     pub fn own(&self, rest: f64) -> f64 {
         let rest = rest.max(0.0);
-        (rest - self.repeats).max(LEAST * rest * self.share)
+        (rest - self.repeats).max(self.least * rest)
     }
 
     /// `-1/2 (nu + N) log(1 + rest / nu)`.

@@ -22,10 +22,13 @@ impl Subsets {
             let columns = self.columns[*g].clone();
             let own = columns.enumerate().map(|(i, column)| {
                 let unit = self.unit[column];
-                let per = if unit > 0.0 { unit.recip() } else { 0.0 };
+                if unit <= 0.0 {
+                    // Of a column that is nothing in all rows nothing is known.
+                    return Coefficient { value: 0.0, sigma: f64::INFINITY };
+                }
                 let variance = subset.inverse[(first + i, first + i)].max(0.0);
-                let value = subset.mean[first + i] * per;
-                Coefficient { value, sigma: k * variance.sqrt() * per }
+                let value = subset.mean[first + i] / unit;
+                Coefficient { value, sigma: k * variance.sqrt() / unit }
             });
             let own: Vec<Coefficient> = own.collect();
             first += own.len();

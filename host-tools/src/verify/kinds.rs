@@ -80,8 +80,8 @@ pub fn judgeable(commanded: &Commanded) -> Result<(Cow<'_, Commanded>, Vec<Strin
     let (data, file) = (&commanded.data, commanded.data.path.display());
     for (i, row) in data.rows.iter().enumerate() {
         let own = kind(row);
-        let unknown = row.refers.iter().map(|k| &data.instruments[*k]);
-        let unknown = unknown.clone().find(|i| !i.unknowns().is_empty());
+        let mut places = row.refers.iter().map(|k| &data.instruments[*k]);
+        let unknown = places.find(|place| !place.unknowns().is_empty());
         let of_points = !commanded.points.is_empty();
         if own.point(row).is_some() {
             if !row.refers.is_empty() && (unknown.is_some() || of_points) {

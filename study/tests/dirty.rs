@@ -1,0 +1,28 @@
+//! Sessions as they happen, two of the study's that once came out wrong.
+
+use truearm_study::dirty::score::judged;
+use truearm_study::dirty::set::DirtySet;
+
+/// Names of a set that are true.
+fn named(seed: u64) -> Vec<String> {
+    let judged = judged(&DirtySet::draw(seed, false)).unwrap();
+    judged.truths.into_iter().filter(|t| t.named).map(|t| t.place.0).collect()
+}
+
+/// 37 poses read five times each: what is common to repeats is structure at first, and a
+/// guard of the noise cut its fall off before any name was paid for.
+#[test]
+fn repeats_hide_no_effect() {
+    let named = named(620_000_009);
+    for name in ["measurement-drift", "base-compliance", "joint-periodic-error"] {
+        assert!(named.iter().any(|n| n == name), "{name} is not among {named:?}");
+    }
+}
+
+/// The target was re-seated in the middle of the session: the first half of the time says
+/// nothing of it, which is no contradiction.
+#[test]
+fn what_is_in_one_half_of_the_time_only_is_named() {
+    let named = named(620_000_150);
+    assert!(named.iter().any(|n| n == "tool-remount"), "{named:?}");
+}
