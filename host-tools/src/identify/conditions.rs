@@ -113,7 +113,7 @@ impl Conditions {
             temperature: differ(|r| r.temperature),
             direction: data.rows.iter().any(|r| r.directions.iter().any(|d| *d != 0)),
             direction_from_order: data.directions_from_order,
-            before: data.before(),
+            before: data.moved_from(),
             time: differ(|r| r.time),
             ordered: differ(|r| r.order),
             series,

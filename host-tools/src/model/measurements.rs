@@ -237,6 +237,22 @@ impl Measurements {
         out
     }
 
+    /// The row at which the arm stood before it moved to where each of these was measured,
+    /// as [`before`](Self::before): readings of a pose one after another are one stand.
+    #[must_use]
+    pub fn moved_from(&self) -> Vec<Option<usize>> {
+        let before = self.before();
+        let mut order: Vec<usize> = (0..self.rows.len()).collect();
+        order.sort_by(|a, b| self.when(*a).total_cmp(&self.when(*b)).then(a.cmp(b)));
+        let mut out = before.clone();
+        for row in order {
+            if let Some(last) = before[row].filter(|b| self.rows[*b].pose == self.rows[row].pose) {
+                out[row] = out[last];
+            }
+        }
+        out
+    }
+
     /// How many rows of `other` are rows of these too: the same joints, the same
     /// measured values.
     #[must_use]

@@ -17,10 +17,13 @@ pub enum Doubt {
     /// The halves of the poses disagree, or one does not gain by the other.
     Halves,
     /// The joint is also off by a share of its last move, which has no name: the side
-    /// that it came from is a part of that.
+    /// that it came from and a share of its angle are parts of that.
     Memory,
     /// The joint was measured at so few angles that any function of it fits.
     Levels,
+    /// Of what the model leaves, a larger part is alike in neighbours than this effect
+    /// has: it may be a part of what has no name.
+    Rest,
 }
 
 impl Doubt {
@@ -31,6 +34,7 @@ impl Doubt {
             Self::Halves => "the halves of the poses disagree",
             Self::Memory => "the joint depends on its last move in a way that has no name",
             Self::Levels => "at so few angles of the joint any function of them fits",
+            Self::Rest => "what is left without a name is larger",
         }
     }
 }
@@ -55,7 +59,8 @@ pub fn of(
     let [joint] = candidate.joints()[..] else { return None };
     let joint = joint - 1;
     let lag = matches!(candidate.terms[..], [ModelTerm::Lag { .. }]);
-    if lag || candidate.name() == Effect::Backlash.name() {
+    let of_a_move = [Effect::Backlash, Effect::JointGain].map(|effect| effect.name());
+    if lag || of_a_move.contains(&candidate.name()) {
         let own =
             |(what, p): &(Nameless, f64)| *what == Nameless::Memory { joint } && *p >= BELIEVED;
         return nameless.iter().any(own).then_some(Doubt::Memory);

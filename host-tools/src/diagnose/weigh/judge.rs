@@ -12,6 +12,7 @@ use super::possible::{NAMELESS, Possible, What, listed};
 use crate::diagnose::candidates::{Candidate, arm_terms};
 use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;
+use crate::diagnose::white;
 use crate::evidence::{self, Claim, Explanation, Gram, Subsets, explain};
 use crate::observations::Residual;
 
@@ -28,6 +29,8 @@ pub fn answer(
     let nested = nested(of, &entries, parts, grams);
     let claims = found.posterior.claims();
     let halves = halves::all(of, found.scale, parts, grams);
+    let rest = white::left(of.q.problem, &best).filter(|rest| rest.deviations > POLICY.white);
+    let rest = rest.map_or(0.0, |rest| rest.correlation);
     let mut names = Vec::new();
     let mut nameless: Vec<(Nameless, f64)> = Vec::new();
     for (claim, probability) in claims {
@@ -46,14 +49,15 @@ pub fn answer(
                     half_gain,
                     doubt: (!replicated).then_some(Doubt::Halves),
                 };
-                names.push((named, candidate));
+                names.push((named, candidate, size(of, claim, found)));
             }
             None => {}
         }
     }
-    let names = names.into_iter().map(|(named, candidate)| {
+    let names = names.into_iter().map(|(named, candidate, size)| {
         let other = || doubts::of(of.q.problem, &best.fit.kept, candidate, &nameless);
-        Named { doubt: named.doubt.or_else(other), ..named }
+        let less = (size < rest).then_some(Doubt::Rest);
+        Named { doubt: named.doubt.or_else(other).or(less), ..named }
     });
     let mut names: Vec<Named> = names.collect();
     names.sort_by(|a, b| b.probability.total_cmp(&a.probability));
@@ -69,6 +73,13 @@ pub fn answer(
         curves: Vec::new(),
         stages: Vec::new(),
     }
+}
+
+/// Mean square of a claim's effects in the best model, in floors.
+fn size(of: &Explained, claim: Claim, found: &Explanation) -> f64 {
+    let members = found.best.members.iter().zip(&found.floors);
+    let own = members.filter(|(m, _)| Claim::from(&of.possible[**m].entry) == claim);
+    own.map(|(_, floors)| floors * floors).sum()
 }
 
 /// Residuals of every row, predicted with all decided without its fold; the
