@@ -2,6 +2,8 @@
 
 #[path = "../../tests/store/bench/mod.rs"]
 mod bench;
+#[cfg(feature = "readers")]
+mod readers;
 
 use std::sync::LazyLock;
 
@@ -11,6 +13,8 @@ use truearm::{Arm, ArmParameters};
 use bench::cells::{Cut, EepromPart, NorPart, Part, Tear};
 use bench::cuts::{Bench, Blobs, Start};
 use bench::samples;
+#[cfg(feature = "readers")]
+pub use readers::readers;
 
 /// Bytes that claim to be a blob: as they are, and with the checksum they need
 /// for the checks behind it to be reached.

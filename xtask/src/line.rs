@@ -3,18 +3,20 @@
 //! bit for bit.
 
 use crate::image;
-use crate::run::{Result, call, cargo, root, step, target_dir};
+use crate::run::{Result, call, program, root, step, target_dir};
 
 pub fn run() -> Result {
     let out = target_dir().join("line");
     let data = root().join("tests/data/ur10-ipa");
     let blob = out.join("params.bin");
     step("identification of the shipped UR10", || {
-        let mut identify = cargo(&root(), "run --quiet -p truearm-host -- identify");
-        identify.arg(data.join("robot.toml")).arg(data.join("series-b/measurements.csv"));
+        let mut identify = program()?;
+        identify
+            .arg("identify")
+            .arg(data.join("robot.toml"))
+            .arg(data.join("series-b/measurements.csv"));
         call(identify.arg("--out").arg(&out))?;
-        let mut pack = cargo(&root(), "run --quiet -p truearm-host -- pack");
-        call(pack.arg(out.join("model.toml")).arg("--out").arg(&blob))
+        call(program()?.arg("pack").arg(out.join("model.toml")).arg("--out").arg(&blob))
     })?;
     step("its blob on the controller", || image::run_image(&image::files_for(&blob)?).map(drop))
 }

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::run::{Result, call, cargo, exists, root, step, target_dir};
+use crate::run::{Result, call, exists, program, root, step, target_dir};
 
 const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
 const WIDTHS: [usize; 3] = [390, 1280, 2560];
@@ -41,10 +41,8 @@ fn made() -> Result<Vec<PathBuf>> {
     for name in ["robot.toml", "measurements.csv"] {
         std::fs::copy(root().join("tests/data/seed-table-8").join(name), folder.join(name))?;
     }
-    let manifest = root().join("Cargo.toml");
     for (line, _) in LINES {
-        let mut verb = cargo(&folder, "run --quiet -p truearm-host --manifest-path");
-        call(verb.arg(&manifest).arg("--").args(line.split_whitespace()))?;
+        call(program()?.current_dir(&folder).args(line.split_whitespace()))?;
     }
     Ok(LINES.iter().map(|(_, page)| folder.join(page)).collect())
 }

@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Instant;
 
 /// What a verb returns; the message goes to the user as it is.
 pub type Result<T = ()> = std::result::Result<T, Box<dyn Error>>;
@@ -22,10 +23,13 @@ pub fn target_dir() -> PathBuf {
     }
 }
 
-/// Announces a step and puts its name before its error.
+/// Announces a step, puts its name before its error, and says how long it took.
 pub fn step<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     eprintln!("\n== {name}");
-    work().map_err(|error| format!("{name}: {error}").into())
+    let start = Instant::now();
+    let done = work().map_err(|error| format!("{name}: {error}"))?;
+    eprintln!("-- {name}: {:.0} s", start.elapsed().as_secs_f64());
+    Ok(done)
 }
 
 /// `cargo` with these arguments, to be run in `dir`.
@@ -37,6 +41,14 @@ pub fn cargo(dir: &Path, arguments: &str) -> Command {
         command.env("CARGO_TARGET_DIR", target_dir());
     }
     command
+}
+
+/// The program that users have, built with what xtask and the tests share: alone it would
+/// be compiled anew, with other features of the crates below it.
+pub fn program() -> Result<Command> {
+    let packages = "build --quiet --package xtask --package truearm-host --bin truearm";
+    call(&mut cargo(&root(), packages))?;
+    Ok(Command::new(target_dir().join("debug/truearm")))
 }
 
 /// Runs a command with inherited output; any status but 0 is an error.

@@ -9,7 +9,7 @@ use truearm::{Arm6, ArmParameters, State};
 
 use crate::board::{Board, EEPROM, SLOT};
 use crate::image::{CURVES, build, image};
-use crate::run::{Result, call, cargo, root, step, target_dir};
+use crate::run::{Result, call, program, step, target_dir};
 use crate::study::restarts;
 use crate::vectors;
 
@@ -94,8 +94,7 @@ fn survive() -> Result {
 fn packed() -> Result {
     let out = target_dir().join("board/packed.bin");
     let model = target_dir().join("line/model.toml");
-    let mut pack = cargo(&root(), "run --quiet -p truearm-host -- pack");
-    call(pack.arg(&model).arg("--out").arg(&out))?;
+    call(program()?.arg("pack").arg(&model).arg("--out").arg(&out))?;
     let blob = fs::read(&out)?;
     let identified: toml::Table = fs::read_to_string(&model)?.parse()?;
     let text = |key| identified.get(key).and_then(toml::Value::as_str).unwrap_or_default();

@@ -60,3 +60,40 @@ pub fn ensure_program(program: &str, packages: &str, how: &str) -> Result {
     let install = ["install", "-y", "--no-install-recommends"];
     apt(&install.into_iter().chain(packages.split_whitespace()).collect::<Vec<_>>())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use crate::run::{cargo, root};
+
+    /// Features of every crate, of these packages.
+    fn features(selection: &str) -> BTreeMap<String, Vec<String>> {
+        let line = format!("tree --locked --prefix none {selection} --format");
+        let output = cargo(&root(), &line).arg("{p}|{f}").output().expect("cargo tree");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let mut features = BTreeMap::<String, Vec<String>>::new();
+        for (package, line) in
+            String::from_utf8_lossy(&output.stdout).lines().filter_map(|line| line.split_once('|'))
+        {
+            let line = line.trim_end_matches(" (*)").to_owned();
+            features.entry(package.to_owned()).or_default().push(line);
+        }
+        for lines in features.values_mut() {
+            lines.sort();
+            lines.dedup();
+        }
+        features
+    }
+
+    #[test]
+    fn tests_and_xtask_are_compiled_once() {
+        let tests = features("--workspace --edges normal,build,dev");
+        let missing: Vec<String> = features("--package xtask --edges normal,build")
+            .into_iter()
+            .filter(|(package, lines)| lines.iter().any(|line| !tests[package].contains(line)))
+            .map(|(package, lines)| format!("{package}: {lines:?}, tests {:?}", tests[&package]))
+            .collect();
+        assert!(missing.is_empty(), "features for xtask/Cargo.toml:\n{}", missing.join("\n"));
+    }
+}

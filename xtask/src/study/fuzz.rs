@@ -1,6 +1,8 @@
 //! libFuzzer on the targets of `fuzz/`, guided by coverage, with the stable
 //! compiler and checks of overflow switched on.
 
+use std::path::Path;
+
 use clap::Args;
 
 use crate::run::{Result, call, cargo, root, step, target_dir};
@@ -14,6 +16,22 @@ const COVERAGE: &str = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-saniti
                         -Cllvm-args=-sanitizer-coverage-pc-table";
 /// With the most bytes of an input.
 const TARGETS: [(&str, u32); 2] = [("decode", 2048), ("store", 64)];
+/// Readers of the host's files.
+const READERS: [(&str, u32); 1] = [("readers", 4096)];
+/// What each reader begins with: the bytes that choose it, and a file.
+const FILES: [(&[u8], &str); 11] = [
+    (&[0], "tests/data/seed-table-8/robot.toml"),
+    (&[0], "host-tools/examples/instruments/robot.toml"),
+    (&[1], "tests/data/seed-table-8/measurements.csv"),
+    (&[1], "host-tools/examples/instruments/touches.csv"),
+    (&[2], "host-tools/examples/instruments/instruments.toml"),
+    (&[3], "tests/data/seed-table-8/measurements.csv"),
+    (&[4], "tests/data/seed-table-8/measurements.csv"),
+    (&[5], "tests/data/seed-table-8/robot.toml"),
+    (&[6, 0], "host-tools/tests/data/urdf/ur5e.urdf"),
+    (&[7, 0], "tests/data/seed-table-8/measurements.csv"),
+    (&[7, 1], "host-tools/examples/instruments/distances.csv"),
+];
 
 #[derive(Args)]
 pub struct Options {
@@ -23,14 +41,26 @@ pub struct Options {
     /// Of the mutations
     #[arg(long, default_value_t = 1)]
     seed: u32,
+    /// Of the host's files in place of the controller's memory
+    #[arg(long)]
+    readers: bool,
 }
 
 pub fn study(options: &Options) -> Result {
-    run(&[format!("-runs={}", options.runs), format!("-seed={}", options.seed)])
+    let arguments = [format!("-runs={}", options.runs), format!("-seed={}", options.seed)];
+    if options.readers {
+        fuzz(&READERS, " --features readers", &arguments)
+    } else {
+        run(&arguments)
+    }
 }
 
-/// Runs every target with these arguments of libFuzzer.
+/// Runs every target of the controller with these arguments of libFuzzer.
 pub fn run(arguments: &[String]) -> Result {
+    fuzz(&TARGETS, "", arguments)
+}
+
+fn fuzz(targets: &[(&str, u32)], features: &str, arguments: &[String]) -> Result {
     let host = host()?;
     let built = target_dir().join("fuzz");
     step("build of the fuzz targets", || {
@@ -42,26 +72,37 @@ pub fn run(arguments: &[String]) -> Result {
                Fedora          sudo dnf install gcc-c++\n  \
                macOS           xcode-select --install",
         )?;
-        let mut build = cargo(&root().join("fuzz"), "build --release --locked --target");
+        let build = format!("build --release --locked{features} --target");
+        let mut build = cargo(&root().join("fuzz"), &build);
         build.arg(&host).arg("--target-dir").arg(&built);
         // With a target named, build scripts go without.
         call(build.env("RUSTFLAGS", COVERAGE))
     })?;
-    for (target, longest) in TARGETS {
+    for (target, longest) in targets {
         let corpus = built.join("corpus").join(target);
-        std::fs::create_dir_all(&corpus)?;
-        if target == "decode" {
-            for blob in ["firmware/ur10.blob", "firmware/ur10-terms.blob"] {
-                let from = root().join("tests/data").join(blob);
-                std::fs::copy(&from, corpus.join(blob.replace('/', "-")))?;
-            }
-        }
+        begin(target, &corpus)?;
         step(&format!("fuzzing {target}"), || {
             let program = built.join(&host).join("release").join(target);
             let mut fuzz = std::process::Command::new(program);
             fuzz.arg(format!("-max_len={longest}")).arg("-print_final_stats=1").args(arguments);
             call(fuzz.arg(&corpus).current_dir(&built))
         })?;
+    }
+    Ok(())
+}
+
+/// Inputs that mutations begin with.
+fn begin(target: &str, corpus: &Path) -> Result {
+    std::fs::create_dir_all(corpus)?;
+    let blobs = ["tests/data/firmware/ur10.blob", "tests/data/firmware/ur10-terms.blob"];
+    let inputs: Vec<(&[u8], &str)> = match target {
+        "decode" => blobs.map(|blob| (&[][..], blob)).to_vec(),
+        "readers" => FILES.to_vec(),
+        _ => Vec::new(),
+    };
+    for (number, (first, file)) in inputs.into_iter().enumerate() {
+        let bytes = std::fs::read(root().join(file))?;
+        std::fs::write(corpus.join(format!("begin-{number}")), [first, &bytes].concat())?;
     }
     Ok(())
 }
