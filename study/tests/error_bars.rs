@@ -1,7 +1,10 @@
 //! Stated intervals hold the truth as often as they say.
 
-use rand::SeedableRng;
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use truearm_host::diagnose::{DiagnoseOptions, diagnose};
+use truearm_host::identify::error_bars::FACTOR;
 use truearm_host::identify::{LambdaRule, Options, identify};
 use truearm_study::coverage::{Cell, Tally, identified_once};
 use truearm_study::simulated::{Truth, UR10_LIKE, robot};
@@ -74,4 +77,45 @@ fn the_report_says_what_is_told_together_only() {
         "{:#?}",
         report.uncertainty.correlations
     );
+}
+
+/// Where joints err by curves, what is not known of those is in the tool point's interval:
+/// the same poses predicted by the diagnosed model, against where the tool was.
+#[test]
+fn the_tool_point_is_known_no_better_than_its_curves() {
+    let robot = robot(UR10_LIKE);
+    for (seed, rows) in [(31, 300), (32, 900)] {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let truth = Truth::draw(&robot, 1, 1, &mut rng);
+        let mut data = truth.parse(&truth.measure(rows, 0.0, &mut rng));
+        let waves: Vec<[f64; 3]> = (0..3 * 40)
+            .map(|k| [f64::from(k % 40 + 1), rng.random_range(0.0..std::f64::consts::TAU), 6e-5])
+            .collect();
+        let mut exact = Vec::new();
+        for row in &mut data.rows {
+            let mut bent = row.q.clone();
+            for (k, [order, phase, size]) in waves.iter().enumerate() {
+                let joint = k / 40;
+                bent[joint] += size * (order * row.q[joint] + phase).sin();
+            }
+            let point = truth.point(&bent, 0, 0);
+            exact.push(point);
+            // Twelve uniform numbers are as good as normal.
+            let normal =
+                |rng: &mut ChaCha8Rng| (0..12).map(|_| rng.random_range(-0.5..0.5)).sum::<f64>();
+            let noise = Vector3::from_fn(|_, _| 3e-5 * normal(&mut rng));
+            row.measured = (point + noise).into();
+        }
+        let found = diagnose(&robot, &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap();
+        assert!(found.model.curves.len() >= 3, "{:?}", found.outcome.unnamed);
+        let off = found.rows.iter().zip(&data.rows).zip(&exact).map(|((result, row), exact)| {
+            let left = result.identified.values();
+            let predicted = Vector3::from_fn(|k, _| row.measured[k] - left[k]);
+            (predicted - exact).norm_squared() / 3.0
+        });
+        let off = (off.sum::<f64>() / rows as f64).sqrt() * 1e3;
+        let stated = found.outcome.figures.uncertainty.tool_point.rms_mm / FACTOR;
+        println!("{rows} rows: off by {off:.4} mm a coordinate, {stated:.4} stated");
+        assert!((0.8..1.6).contains(&(stated / off)), "{stated} {off}");
+    }
 }

@@ -213,10 +213,11 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
     let findings = findings(show, &terms, &best, nominal, held_out)?;
     let mut identified = findings.summarise();
+    let point = &mut identified.figures.uncertainty.tool_point;
+    *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
     identified.figures.warnings.extend(remarks::all(problem.data, &best));
-    if let kinds @ [_, _, ..] = &mut identified.figures.kinds[..] {
-        kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
-    }
+    let kinds = &mut identified.figures.kinds;
+    kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
     let noise_scale = weighed.scale * problem.noise.middle(problem.data);
     let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed);
     let outcome = Outcome {

@@ -82,7 +82,8 @@ pub struct GapRow {
     /// RMS of the hold-out file, mm.
     pub holdout_rms_mm: Option<f64>,
     /// RMS of the kept rows in standard deviations, each kind's by the noise that was
-    /// found of it: 1 where noise alone is left.
+    /// found of it: 1 where normal noise alone is left, more where it has tails, of which
+    /// `noise_scale` is the middle.
     pub train_rms_sigmas: f64,
     /// The same of poses held out in folds.
     pub cross_validated_rms_sigmas: Option<f64>,

@@ -106,7 +106,8 @@ fn scale(problem: &Problem, found: &Estimate) -> f64 {
 }
 
 /// Half widths of 95 % intervals of the predicted tool point at the fitted
-/// poses, a coordinate at a time, mm.
+/// poses, a coordinate at a time, mm. What is not known of error curves of joints, from
+/// noise and from what a curve can be, is in all four.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PointBars {
     /// Root mean square over poses and coordinates.
@@ -117,6 +118,20 @@ pub struct PointBars {
     pub noise_rms_mm: f64,
     /// Its largest.
     pub noise_max_mm: f64,
+}
+
+impl PointBars {
+    /// With more that is not known of a coordinate: mean and largest variance, m^2.
+    #[must_use]
+    pub fn with(self, mean: f64, largest: f64) -> Self {
+        let wider = |bar: f64, more: f64| bar.hypot(more.sqrt() * FACTOR * 1e3);
+        Self {
+            rms_mm: wider(self.rms_mm, mean),
+            max_mm: wider(self.max_mm, largest),
+            noise_rms_mm: wider(self.noise_rms_mm, mean),
+            noise_max_mm: wider(self.noise_max_mm, largest),
+        }
+    }
 }
 
 /// A parameter with its 95 % interval.

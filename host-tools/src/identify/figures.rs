@@ -38,7 +38,8 @@ pub struct KindFigures {
     pub identified_rms: Option<f64>,
     /// The same, held out.
     pub cross_validated_rms: Option<f64>,
-    /// Noise over what is stated, estimated where there are several kinds; else 1.
+    /// Noise over what is stated: as `diagnose` found it; `identify` estimates it where
+    /// there are several kinds, and has 1 of a single one.
     pub noise_scale: f64,
 }
 
@@ -106,8 +107,8 @@ pub struct Figures {
     pub l_curve: Vec<LCurvePoint>,
     /// Norm of the corrections, in tolerances.
     pub correction_norm: f64,
-    /// Residual scale over the stated sigma; well above 1 means structure that
-    /// the model lacks.
+    /// Residual scale over the standard deviation, the stated one or in `diagnose` the one
+    /// that was found; well above 1 means structure that the model lacks.
     pub residual_over_sigma: f64,
     /// Nominal geometry, base and tool registered.
     pub nominal: Option<Stats>,

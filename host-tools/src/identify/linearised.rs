@@ -116,6 +116,13 @@ impl<'a> Linearised<'a> {
         self.motion(&|_, _| Vec::new()).moved(index)
     }
 
+    /// How the target of a row moves with each unknown in its unit, and with what is asked
+    /// for beside them in SI, m: 3 x columns.
+    #[must_use]
+    pub fn target_beside(&self, index: usize, beside: &Beside) -> DMatrix<f64> {
+        self.motion(beside).moved(index).1
+    }
+
     /// How the frame of what a row measures with is turned by each unknown in its
     /// unit, rad: that of its marker or camera where it has one, else the last.
     #[must_use]

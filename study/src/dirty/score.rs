@@ -1,6 +1,6 @@
 //! What a diagnosis of a dirty set was worth.
 
-use truearm_host::diagnose::{DiagnoseOptions, Effect, Outcome, Verdict, diagnose};
+use truearm_host::diagnose::{DiagnoseOptions, Doubt, Effect, Outcome, Verdict, diagnose};
 use truearm_host::effects::OUTLIERS;
 use truearm_host::model::CURVE;
 use truearm_simulate::effects::{Defect, Kind};
@@ -30,6 +30,8 @@ pub struct Claimed {
     pub probability: f64,
     /// Named, or only suspected.
     pub named: bool,
+    /// Why, however probable.
+    pub doubt: Option<Doubt>,
     pub worth: Worth,
 }
 
@@ -105,7 +107,8 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
             (_, true) => Worth::OfACurve,
             _ => Worth::False,
         };
-        out.push(Claimed { place, probability: effect.probability, named, worth });
+        let Effect { probability, doubt, .. } = *effect;
+        out.push(Claimed { place, probability, named, doubt, worth });
     }
     let reached = report.gap.last().and_then(|row| row.holdout_rms_mm);
     Ok(Judged {

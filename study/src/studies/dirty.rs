@@ -9,7 +9,7 @@ use std::{fs, io};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
-use truearm_host::diagnose::Verdict;
+use truearm_host::diagnose::{Doubt, Verdict};
 
 use super::Result;
 use crate::dirty::score::{Claimed, Judged, Place, Truth, Worth, judged};
@@ -83,6 +83,7 @@ pub fn run(options: &Options) -> Result {
     }
     println!("{} sets, {} refused", seeds.len(), refused.len());
     calibration(&judged(false));
+    doubted(&judged(false));
     found(&judged(false));
     springs(&judged(false));
     attained(&judged(false));
@@ -124,6 +125,18 @@ fn calibration(sets: &[&Judged]) {
     }
     let curves = sets.iter().flat_map(|j| &j.claims).filter(|c| c.worth == Worth::OfACurve);
     println!("expected calibration error {error:.4}; {} claims on curves left out", curves.count());
+}
+
+/// What claims of 0.5 and more are worth against which something speaks.
+fn doubted(sets: &[&Judged]) {
+    let claims = claims(sets);
+    println!();
+    for doubt in [Doubt::Halves, Doubt::Memory, Doubt::Levels, Doubt::Rest] {
+        let own = claims.iter().filter(|c| c.doubt == Some(doubt) && c.probability >= 0.5);
+        let own: Vec<_> = own.collect();
+        let right = own.iter().filter(|c| c.worth == Worth::True).count();
+        println!("doubted ({}): {} claims, {right} true", doubt.words(), own.len());
+    }
 }
 
 fn found(sets: &[&Judged]) {
@@ -222,12 +235,13 @@ fn tables(folder: &Path, sets: &[&Judged]) -> io::Result<()> {
         let joints: Vec<String> = joints.iter().map(usize::to_string).collect();
         format!("{name},{}", joints.join(" "))
     };
-    let mut claims = "seed,rows,unlisted,name,joints,probability,named,worth\n".to_owned();
+    let mut claims = "seed,rows,unlisted,name,joints,probability,named,doubt,worth\n".to_owned();
     let mut effects = "seed,rows,unlisted,name,joints,floors,named,told\n".to_owned();
     for j in sets {
         let set = format!("{},{},{}", j.seed, j.rows, j.unlisted.unwrap_or_default());
-        for Claimed { place: at, probability, named, worth } in &j.claims {
-            claims += &format!("{set},{},{probability:.6},{named},{worth:?}\n", place(at));
+        for Claimed { place: at, probability, named, doubt, worth } in &j.claims {
+            let doubt = doubt.map_or("", Doubt::words);
+            claims += &format!("{set},{},{probability:.6},{named},{doubt},{worth:?}\n", place(at));
         }
         for Truth { place: at, floors, named, told, .. } in &j.truths {
             effects += &format!("{set},{},{floors:.4},{named},{told}\n", place(at));

@@ -12,6 +12,8 @@ use super::list;
 const EACH: usize = 3;
 /// Sentences about where the residuals are.
 const PLACES: usize = 6;
+/// RMS over the scale from which on tails are worth a word: normal noise has 1.
+const TAILS: f64 = 1.1;
 
 /// Probability from which on only a disagreement of halves keeps from naming.
 const SURE: f64 = POLICY.named;
@@ -33,7 +35,7 @@ pub fn diagnosis(r: &Outcome) -> String {
             "held out with the choice of effects made anew in each fold: {nested:.4} mm\n"
         );
     }
-    out += &format!("noise is {} the stated standard deviation\n", noise(r));
+    out += &format!("noise is {} the stated standard deviation{}\n", noise(r), tails(r));
     if !b.outliers.is_empty() {
         let what = match r.effects.iter().any(|e| e.name == OUTLIERS) {
             true => "flagged as gross errors and left out",
@@ -62,6 +64,15 @@ fn noise(r: &Outcome) -> String {
             kinds.iter().map(of).collect::<Vec<_>>().join(", ")
         }
         _ => format!("{:.2} times", r.noise_scale),
+    }
+}
+
+/// Where noise has tails its scale says less than what is left of rows.
+fn tails(r: &Outcome) -> String {
+    let left = r.gap.last().map_or(1.0, |last| last.train_rms_sigmas);
+    match r.gap_unit() == GapUnit::Millimetres && left > TAILS {
+        true => format!(" in its middle, {:.2} times with its tails (RMS)", left * r.noise_scale),
+        false => String::new(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::doubts::Doubt;
 use super::nameless::Nameless;
+use super::sheet::ByCurves;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::Moments;
 use crate::diagnose::node::Node;
@@ -46,6 +47,8 @@ pub struct Weighed {
     pub moments: Option<Moments>,
     /// Error curves of joints, and what each is worth.
     pub curves: Vec<Curved>,
+    /// What is not known of them, at the tool.
+    pub by_curves: ByCurves,
     /// Where there are curves: the way from curves alone to the best model.
     pub stages: Vec<Stage>,
 }

@@ -1,5 +1,7 @@
 //! A search's result judged: on poses held out, in both halves, against rivals.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use super::answer::{Named, Weighed};
@@ -9,12 +11,13 @@ use super::halves;
 use super::nameless::Nameless;
 use super::parts::{Parts, joined};
 use super::possible::{NAMELESS, Possible, What, listed};
+use super::sheet::ByCurves;
 use crate::diagnose::candidates::{Candidate, arm_terms};
 use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::white;
 use crate::evidence::{self, Claim, Explanation, Gram, Subsets, explain};
-use crate::observations::Residual;
+use crate::observations::{Reading, Residual};
 
 /// The answer.
 #[must_use]
@@ -30,7 +33,8 @@ pub fn answer(
     let claims = found.posterior.claims();
     let halves = halves::all(of, found.scale, parts, grams);
     let rest = white::left(of.q.problem, &best).filter(|rest| rest.deviations > POLICY.white);
-    let rest = rest.map_or(0.0, |rest| rest.correlation);
+    // In chi-square: what neighbours have in common of what is left.
+    let rest = rest.map_or(0.0, |rest| rest.correlation * equations(of, &best));
     let mut names = Vec::new();
     let mut nameless: Vec<(Nameless, f64)> = Vec::new();
     for (claim, probability) in claims {
@@ -49,7 +53,7 @@ pub fn answer(
                     half_gain,
                     doubt: (!replicated).then_some(Doubt::Halves),
                 };
-                names.push((named, candidate, size(of, claim, found)));
+                names.push((named, candidate, chi_square(of, claim, found)));
             }
             None => {}
         }
@@ -71,15 +75,26 @@ pub fn answer(
         moments: None,
         no_room: 0,
         curves: Vec::new(),
+        by_curves: ByCurves::default(),
         stages: Vec::new(),
     }
 }
 
-/// Mean square of a claim's effects in the best model, in floors.
-fn size(of: &Explained, claim: Claim, found: &Explanation) -> f64 {
-    let members = found.best.members.iter().zip(&found.floors);
+/// Chi-square that only a claim's effects take away from the best model.
+fn chi_square(of: &Explained, claim: Claim, found: &Explanation) -> f64 {
+    let members = found.best.members.iter().zip(&found.coefficients);
     let own = members.filter(|(m, _)| Claim::from(&of.possible[**m].entry) == claim);
-    own.map(|(_, floors)| floors * floors).sum()
+    let square = |c: &evidence::Coefficient| (c.value / c.sigma).powi(2);
+    own.flat_map(|(_, coefficients)| coefficients).map(square).sum()
+}
+
+/// Equations of the kept rows, those of all readings of a pose counted once.
+fn equations(of: &Explained, best: &Node) -> f64 {
+    let rows = &of.q.problem.data.rows;
+    let mut seen = BTreeSet::new();
+    let first = |row: &&usize| seen.insert(Reading::of(rows, **row));
+    let firsts: Vec<usize> = best.fit.kept.iter().filter(first).copied().collect();
+    of.q.problem.equations(&firsts) as f64
 }
 
 /// Residuals of every row, predicted with all decided without its fold; the

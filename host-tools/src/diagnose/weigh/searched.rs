@@ -80,6 +80,8 @@ impl Searched {
         answer.moments = self.bent.moments;
         answer.no_room = no_room;
         if !self.curves.is_empty() {
+            let at = (q.flags.lambda, self.found.scale);
+            answer.by_curves = sheet.by_curves_unknown(&self.rows, &whole, at);
             let from = curved::From { all: &all, found: &self.found, parts: &parts, grams: &grams };
             answer.stages = curved::stages(&from);
             // The model is the last stage.

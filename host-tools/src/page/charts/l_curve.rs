@@ -29,9 +29,10 @@ pub fn l_curve(
         series.push(Series::points(name, vec![place(corner)]).notes(vec![at(corner)]).ink(Ink(3)));
     }
     let (x, y) = match scaling {
-        "prior" => {
-            ("RMS residual, stated standard deviations", "norm of the corrections, tolerances")
-        }
+        "prior" => (
+            "RMS residual, standard deviations of the noise",
+            "norm of the corrections, tolerances",
+        ),
         _ => ("RMS residual, m", "norm of the corrections, m and rad"),
     };
     Some(Panel::new("L-curve", Axis::log(x), Axis::log(y), series))

@@ -3,6 +3,7 @@
 
 mod bent;
 mod left;
+mod predicted;
 mod scanned;
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -20,6 +21,7 @@ use crate::identify::{Linearised, Problem, State, Unknown};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
 use crate::observations::Reading;
+pub use predicted::ByCurves;
 
 /// Equations given to a Gram matrix at a time.
 const TOGETHER: usize = 240;
