@@ -22,6 +22,44 @@ pub fn joint_from_file(kind: JointKind, value: f64) -> f64 {
     }
 }
 
+/// The same as it is read again: the number of a file that [`joint_from_file`] makes
+/// this value of. Where rounding leaves none, the nearest that is read as more, or as less.
+#[must_use]
+pub fn joint_to_file_at(kind: JointKind, value: f64, end: End) -> f64 {
+    let read = |number: f64| joint_from_file(kind, number);
+    let plain = joint_to_file(kind, value);
+    if read(plain) == value || !value.is_finite() {
+        return plain;
+    }
+    let (out, back): (fn(f64) -> f64, fn(f64) -> f64) = match end {
+        End::Up => (f64::next_up, f64::next_down),
+        End::Down => (f64::next_down, f64::next_up),
+    };
+    let holds = |number: f64| match end {
+        End::Up => read(number) >= value,
+        End::Down => read(number) <= value,
+    };
+    let mut number = plain;
+    while !holds(number) {
+        number = out(number);
+    }
+    while holds(back(number)) {
+        number = back(number);
+    }
+    // As what was read is written again.
+    let again = joint_to_file(kind, read(number));
+    if read(again) == read(number) { again } else { number }
+}
+
+/// To which side a number is rounded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// To what is read as no less.
+    Up,
+    /// To what is read as no more.
+    Down,
+}
+
 /// The unit of a joint value in a text.
 #[must_use]
 pub const fn joint_unit(kind: JointKind) -> &'static str {
@@ -77,4 +115,37 @@ pub fn point_from_mm(mm: [f64; 3]) -> Vector3<f64> {
 #[must_use]
 pub fn link_unit(parameter: LinkParameter) -> (&'static str, f64) {
     if parameter.is_length() { ("mm", MILLI) } else { ("deg", DEGREES) }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+
+    use super::*;
+
+    /// Numbers of files come back to the bit, any value no farther than a rounding and
+    /// on its side, and what was read is written again as it stood.
+    #[test]
+    fn numbers_are_read_again_on_their_side() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        for kind in [JointKind::Revolute, JointKind::Prismatic] {
+            for _ in 0..100_000 {
+                let any: f64 = rng.random_range(-400.0..400.0);
+                let three = (any * 1e3).round() / 1e3;
+                for value in [joint_from_file(kind, three), any / 57.0, any / 57e3] {
+                    let [low, high] = [End::Down, End::Up].map(|end| {
+                        let number = joint_to_file_at(kind, value, end);
+                        let read = joint_from_file(kind, number);
+                        assert_eq!(joint_to_file_at(kind, read, end), number, "{value:?}");
+                        read
+                    });
+                    assert!(low <= value && value <= high, "{low:?} {value:?} {high:?}");
+                    assert!(high - low <= 4.0 * f64::EPSILON * value.abs(), "{value:?}");
+                }
+                let value = joint_from_file(kind, three);
+                let number = joint_to_file_at(kind, value, End::Up);
+                assert_eq!(joint_from_file(kind, number), value, "{three}");
+            }
+        }
+    }
 }

@@ -232,3 +232,171 @@ fn the_view_is_short_and_asks_for_nothing() {
         assert!(!script.contains(word), "{word}");
     }
 }
+
+/// The text below an element, whole.
+fn words(element: &Element) -> String {
+    let children: String = element.children.iter().map(words).collect();
+    format!("{}{children}", element.text)
+}
+
+/// Points where the nominal tool would be, as if they had been measured.
+fn measured(folder: &TempDir, file: &str) {
+    let path = folder.path().join(file);
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replace("nominal_", "")).unwrap();
+}
+
+/// What is to be typed, of the section of a page.
+fn typed(root: &Element, section: &str) -> String {
+    let section = root.id(section).unwrap();
+    let line = words(section.all("pre")[0]);
+    line.strip_prefix("truearm ").unwrap_or_else(|| panic!("{line}")).to_owned()
+}
+
+/// What a plan says to type works as it stands; and it does not promise more than geometry.
+#[test]
+fn a_plan_says_what_follows() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("cell")).unwrap();
+    fs::rename(folder.path().join("robot.toml"), folder.path().join("cell/arm.toml")).unwrap();
+    run(
+        &folder,
+        "plan cell/arm.toml --poses 20 --candidates 100 --limits LIMITS --out cell/p.csv --html p.html",
+        0,
+    );
+    let root = sound(&folder, "p.html");
+    assert!(root.all("p")[0].text.contains("the geometry of the arm"), "{}", root.all("p")[0].text);
+    measured(&folder, "cell/p.csv");
+    run(&folder, &typed(&root, "next"), 0);
+}
+
+/// Explanations that are to be told apart: each by what it says otherwise, with its joints,
+/// and what is typed afterwards takes both data sets.
+#[test]
+fn alternatives_are_told_by_their_difference() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["robot.toml", "measurements.csv"] {
+        fs::copy(data("tie").join(name), folder.path().join(name)).unwrap();
+    }
+    run(&folder, "diagnose robot.toml measurements.csv --out d", 0);
+    let root = sound(&folder, "d/report.html");
+    let poses = words(root.id("poses").unwrap());
+    assert!(poses.contains(" of joint ") && poses.contains(" instead of "), "{poses}");
+    let line =
+        "plan robot.toml --poses 6 --discriminate measurements.csv --out p.csv --html p.html";
+    let said = run(&folder, line, 0);
+    let root = sound(&folder, "p.html");
+    let rows = root.id("told").unwrap().all("tr");
+    assert!(rows.len() > 1);
+    for row in &rows[1..] {
+        let first = words(row.all("td")[0]);
+        assert!(first.contains(" instead of ") && first.contains(" of joint "), "{first}");
+        assert!(said.contains(&first), "{first}\n{said}");
+    }
+    measured(&folder, "p.csv");
+    let next = typed(&root, "next");
+    assert!(next.contains(" measurements.csv --data p.csv "), "{next}");
+    run(&folder, &next, 0);
+}
+
+/// Nothing that was not measured is called so.
+#[test]
+fn what_a_model_predicts_is_said_to_be_predicted() {
+    let folder = folder();
+    run(&folder, "identify robot.toml measurements.csv --out .", 0);
+    for (more, says, not) in [
+        ("", "as the model predicts", "before, measured"),
+        (" --before c.csv", "before, measured", "as the model predicts"),
+    ] {
+        run(&folder, &format!("verify model.toml c.csv{more} --out v --force"), 0);
+        let root = sound(&folder, "v/report.html");
+        let head = words(root.all("header")[0]);
+        assert!(head.contains(says) && !head.contains(not), "{head}");
+        let verdict = &root.all("p")[0].text;
+        assert_eq!(verdict.contains("as the model predicts"), more.is_empty(), "{verdict}");
+    }
+}
+
+/// A wave of one joint, everything else as drawn, is shown at that joint, not at those that
+/// swing the tool alike by a shorter lever.
+#[test]
+fn curves_without_a_name_are_of_the_joint_that_errs() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::copy(data("ur10-ipa/robot.toml"), folder.path().join("robot.toml")).unwrap();
+    let all = fs::read_to_string(data("ur10-ipa/series-c/measurements.csv")).unwrap();
+    let joints: Vec<Vec<f64>> = all
+        .lines()
+        .skip(1)
+        .take(500)
+        .map(|line| line.split(',').skip(1).take(6).map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    let head = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg";
+    assert!(all.starts_with(&format!("order,{head},")));
+    let row = |q: &Vec<f64>| q.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+    for joint in 0..5 {
+        let mut text = format!("{head}\n");
+        for q in &joints {
+            let mut q = q.clone();
+            // 0.6 mrad, eight times a turn.
+            q[joint] += 0.6e-3_f64.to_degrees() * (8.0 * q[joint].to_radians()).sin();
+            text += &(row(&q) + "\n");
+        }
+        fs::write(folder.path().join("stands.csv"), text).unwrap();
+        run(&folder, "fk robot.toml stands.csv --out real.csv --force", 0);
+        let real = fs::read_to_string(folder.path().join("real.csv")).unwrap();
+        let mut text = format!("{head},x_mm,y_mm,z_mm\n");
+        for (i, (q, line)) in joints.iter().zip(real.lines().skip(1)).enumerate() {
+            let point = line.split(',').skip(6).take(3).map(|cell| cell.parse::<f64>().unwrap());
+            // Noise of 0.02 mm, of the same kind everywhere.
+            let noisy = point.enumerate().map(|(c, x)| {
+                let noise = (0.618_034 * (3 * i + c) as f64 * 7.0).fract() - 0.5;
+                (x + 0.07 * noise).to_string()
+            });
+            text += &format!("{},{}\n", row(q), noisy.collect::<Vec<_>>().join(","));
+        }
+        fs::write(folder.path().join("measurements.csv"), text).unwrap();
+        run(&folder, "identify robot.toml measurements.csv --out out --force", 0);
+        let left = sound(&folder, "out/report.html");
+        let left = left.id("left").unwrap_or_else(|| panic!("joint {}: no curve", joint + 1));
+        let titles: Vec<&str> = left.all("h3").iter().map(|h| h.text.as_str()).collect();
+        let own = format!("Joint {0}, left over, against the reading of joint {0}", joint + 1);
+        assert_eq!(titles[0], own, "{titles:?}");
+        let explains: Vec<f64> = left
+            .all("figcaption")
+            .iter()
+            .map(|caption| {
+                let (_, rest) = caption.text.split_once("explains ").unwrap();
+                rest.split(' ').next().unwrap().parse().unwrap()
+            })
+            .collect();
+        println!("joint {}: {titles:?} {explains:?}", joint + 1);
+        // Of what bins and the lever leave of it, not again the whole.
+        assert!(explains[1..].iter().all(|mm| *mm < 0.4 * explains[0]), "{titles:?} {explains:?}");
+    }
+}
+
+/// Methods that do alike share the first place, those that did not come to rest are named, and
+/// lines on each other say so.
+#[test]
+fn methods_that_do_alike_are_not_ranked() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::copy(data("ur10-ipa/robot.toml"), folder.path().join("robot.toml")).unwrap();
+    let all = fs::read_to_string(data("ur10-ipa/series-c/measurements.csv")).unwrap();
+    let rows: String = all.lines().take(301).map(|line| format!("{line}\n")).collect();
+    fs::write(folder.path().join("measurements.csv"), rows).unwrap();
+    let said = run(&folder, "compare robot.toml measurements.csv --out c", 0);
+    let root = sound(&folder, "c/report.html");
+    let rest = said.lines().find_map(|l| l.strip_prefix("did not come to rest: "));
+    let page = words(&root);
+    assert_eq!(rest.is_some(), page.contains("Did not come to rest"), "{said}");
+    if let Some(rest) = rest {
+        assert!(page.contains(&format!("Did not come to rest: {rest}.")), "{said}");
+    }
+    let alike = said.lines().find(|l| l.starts_with("cannot be told apart"));
+    let verdict = &root.all("p")[0].text;
+    assert_eq!(alike.is_some(), verdict.contains("cannot be told apart"), "{verdict}\n{said}");
+    assert!(rest.is_some() && alike.is_some(), "{said}");
+    println!("{verdict}\n{said}");
+    let svg = fs::read_to_string(folder.path().join("c/errors.svg")).unwrap();
+    assert!(svg.contains(" (on "), "no method lies on another");
+}

@@ -478,3 +478,128 @@ fn what_is_out_of_reach_is_not_invented() {
     );
     assert!(again.unwrap_err().to_string().contains("compensated before"));
 }
+
+/// A model that was written and read again covers every row that it was fitted to, in both
+/// numbers, and where the outermost rows are at the joint limits nothing is written beyond.
+#[test]
+fn every_row_that_was_fitted_is_covered() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = folder.path().join("model.toml");
+    for seed in 0..25 {
+        for (name, robot) in arms() {
+            let mut model = model(robot, Terms::None, seed);
+            let path =
+                read(&file(&model, &commands(&model, 25, 30 + seed)), &model, Wanted::Joints);
+            model.covered = path.data.covered().into_iter().map(Some).collect();
+            for (joint, range) in model.robot.joints.iter_mut().zip(&model.covered) {
+                joint.limits = *range;
+            }
+            let mut ranges = Vec::new();
+            for again in 0..3 {
+                let text = model.to_toml();
+                // What was read is written as it stood.
+                let lines = text.lines().filter(|l| l.contains("covered") || l.contains("limits"));
+                let new: Vec<String> = lines.map(str::to_owned).collect();
+                assert!(new.len() == 2 * path.data.rows[0].q.len(), "{new:?}");
+                assert!(again == 0 || new == ranges, "{name}, seed {seed}: {ranges:?} {new:?}");
+                std::fs::write(&written, &text).unwrap();
+                (model, ranges) = (Model::read(&written).unwrap(), new);
+            }
+            for single in [false, true] {
+                let options = CompensateOptions { single, extrapolate: false, ..EXTRAPOLATE };
+                let found = compensate(&model, &path, &options).unwrap();
+                for (i, row) in found.rows.iter().enumerate() {
+                    assert!(
+                        matches!(row, Row::Corrected { covered: true, .. }),
+                        "{name}, seed {seed}, row {i}: {row:?}"
+                    );
+                }
+                let told = compensated_csv(&path, &model.robot, &found).unwrap();
+                let told = read(&told, &model, Wanted::Joints);
+                told.within_limits(&model.robot).unwrap();
+            }
+        }
+    }
+}
+
+/// A command at the limit stays there in the file, whatever the controller's numbers make
+/// of it, and has the controller's bits.
+#[test]
+fn no_joint_is_written_beyond_its_limit() {
+    let robot = robots::ALL[0];
+    for limit in [360.0_f64, 180.0, 170.0, 185.3, 99.9] {
+        let mut model = model(robot, Terms::Few, 3);
+        for joint in &mut model.robot.joints {
+            joint.limits = Some([-limit.to_radians(), limit.to_radians()]);
+        }
+        model.covered = model.robot.joints.iter().map(|joint| joint.limits).collect();
+        let mut text = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n".to_owned();
+        for i in 0..12 {
+            let sign = if i < 6 { limit } else { -limit };
+            let q = (0..6).map(|j| if i % 6 == j { sign } else { 20.0 + f64::from(j) });
+            text += &(q.map(|q| q.to_string()).collect::<Vec<_>>().join(",") + "\n");
+        }
+        let path = read(&text, &model, Wanted::Joints);
+        for single in [true, false] {
+            let options = CompensateOptions { single, ..EXTRAPOLATE };
+            let found = compensate(&model, &path, &options).unwrap();
+            let told = compensated_csv(&path, &model.robot, &found).unwrap();
+            let told = read(&told, &model, Wanted::Joints);
+            for j in 1..=6 {
+                for (i, q) in numbers(&told, &format!("q{j}_deg")).iter().enumerate() {
+                    assert!(q.abs() <= limit, "limit {limit}, row {i}, joint {j}: {q}");
+                    let at = |q: f64| if single { f64::from(q.to_radians() as f32) } else { q };
+                    let moved = i % 6 + 1 == j && at(q.abs()) != at(limit);
+                    assert!(!moved, "limit {limit}, row {i}: {q}");
+                }
+            }
+        }
+    }
+}
+
+/// Without a start a path of poses begins in a configuration that the identification
+/// covered, whole turns and all.
+#[test]
+fn a_configuration_that_is_chosen_is_covered() {
+    for (name, robot) in [arms()[0], arms()[3]] {
+        let mut rng = ChaCha8Rng::seed_from_u64(12);
+        for seed in 0..20 {
+            let mut model = model(robot, Terms::None, seed);
+            for joint in &mut model.robot.joints {
+                if joint.link.kind == JointKind::Revolute {
+                    joint.limits = Some([-360.0_f64.to_radians(), 360.0_f64.to_radians()]);
+                }
+            }
+            let ranges = model.robot.joints.iter().map(|joint| {
+                let [low, high] = joint.limits.unwrap();
+                let from = low + (high - low) * rng.random_range(0.02..0.8);
+                [from, from + 0.1 * (high - low)]
+            });
+            let ranges: Vec<[f64; 2]> = ranges.collect();
+            model.covered = ranges.iter().copied().map(Some).collect();
+            // A short path from somewhere in the middle of what was covered.
+            let from: Vec<f64> = ranges
+                .iter()
+                .map(|[low, high]| low + (high - low) * rng.random_range(0.3..0.6))
+                .collect();
+            let rows: Vec<Vec<f64>> = (0..10)
+                .map(|i| {
+                    let on = from.iter().zip(&ranges);
+                    on.map(|(q, [low, high])| q + (high - low) * 0.01 * f64::from(i)).collect()
+                })
+                .collect();
+            let joints = read(&file(&model, &rows), &model, Wanted::Joints);
+            let nominal = Forward::nominal(&model, &View::default()).unwrap();
+            let text = forward_csv(&joints, &model.robot, &nominal.all(&joints.data)).unwrap();
+            let path = read(&text, &model, Wanted::Poses);
+            let options = CompensateOptions { extrapolate: false, ..EXTRAPOLATE };
+            let found = compensate(&model, &path, &options).unwrap();
+            assert!(found.chosen);
+            let first = &found.rows[0];
+            assert!(
+                matches!(first, Row::Corrected { covered: true, .. }),
+                "{name}, seed {seed}: {first:?} of {from:?}"
+            );
+        }
+    }
+}

@@ -87,6 +87,10 @@ fn ur10_from_measurements_to_corrected_joints() {
     let line = "compensate out/model.toml check.csv --from joints --extrapolate --out told.csv";
     println!("{}", run(&folder, line));
     met(&folder, "out/model.toml", "check.csv", "told.csv");
+    let said = run(&folder, &format!("{line} --json --force"));
+    let said: Value = serde_json::from_str(&said[said.find('{').unwrap()..]).unwrap();
+    let of = |key: &str, what: &str| said[key][what].as_f64().unwrap();
+    as_documented([of("before", "rms_mm"), of("left", "max_mm"), rms, stated]);
 
     // As many terms as a controller takes: in its numbers as well.
     run(&folder, "identify robot.toml train.csv --out rigid");
@@ -103,6 +107,20 @@ fn ur10_from_measurements_to_corrected_joints() {
     let most = double.iter().zip(single).map(|(a, b)| apart(*a, b)).fold(0.0, f64::max);
     println!("f32 and f64: {:.3} um apart", most * 1e3);
     assert!(most < 5e-3, "{most} mm");
+}
+
+/// The figures at the head of docs/paths.md are those of this test, to 3 %.
+fn as_documented(found: [f64; 4]) {
+    let page = include_str!("../../docs/paths.md");
+    let (_, rest) = page.split_once("On 500 rows of UR10 series C").unwrap();
+    let paragraph = rest.split("\n\n").next().unwrap();
+    let words: Vec<&str> = paragraph.split_whitespace().collect();
+    let figures = words.windows(2).filter(|w| w[1].trim_end_matches(['.', ',']) == "mm");
+    let said: Vec<f64> = figures.map(|w| w[0].parse().unwrap()).collect();
+    assert_eq!(said.len(), found.len(), "{paragraph}");
+    for (said, found) in said.iter().zip(found) {
+        assert!((said / found - 1.0).abs() < 0.03, "{said} mm in {paragraph}\n{found} mm found");
+    }
 }
 
 /// The tool at the joints that were told is where it was commanded, within what is
@@ -279,6 +297,9 @@ fn bad_input() {
         ("compensate model.toml ROWS --format ros2", ROWS, "2.25=0.5", 1, "the time does not grow"),
         ("compensate model.toml ROWS --format ros2", ROWS, "time_s=t", 1, "--every SECONDS"),
         ("compensate model.toml ROWS --format ros2 --every 0", ROWS, "", 2, "--every 0"),
+        ("compensate model.toml ROWS --every 1", ROWS, "", 2, "--every is for a ROS 2 trajectory"),
+        ("compensate model.toml ROWS --move movel", ROWS, "", 2, "--move is for a URScript"),
+        ("compensate model.toml ROWS --format ros2 --move movel", ROWS, "", 2, "--move is for"),
         (
             "compensate model.toml ROWS --format ros2 --joint-names a,b",
             ROWS,

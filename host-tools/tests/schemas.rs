@@ -139,6 +139,7 @@ fn reports_are_valid() {
         candidates: 3000,
         alternatives: vec![SeparatedAlternative {
             effects: vec![("joint-gain", vec![2])],
+            instead: "joint-compliance of joint 2 instead of base-compliance".to_owned(),
             worse_by_now: 3.5,
             worse_by_planned: 40.0,
         }],

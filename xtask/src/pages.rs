@@ -9,11 +9,14 @@ use crate::run::{Result, call, exists, program, root, step, target_dir};
 const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
 const WIDTHS: [usize; 3] = [390, 1280, 2560];
 
-/// Verbs on the paper's points, with the page that each writes.
-const LINES: [(&str, &str); 4] = [
+/// Verbs on the paper's points, with the page that each writes; and a diagnosis of a real
+/// arm, which has curves and waves to show.
+const LINES: [(&str, &str); 6] = [
     ("identify robot.toml measurements.csv --out identify", "identify/report.html"),
     ("diagnose robot.toml measurements.csv --out diagnose", "diagnose/report.html"),
+    ("diagnose ur10/robot.toml ur10/measurements.csv --out ur10/out", "ur10/out/report.html"),
     ("compare robot.toml measurements.csv --out compare", "compare/report.html"),
+    ("verify identify/model.toml commanded.csv --out verify", "verify/report.html"),
     (
         "plan robot.toml --poses 20 --limits -120:120,-120:120,-120:120,-120:120,-120:120,-120:120 \
          --out plan/poses.csv --html plan/report.html",
@@ -37,10 +40,22 @@ pub fn run(pages: &[PathBuf]) -> Result {
 
 fn made() -> Result<Vec<PathBuf>> {
     let folder = target_dir().join("pages");
-    std::fs::create_dir_all(folder.join("plan"))?;
-    for name in ["robot.toml", "measurements.csv"] {
-        std::fs::copy(root().join("tests/data/seed-table-8").join(name), folder.join(name))?;
+    let data = root().join("tests/data");
+    for name in ["plan", "ur10"] {
+        std::fs::create_dir_all(folder.join(name))?;
     }
+    for (from, to) in [
+        ("seed-table-8/robot.toml", "robot.toml"),
+        ("seed-table-8/measurements.csv", "measurements.csv"),
+        ("ur10-ipa/robot.toml", "ur10/robot.toml"),
+        ("ur10-ipa/series-c/measurements.csv", "ur10/measurements.csv"),
+    ] {
+        std::fs::copy(data.join(from), folder.join(to))?;
+    }
+    // The same joints as commanded ones.
+    let rows = std::fs::read_to_string(folder.join("measurements.csv"))?;
+    let commanded = (1..=6).fold(rows, |t, j| t.replace(&format!("q{j}_"), &format!("cmd{j}_")));
+    std::fs::write(folder.join("commanded.csv"), commanded)?;
     for (line, _) in LINES {
         call(program()?.current_dir(&folder).args(line.split_whitespace()))?;
     }

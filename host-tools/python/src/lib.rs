@@ -39,7 +39,7 @@ mod _truearm {
     #[pymodule_export]
     use super::measurements::Measurements;
     #[pymodule_export]
-    use super::model::Model;
+    use super::model::{Compensated, Model};
     #[pymodule_export]
     use super::robot::Robot;
     #[pymodule_export]

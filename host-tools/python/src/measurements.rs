@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use truearm_host::model;
-use truearm_host::units::{joint_column, joint_to_file};
+use truearm_host::units::{End, joint_column, joint_to_file_at};
 
 use crate::arrays::{joints, matrix, rows};
 use crate::robot::Robot;
@@ -111,7 +111,7 @@ pub fn table(
     for (row, q) in q.iter().enumerate() {
         text.push('\n');
         for (value, kind) in q.iter().zip(&kinds) {
-            let _ = write!(text, "{},", number(joint_to_file(*kind, *value)));
+            let _ = write!(text, "{},", number(joint_to_file_at(*kind, *value, End::Up)));
         }
         let cells = others.iter().map(|(_, cells)| quoted(&cells[row]));
         text += &cells.collect::<Vec<_>>().join(",");

@@ -1,8 +1,9 @@
 use std::path::PathBuf;
 
-use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use truearm::Task;
 use truearm_host::blob::{PackOptions, pack_with};
 use truearm_host::files::{self, Wanted};
 use truearm_host::model;
@@ -10,8 +11,8 @@ use truearm_host::paths::{CompensateOptions, Forward, Row, View, compensate};
 
 use crate::arrays::{each, flat, jacobians, joints, matrix, transforms};
 use crate::measurements::table;
-use crate::refused;
 use crate::robot::Robot;
+use crate::{refused, wrong};
 
 /// An identified arm.
 #[pyclass(frozen, module = "truearm")]
@@ -86,40 +87,110 @@ impl Model {
     }
 
     /// Joint values at which the real tool is where the commanded ones want it, by the
-    /// controller's law: (n x joints, how far it still misses in m). `single` has the
-    /// controller's bits; rows that the identification did not cover stay as they were
-    /// unless `extrapolate`.
-    #[pyo3(signature = (joint_values, extrapolate=false, single=false))]
-    fn compensate<'py>(
+    /// controller's law. `single` has the controller's bits; rows that the identification
+    /// did not cover stay as they were unless `extrapolate`. `task` is `position` or `pose`;
+    /// `payload` (kg) and `temperature` (degrees C) are a number or one a row.
+    #[pyo3(signature = (
+        joint_values, extrapolate=false, single=false, task=None, payload=None, temperature=None
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
+    fn compensate(
         &self,
-        py: Python<'py>,
+        py: Python<'_>,
         joint_values: PyReadonlyArray2<f64>,
         extrapolate: bool,
         single: bool,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Vec<f64>)> {
+        task: Option<&str>,
+        payload: Option<Bound<'_, PyAny>>,
+        temperature: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Compensated> {
         let robot = Robot { inner: self.inner.robot.clone() };
-        let row: Vec<String> =
-            (0..joint_values.as_array().nrows()).map(|k| k.to_string()).collect();
-        let text = table(&robot, &joint_values, &[("row".to_owned(), row)])?;
-        let options = CompensateOptions { extrapolate, single, ..CompensateOptions::default() };
+        let rows = joint_values.as_array().nrows();
+        let mut state = vec![("row".to_owned(), (0..rows).map(|k| k.to_string()).collect())];
+        for (name, given) in [("payload_kg", payload), ("temperature_c", temperature)] {
+            if let Some(given) = given {
+                state.push((name.to_owned(), numbers(&given, rows)?));
+            }
+        }
+        let text = table(&robot, &joint_values, &state)?;
+        let task = task.map(task_named).transpose()?;
+        let options = CompensateOptions { task, extrapolate, single, ..Default::default() };
         let found = py.detach(|| {
             let path = model::Path::parse("arrays".as_ref(), &text, &robot.inner, Wanted::Joints)?;
             compensate(&self.inner, &path, &options)
         });
-        let found = found.map_err(refused)?;
-        let mut corrected = Vec::new();
-        let mut left = Vec::new();
-        for row in found.rows {
-            if let Row::Corrected { joints, left: [metres, _], .. } = row {
-                corrected.push(joints);
-                left.push(metres);
-            }
-        }
-        Ok((matrix(py, &corrected)?, left))
+        Compensated::of(py, &found.map_err(refused)?.rows)
     }
 
     fn __repr__(&self) -> String {
         let (name, terms) = (&self.inner.robot.name, self.inner.terms.len());
         format!("Model({name:?}, {terms} terms, {} curves)", self.inner.curves.len())
     }
+}
+
+/// What became of commanded joints, an entry a row.
+#[pyclass(frozen, module = "truearm")]
+pub struct Compensated {
+    /// What to tell the controller: n x joints, rad or m.
+    #[pyo3(get)]
+    joints: Py<PyArray2<f64>>,
+    /// How far the tool still misses, m, as the model says.
+    #[pyo3(get)]
+    left: Py<PyArray1<f64>>,
+    /// Whether the command was within the joint ranges of the identification.
+    #[pyo3(get)]
+    covered: Py<PyArray1<bool>>,
+    /// Whether the correction was held back: at its largest, or near a limit.
+    #[pyo3(get)]
+    clamped: Py<PyArray1<bool>>,
+}
+
+impl Compensated {
+    fn of(py: Python<'_>, rows: &[Row]) -> PyResult<Self> {
+        let mut all = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for row in rows {
+            // Joints are always reached.
+            if let Row::Corrected { joints, left: [metres, _], covered, clamped, .. } = row {
+                all.0.push(joints.clone());
+                all.1.push(*metres);
+                all.2.push(*covered);
+                all.3.push(*clamped);
+            }
+        }
+        Ok(Self {
+            joints: matrix(py, &all.0)?.unbind(),
+            left: PyArray1::from_vec(py, all.1).unbind(),
+            covered: PyArray1::from_vec(py, all.2).unbind(),
+            clamped: PyArray1::from_vec(py, all.3).unbind(),
+        })
+    }
+}
+
+#[pymethods]
+impl Compensated {
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let count = |flags: &Py<PyArray1<bool>>, what: bool| {
+            flags.bind(py).readonly().as_array().iter().filter(|flag| **flag == what).count()
+        };
+        let rows = self.left.bind(py).readonly().as_array().len();
+        let (outside, held) = (count(&self.covered, false), count(&self.clamped, true));
+        format!("Compensated({rows} rows, {outside} not covered, {held} clamped)")
+    }
+}
+
+fn task_named(name: &str) -> PyResult<Task> {
+    match name {
+        "position" => Ok(Task::Position),
+        "pose" => Ok(Task::Pose),
+        _ => Err(wrong(format!("task {name:?}"), "give \"position\" or \"pose\"")),
+    }
+}
+
+/// A number for every row, of one or of as many.
+fn numbers(given: &Bound<'_, PyAny>, rows: usize) -> PyResult<Vec<String>> {
+    let values = match given.extract::<f64>() {
+        Ok(one) => vec![one; rows],
+        Err(_) => given.extract::<Vec<f64>>()?,
+    };
+    Ok(values.iter().map(f64::to_string).collect())
 }

@@ -1,6 +1,10 @@
 """The package on shipped data; run by `cargo xtask python` in a bare environment."""
 
+import contextlib
+import io
+import os
 import pathlib
+import shutil
 import tempfile
 import time
 import tomllib
@@ -72,14 +76,19 @@ class Truearm(unittest.TestCase):
     def test_forward_is_the_arm_and_faster_than_numpy(self):
         rng = np.random.default_rng(1)
         q = rng.uniform(-2.5, 2.5, (100_000, self.robot.joints))
-        start = time.perf_counter()
-        own = self.robot.forward(q)
-        middle = time.perf_counter()
-        theirs = numpy_forward(CASE / "robot.toml", q)
-        end = time.perf_counter()
+        own_s, their_s = [], []
+        # The quickest of each, one after the other: what else runs disturbs both.
+        for _ in range(5):
+            start = time.perf_counter()
+            own = self.robot.forward(q)
+            middle = time.perf_counter()
+            theirs = numpy_forward(CASE / "robot.toml", q)
+            own_s.append(middle - start)
+            their_s.append(time.perf_counter() - middle)
         np.testing.assert_allclose(own, theirs, atol=1e-9)
-        ratio = (end - middle) / (middle - start)
+        ratio = min(their_s) / min(own_s)
         print(f"forward kinematics of 100,000 poses: {ratio:.1f} times as fast as numpy")
+        self.assertGreater(ratio, 5.0)
 
     def test_the_jacobian_is_the_derivative(self):
         q = self.data.joints[:5]
@@ -93,12 +102,59 @@ class Truearm(unittest.TestCase):
 
     def test_compensated_joints_meet_the_nominal_points(self):
         model, q = self.found.model, self.data.joints[:50]
-        better, left = model.compensate(q)
+        told = model.compensate(q)
+        better, left = told.joints, told.left
+        # Rows that were fitted are covered, to the last bit.
+        self.assertTrue(told.covered.all(), told)
+        self.assertTrue(model.compensate(self.data.joints).covered.all())
+        self.assertFalse(told.clamped.any(), told)
         wanted = model.forward(q, nominal=True)[:, :3, 3]
         missed = np.linalg.norm(model.forward(better)[:, :3, 3] - wanted, axis=1)
         np.testing.assert_allclose(missed, left, atol=1e-9)
         before = np.linalg.norm(model.forward(q)[:, :3, 3] - wanted, axis=1)
         self.assertLess(missed.max(), 0.05 * before.max())
+
+    def test_state_and_task_are_taken(self):
+        model, q = self.found.model, self.data.joints[:20]
+        rest = model.compensate(q).joints
+        # Thermal expansion is what this arm has.
+        warm = model.compensate(q, temperature=40.0)
+        self.assertGreater(np.abs(warm.joints - rest).max(), 1e-6)
+        each = model.compensate(q, temperature=[40.0] * len(q), payload=np.zeros(len(q)))
+        np.testing.assert_array_equal(each.joints, warm.joints)
+        position = model.compensate(q, task="position").joints
+        np.testing.assert_array_equal(position, rest)
+        for wrong in [{"task": "somewhere"}, {"temperature": [20.0]}, {"task": "pose"}]:
+            with self.assertRaises(truearm.TruearmError):
+                model.compensate(q, **wrong)
+        outside = q.copy()
+        outside[0, 0] = self.data.joints[:, 0].max() + 0.01
+        told = model.compensate(outside)
+        self.assertEqual(list(told.covered), [False] + [True] * (len(q) - 1))
+        np.testing.assert_allclose(told.joints[0], outside[0], rtol=1e-15)
+
+    def test_the_readme_runs(self):
+        readme = pathlib.Path(__file__).resolve().parents[1] / "README.md"
+        blocks = readme.read_text().split("```python\n")[1:]
+        self.assertEqual(len(blocks), 1)
+        code = blocks[0].split("```")[0]
+        here, said = os.getcwd(), io.StringIO()
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ["robot.toml", "measurements.csv"]:
+                shutil.copy(CASE / name, folder)
+            os.chdir(folder)
+            try:
+                names = {}
+                with contextlib.redirect_stdout(said):
+                    exec(compile(code, str(readme), "exec"), names)
+                self.assertGreater(pathlib.Path("params.bin").stat().st_size, 500)
+            finally:
+                os.chdir(here)
+        lines = said.getvalue().splitlines()
+        self.assertEqual(lines[0], "explained")
+        self.assertIn("thermal-expansion", lines[1])
+        self.assertLess(float(lines[-1]), 1.0)
+        self.assertEqual(names["better"].shape, self.data.joints.shape)
 
     def test_a_station_sees_what_it_measured(self):
         seen = self.found.model.forward(self.data.joints, station="")[:, :3, 3]
@@ -120,7 +176,8 @@ class Truearm(unittest.TestCase):
     def test_evaluate_check_and_plan(self):
         holdout = truearm.Measurements.read(CASE / "holdout.csv", self.robot)
         scored = truearm.evaluate(self.found.model, holdout)
-        self.assertLess(scored["validation"]["stats"]["rms_mm"] if "stats" in scored["validation"] else 0.0, 1.0)
+        rms = scored["validation"]["rms_mm"]
+        self.assertTrue(0.0 < rms < 1.0, rms)
         self.assertEqual(truearm.check(self.robot, self.data)["verdict"], "sound")
         poses, report = truearm.plan(self.robot, 12, candidates=300)
         self.assertEqual(poses.shape, (12, self.robot.joints))

@@ -4,8 +4,9 @@ use truearm_host::units::joint_from_file;
 use truearm_host::{Error, Result};
 
 /// What is said where the configuration was chosen for the user.
-pub const CHOSEN: &str = "the configuration of the first row was chosen, the nearest found to \
-                          mid-range: give the joints to begin at with --start";
+pub const CHOSEN: &str = "the configuration of the first row was chosen: the one found that keeps most rows \
+                          within the joint ranges of the identification, of a nominal arm the nearest \
+                          to mid-range. Give the joints to begin at with --start";
 
 /// What is said of rows that a robot does not come to without changing its
 /// configuration; nothing where there are none.

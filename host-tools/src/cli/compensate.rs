@@ -57,9 +57,9 @@ pub struct Compensate {
     /// Write in the language of this template, see docs/paths.md
     #[arg(long, value_name = "FILE.toml")]
     template: Option<PathBuf>,
-    /// How a URScript goes from row to row
-    #[arg(long = "move", value_enum, default_value_t = Motion::Movej)]
-    motion: Motion,
+    /// How a URScript goes from row to row; movej if not given
+    #[arg(long = "move", value_enum)]
+    motion: Option<Motion>,
     /// Seconds from row to row of a ROS 2 trajectory, instead of time_s
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     every: Option<f64>,
@@ -108,6 +108,7 @@ impl Compensate {
     pub fn run(self) -> Result<Said> {
         let template = self.template.as_deref().map(Template::read).transpose()?;
         let format = self.format()?;
+        self.without_idle(format)?;
         if let Some(every) = self.every.filter(|every| !(*every > 0.0 && every.is_finite())) {
             let help = "give the seconds from row to row, such as 0.1";
             return Err(Error::usage(format!("--every {every}"), help));
@@ -143,7 +144,7 @@ impl Compensate {
         let text = if self.json {
             to_json(&report)
         } else {
-            words::compensation(&report) + &format!("wrote {}\n", report.out)
+            words::compensation(&report, path.coordinates) + &format!("wrote {}\n", report.out)
         };
         let held = !report.extrapolated && !report.not_covered.is_empty();
         let wrong = held || !report.not_reached.is_empty();
@@ -179,6 +180,23 @@ impl Compensate {
         }
     }
 
+    /// No option of a language that is not written: it would be taken for heard.
+    fn without_idle(&self, format: Format) -> Result<()> {
+        let format = self.template.is_none().then_some(format);
+        let given = [
+            ("--move", self.motion.is_some(), Format::Urscript, "a URScript"),
+            ("--every", self.every.is_some(), Format::Ros2, "a ROS 2 trajectory"),
+            ("--joint-names", !self.joint_names.is_empty(), Format::Ros2, "a ROS 2 trajectory"),
+        ];
+        match given.into_iter().find(|(_, given, of, _)| *given && format != Some(*of)) {
+            None => Ok(()),
+            Some((option, _, _, of)) => Err(Error::usage(
+                format!("{option} is for {of}, and {} is none", self.out.display()),
+                format!("leave {option} out, or write {of} by the ending of --out or by --format"),
+            )),
+        }
+    }
+
     fn written(
         &self,
         format: Format,
@@ -188,8 +206,8 @@ impl Compensate {
             Format::Csv => compensated_csv(path, &model.robot, found),
             Format::Urscript => {
                 let how = match self.motion {
-                    Motion::Movej => Move::Joints,
-                    Motion::Movel => Move::Line,
+                    None | Some(Motion::Movej) => Move::Joints,
+                    Some(Motion::Movel) => Move::Line,
                 };
                 urscript(model, path, found, how)
             }

@@ -48,7 +48,7 @@ impl Ik {
         } else {
             Forward::real(&model, &view)?
         };
-        let inverse = Inverse::new(&forward, &model.robot);
+        let inverse = Inverse::new(&forward, &model.robot).preferring(&model.covered);
         let found = inverse.follow(&path.data, &path.targets, start.as_deref());
         let inputs = [self.model.as_path(), &self.rows];
         let table = inverse_csv(&path, &model.robot, &found.rows)?;

@@ -1,11 +1,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use truearm_host::diagnose::{DiagnoseOptions, diagnose};
+use truearm_host::diagnose::{DiagnoseOptions, diagnose, instead};
 use truearm_host::files::poses_csv;
 use truearm_host::model::{Measurements, Robot, Workspace};
 use truearm_host::observations::by_name;
-use truearm_host::page::{Page, Planned, planned, separated};
+use truearm_host::page::{Page, Planned, after_measuring, planned, separated};
 use truearm_host::plan::{Explained, PlanOptions, discriminate, plan};
 use truearm_host::report::{PlanReport, SeparatedAlternative, SeparationReport, to_json};
 use truearm_host::units::MICRO;
@@ -122,8 +122,8 @@ impl Plan {
         workspace: &'p Workspace,
         poses: &'p [Vec<f64>],
     ) -> Planned<'p> {
-        let file = self.out.to_str().unwrap_or_default();
-        Planned { robot, limits: &workspace.limits, poses, file }
+        let then = after_measuring(&self.robot, &self.out, self.discriminate.as_deref());
+        Planned { robot, limits: &workspace.limits, poses, file: &self.out, then }
     }
 
     fn page(&self, made: impl FnOnce() -> Page) -> Result<()> {
@@ -166,10 +166,12 @@ impl Plan {
         self.write(&poses_csv(robot, "q", &planned.poses, directions))?;
         let warnings = found.outcome.figures.warnings.clone();
         warn(&warnings);
+        let named = [found.outcome.effects.clone(), found.outcome.suspected.clone()].concat();
         let pairs = found.outcome.alternatives.iter().zip(&planned.separation);
         let alternatives: Vec<SeparatedAlternative> = pairs
             .map(|(a, added)| SeparatedAlternative {
                 effects: a.effects.clone(),
+                instead: instead(&a.effects, &named),
                 worse_by_now: a.worse_by,
                 worse_by_planned: *added,
             })

@@ -21,6 +21,7 @@ pub mod weigh;
 mod white;
 
 pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Verdict, said};
+pub use tell::{instead, place};
 pub use weigh::Doubt;
 
 use crate::error::{Error, Kind, Result};

@@ -147,6 +147,38 @@ pub fn compare(
     })
 }
 
+impl Comparison {
+    /// The method whose mean error is smallest, and those whose mean is not larger by more
+    /// than the standard error of a mean over so many rows: these cannot be told apart. With
+    /// that standard error, mm.
+    #[must_use]
+    pub fn best(&self) -> Option<(Vec<&Outcome>, f64)> {
+        let judged = |o: &&Outcome| o.judged().is_some();
+        let mean = |o: &&Outcome| o.judged().map_or(f64::INFINITY, |s| s.mean_mm);
+        let mut all: Vec<&Outcome> = self.methods.iter().filter(judged).collect();
+        all.sort_by(|a, b| mean(a).total_cmp(&mean(b)));
+        let first = *all.first()?;
+        let rows = first.judged_residuals().len().max(1) as f64;
+        let error = first.judged()?.sd_mm / rows.sqrt();
+        all.retain(|o| mean(o) - mean(&first) <= error);
+        Some((all, error))
+    }
+}
+
+impl Outcome {
+    /// What it is judged by: the other file where there is one.
+    #[must_use]
+    pub fn judged(&self) -> Option<Stats> {
+        self.validation.or(self.fitted)
+    }
+
+    /// The residuals of that.
+    #[must_use]
+    pub fn judged_residuals(&self) -> &[Residual] {
+        if self.validation.is_some() { &self.validation_residuals } else { &self.residuals }
+    }
+}
+
 /// A method on a task: result, time, size of the corrections.
 fn run(method: &dyn Method, task: &Task) -> Outcome {
     let clock = Instant::now();
@@ -176,7 +208,7 @@ fn run(method: &dyn Method, task: &Task) -> Outcome {
 
 /// Table 10: what is gone of the first method's error.
 fn reductions(outcomes: &mut [Outcome]) {
-    let judged = |o: &Outcome| o.validation.or(o.fitted);
+    let judged = Outcome::judged;
     let Some(before) = outcomes.first().and_then(judged) else { return };
     for outcome in outcomes.iter_mut().skip(1) {
         let after = judged(outcome);

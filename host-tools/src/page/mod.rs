@@ -15,7 +15,7 @@ mod verbs;
 
 pub use document::{Figure, Page, Section};
 pub use picture::Measured;
-pub use sections::next::{Next, commands};
+pub use sections::next::{Next, after_measuring, commands};
 pub use verbs::{Planned, compared, diagnosed, identified, planned, separated, verified};
 
 /// With what a page of truearm's own making begins.

@@ -34,7 +34,7 @@ document.querySelectorAll(".view").forEach((view) => {
   const box = make("path", "edge");
   const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [0, 1, 2].map((k) => ((i >> k) % 2 ? high : low)[k]));
   const edges = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
-  const extents = ["x", "y", "z"].map(() => make("text", ""));
+  const extents = ["x", "y", "z"].map(() => make("text", "halo"));
   const ends = [1, 2, 4];
   const base = ["i1", "i2", "i0"].map((ink) => make("path", "line " + ink));
   base.forEach((axis) => axis.setAttribute("stroke-width", "3"));
@@ -70,12 +70,20 @@ document.querySelectorAll(".view").forEach((view) => {
     });
     const placed = corners.map(flat);
     box.setAttribute("d", edges.map((e) => pen(placed[e[0]], placed[e[1]])).join(""));
+    const taken = [];
     extents.forEach((text, k) => {
       const [a, b] = [placed[0], placed[ends[k]]];
       text.textContent = `${"xyz"[k]} ${low[k].toFixed(0)} to ${high[k].toFixed(0)} mm`;
       text.setAttribute("text-anchor", "middle");
-      text.setAttribute("x", Math.min(890, Math.max(110, (a[0] + b[0]) / 2)));
-      text.setAttribute("y", Math.min(690, Math.max(20, (a[1] + b[1]) / 2 + 16)));
+      const x = Math.min(890, Math.max(110, (a[0] + b[0]) / 2));
+      let y = Math.min(690, Math.max(20, (a[1] + b[1]) / 2 + 16));
+      // Seen from above or from a side an extent is a point: none on another.
+      const way = y < 350 ? 18 : -18;
+      const over = (p) => Math.abs(p[0] - x) < 220 && Math.abs(p[1] - y) < 18;
+      while (taken.some(over)) y += way;
+      taken.push([x, y]);
+      text.setAttribute("x", x);
+      text.setAttribute("y", y);
     });
     const origin = flat([0, 0, 0]);
     base.forEach((axis, k) => {

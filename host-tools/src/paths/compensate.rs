@@ -104,7 +104,7 @@ pub fn compensate(model: &Model, path: &Path, options: &CompensateOptions) -> Re
             (rows.collect::<Result<_>>()?, false, Vec::new())
         }
         _ => {
-            let inverse = Inverse::new(&nominal, &model.robot);
+            let inverse = Inverse::new(&nominal, &model.robot).preferring(&model.covered);
             let Followed { rows: found, chosen, jumps } =
                 inverse.follow(&path.data, &path.targets, options.start.as_deref());
             let rows = found.iter().enumerate().map(|(i, found)| {

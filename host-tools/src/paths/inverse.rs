@@ -7,6 +7,8 @@
 //! would go beyond takes no part. Rows follow each other: each starts at the row before,
 //! and only what is not reached from there is looked for from elsewhere.
 
+use std::f64::consts::PI;
+
 use nalgebra::{DMatrix, DVector, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -75,8 +77,10 @@ pub struct Followed {
 
 /// Solves for the joints of an arm.
 pub struct Inverse<'a> {
-    forward: &'a Forward,
-    limits: Vec<[f64; 2]>,
+    pub(super) forward: &'a Forward,
+    pub(super) limits: Vec<[f64; 2]>,
+    /// Where each joint is better to be, see [`Inverse::preferring`].
+    pub(super) preferred: Vec<Option<[f64; 2]>>,
 }
 
 impl<'a> Inverse<'a> {
@@ -84,7 +88,15 @@ impl<'a> Inverse<'a> {
     #[must_use]
     pub fn new(forward: &'a Forward, robot: &Robot) -> Self {
         let none = [f64::NEG_INFINITY, f64::INFINITY];
-        Self { forward, limits: robot.joints.iter().map(|j| j.limits.unwrap_or(none)).collect() }
+        let limits = robot.joints.iter().map(|j| j.limits.unwrap_or(none)).collect();
+        Self { forward, limits, preferred: Vec::new() }
+    }
+
+    /// A configuration that is chosen here is one within these ranges, as far as there
+    /// is one: those that the identification covered.
+    #[must_use]
+    pub fn preferring(self, ranges: &[Option<[f64; 2]>]) -> Self {
+        Self { preferred: ranges.to_vec(), ..self }
     }
 
     /// Joints of all rows, each from the last one that was reached, the first from
@@ -101,13 +113,17 @@ impl<'a> Inverse<'a> {
         let elsewhere: Vec<Vec<f64>> =
             start.iter().map(|start| start.to_vec()).chain(self.anywhere()).collect();
         let (mut rows, mut jumps, mut missed) = (Vec::new(), Vec::new(), 0);
-        for (i, (row, target)) in data.rows.iter().zip(targets).enumerate() {
+        let all: Vec<_> = data.rows.iter().zip(targets).collect();
+        for (i, (row, target)) in all.iter().copied().enumerate() {
             let near = last.as_ref().map(|last| self.best(row, target, &self.near(last)));
             let found = match near {
                 Some(near) if near.is_reached() => near,
                 near => {
                     let count = if missed < PATIENCE { elsewhere.len() } else { FEW_STARTS };
-                    let found = self.best(row, target, &elsewhere[..count]);
+                    let first = last.is_none() && missed < PATIENCE;
+                    let chosen = if first { self.choose(&all[i..]) } else { None };
+                    let found =
+                        chosen.unwrap_or_else(|| self.best(row, target, &elsewhere[..count]));
                     if near.is_some() && found.is_reached() {
                         jumps.push(i);
                     }
@@ -115,6 +131,7 @@ impl<'a> Inverse<'a> {
                     near.filter(|near| near.left() < found.left()).unwrap_or(found)
                 }
             };
+            let found = self.at_ends(row, target, found);
             missed = if found.is_reached() { 0 } else { missed + 1 };
             if found.is_reached() {
                 last = Some(found.joints.clone());
@@ -146,19 +163,26 @@ impl<'a> Inverse<'a> {
         std::iter::once(q.to_vec()).chain(others).collect()
     }
 
-    fn anywhere(&self) -> Vec<Vec<f64>> {
+    /// Starts within the limits, the middle first.
+    pub(super) fn anywhere(&self) -> Vec<Vec<f64>> {
+        self.spread(|j| self.usual(j))
+    }
+
+    /// A turn more is the same pose; the one near zero is what is usual.
+    pub(super) fn usual(&self, j: usize) -> [f64; 2] {
+        let most = match self.forward.kinds()[j] {
+            JointKind::Revolute => PI,
+            JointKind::Prismatic => 1.0,
+        };
+        let [low, high] = self.limits[j];
+        let (near, far) = (low.max(-most), high.min(most));
+        if near < far { [near, far] } else { [low.max(far - most), high.min(near + most)] }
+    }
+
+    /// The middle of ranges, and draws from them.
+    pub(super) fn spread(&self, range: impl Fn(usize) -> [f64; 2]) -> Vec<Vec<f64>> {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         let kinds = self.forward.kinds();
-        let range = |j: usize| {
-            let most = match kinds[j] {
-                JointKind::Revolute => std::f64::consts::PI,
-                JointKind::Prismatic => 1.0,
-            };
-            let [low, high] = self.limits[j];
-            // A turn more is the same pose; the one near zero is what is usual.
-            let (near, far) = (low.max(-most), high.min(most));
-            if near < far { [near, far] } else { [low.max(far - most), high.min(near + most)] }
-        };
         let middle = (0..kinds.len()).map(|j| (range(j)[0] + range(j)[1]) / 2.0).collect();
         let mut draw = |j| {
             let [low, high] = range(j);
@@ -186,8 +210,18 @@ impl<'a> Inverse<'a> {
             };
             (q, left) = (moved, rest);
         }
+        Self::found(q, &left)
+    }
+
+    /// What joints leave.
+    pub(super) fn left_at(&self, row: &Row, target: &Target, joints: Vec<f64>) -> Found {
+        let left = self.error(row, target, &joints);
+        Self::found(joints, &left)
+    }
+
+    fn found(joints: Vec<f64>, left: &DVector<f64>) -> Found {
         let rotation = if left.len() > 3 { left.rows(3, 3).norm() / ROTATION_LENGTH } else { 0.0 };
-        Found { joints: q, position: left.rows(0, 3).norm(), rotation }
+        Found { joints, position: left.rows(0, 3).norm(), rotation }
     }
 
     /// The next joints and what they leave; `None` where no step leaves less.

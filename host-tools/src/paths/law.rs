@@ -147,6 +147,13 @@ impl<T: Scalar, const N: usize> Law for SizedLaw<'_, T, N> {
         let bound = self
             .waves
             .take_back(command, &mut joints, |j| self.settings.max_correction[j].to_f64());
+        // A limit in the controller's numbers may be beyond the one of the files by
+        // rounding: either has the same bits there, and this one is within.
+        for (joint, limit) in joints.iter_mut().zip(&self.waves.limits) {
+            if let Some([low, high]) = limit {
+                *joint = joint.max(*low).min(*high);
+            }
+        }
         Ok(Applied {
             joints,
             clamped: bound || !tick.clamped.is_empty(),

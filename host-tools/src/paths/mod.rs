@@ -7,6 +7,7 @@
 //! `[tool]` in the coordinates that `[base]` is stated in, so that what the nominal
 //! arm says is what the controller says; a [`View`] chooses another.
 
+mod choose;
 mod compensate;
 mod forward;
 mod inverse;

@@ -9,7 +9,7 @@ use super::inverse::Found;
 use crate::error::{Error, Place, Result};
 use crate::files::csv_text;
 use crate::model::{Coordinates, Path, Robot};
-use crate::units::{joint_column, joint_to_file, point_to_mm, to_mm};
+use crate::units::{End, joint_column, joint_to_file_at, point_to_mm, to_mm};
 
 /// What an input column is called that one of the output has taken the name of.
 const INPUT: &str = "input_";
@@ -25,9 +25,10 @@ fn kinds(robot: &Robot) -> Vec<JointKind> {
     robot.joints.iter().map(|joint| joint.link.kind).collect()
 }
 
-/// All digits of joint values: read again they are the same.
+/// All digits of joint values: a limit is read again as it was, and nothing beyond it.
 pub(super) fn joint_cells(kinds: &[JointKind], q: &[f64]) -> Vec<String> {
-    q.iter().zip(kinds).map(|(q, kind)| joint_to_file(*kind, *q).to_string()).collect()
+    let cell = |(q, kind): (&f64, &JointKind)| joint_to_file_at(*kind, *q, End::Up).to_string();
+    q.iter().zip(kinds).map(cell).collect()
 }
 
 /// A pose in the columns of [`Coordinates::pose_columns`], as numbers.

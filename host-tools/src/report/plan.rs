@@ -104,6 +104,8 @@ impl SeparationReport {
 pub struct SeparatedAlternative {
     /// Its effects: name and joints.
     pub effects: Vec<(&'static str, Vec<usize>)>,
+    /// What it says otherwise than the best explanation, in words.
+    pub instead: String,
     /// How much worse it is, in units of chi-square.
     pub worse_by_now: f64,
     /// Expected chi-square that the planned poses add.

@@ -10,9 +10,10 @@ import json
 from typing import Any
 
 from . import _truearm
-from ._truearm import Measurements, Model, Robot, TruearmError
+from ._truearm import Compensated, Measurements, Model, Robot, TruearmError
 
 __all__ = [
+    "Compensated",
     "Measurements",
     "Model",
     "Result",

@@ -51,8 +51,24 @@ class Model:
     ) -> Array: ...
     def jacobian(self, joint_values: Array) -> Array: ...
     def compensate(
-        self, joint_values: Array, extrapolate: bool = False, single: bool = False
-    ) -> tuple[Array, list[float]]: ...
+        self,
+        joint_values: Array,
+        extrapolate: bool = False,
+        single: bool = False,
+        task: str | None = None,
+        payload: float | Sequence[float] | None = None,
+        temperature: float | Sequence[float] | None = None,
+    ) -> Compensated: ...
+
+class Compensated:
+    @property
+    def joints(self) -> Array: ...
+    @property
+    def left(self) -> Array: ...
+    @property
+    def covered(self) -> NDArray[np.bool_]: ...
+    @property
+    def clamped(self) -> NDArray[np.bool_]: ...
 
 class Found:
     model: Model

@@ -39,11 +39,11 @@ pub fn compare(c: &Comparison) -> String {
         "norm, tol",
         "lambda",
     ]);
-    let solved = c.methods.iter().filter(|o| judged(o).is_some());
+    let solved = c.methods.iter().filter(|o| o.judged().is_some());
     solved.clone().for_each(|o| table.row(outcome(o)));
     out += &table.to_string();
     for o in &c.methods {
-        if judged(o).is_none() {
+        if o.judged().is_none() {
             let why = o.failure.as_deref().unwrap_or("no result");
             out += &format!("{}: {why}\n", o.name);
         }
@@ -52,15 +52,18 @@ pub fn compare(c: &Comparison) -> String {
     if !restless.is_empty() {
         out += &format!("did not come to rest: {}\n", restless.join(", "));
     }
+    if let Some((best, error)) = c.best().filter(|(best, _)| best.len() > 1) {
+        let names: Vec<&str> = best.iter().map(|o| o.name).collect();
+        out += &format!(
+            "cannot be told apart, means within the standard error of one, {error:.4} mm: {}\n",
+            names.join(", ")
+        );
+    }
     out + "norm: corrections of all links in manufacturing tolerances (1 mm, 1 mrad)\n"
 }
 
-fn judged(o: &Outcome) -> Option<truearm_host::statistics::Stats> {
-    o.validation.or(o.fitted)
-}
-
 fn outcome(o: &Outcome) -> Vec<String> {
-    let Some(s) = judged(o) else { return Vec::new() };
+    let Some(s) = o.judged() else { return Vec::new() };
     let percent = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{p:.1}"));
     let mm = |x: f64| if x < POWERS { format!("{x:.4}") } else { format!("{x:.1e}") };
     vec![

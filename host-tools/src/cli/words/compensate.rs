@@ -1,4 +1,5 @@
 use truearm_host::error::count;
+use truearm_host::model::Coordinates;
 use truearm_host::report::{CompensateReport, RowLeft};
 
 use super::Errors;
@@ -7,7 +8,7 @@ use super::Errors;
 const NAMED: usize = 8;
 
 /// A report of `compensate`.
-pub fn compensation(report: &CompensateReport) -> String {
+pub fn compensation(report: &CompensateReport, coordinates: Coordinates) -> String {
     let mut out = format!(
         "{}: {}, task {}, {}\n",
         report.path,
@@ -42,10 +43,16 @@ pub fn compensation(report: &CompensateReport) -> String {
         );
     }
     if !report.not_covered.is_empty() {
-        let done = if report.extrapolated {
-            "corrected by extrapolation, as asked"
-        } else {
-            "left as commanded (--extrapolate corrects them as a controller does)"
+        let done = match (report.extrapolated, coordinates) {
+            (true, _) => "corrected by extrapolation, as asked",
+            (false, Coordinates::Joints) => {
+                "left as commanded (--extrapolate corrects them as a controller does)"
+            }
+            // Most poses have joints within the ranges and others outside.
+            (false, _) => {
+                "left as commanded (--start Q1,Q2,... chooses another configuration, and the whole \
+                 turns; --extrapolate corrects them as a controller does)"
+            }
         };
         out += &format!(
             "{} outside the joint ranges of the identification, {done}: {}\n",

@@ -1,8 +1,9 @@
 use truearm_host::diagnose::policy::POLICY;
-use truearm_host::diagnose::{Alternative, Effect, GapUnit, Outcome, Verdict, said};
+use truearm_host::diagnose::{
+    Alternative, Effect, GapUnit, Outcome, Verdict, instead, place, said,
+};
 use truearm_host::effects::OUTLIERS;
 use truearm_host::identify::KindFigures;
-use truearm_host::model::CURVE;
 use truearm_host::table::Table;
 use truearm_host::units::MILLI;
 
@@ -121,54 +122,18 @@ fn gap(r: &Outcome) -> Table {
 
 /// An alternative by what it has that the model has not, and the reverse.
 fn alternative(a: &Alternative, r: &Outcome) -> String {
-    let coupled =
-        |name: &str| truearm::effects::Effect::from_name(name).is_some_and(|e| e.is_coupled());
-    let mut own: Vec<(&str, Vec<usize>)> = Vec::new();
-    for e in r.effects.iter().chain(&r.suspected).filter(|e| e.name != OUTLIERS && e.name != CURVE)
-    {
-        match e.joints.len() {
-            0 | 1 => own.push((e.name, e.joints.clone())),
-            _ if coupled(e.name) => own.push((e.name, e.joints.clone())),
-            _ => own.extend(e.joints.iter().map(|j| (e.name, vec![*j]))),
-        }
-    }
-    let more: Vec<String> = a
-        .effects
-        .iter()
-        .filter(|e| own.iter().all(|o| o.0 != e.0 || o.1 != e.1))
-        .map(|(name, joints)| place(name, joints))
-        .collect();
-    let more = if more.is_empty() { "nothing".to_owned() } else { more.join(" and ") };
+    let own = [r.effects.clone(), r.suspected.clone()].concat();
     let mut out = format!(
-        "alternative within reach (worse by {:.1} in chi-square): {more} instead of {}\n  \
+        "alternative within reach (worse by {:.1} in chi-square): {}\n  \
          measure these poses to tell them apart:\n",
         a.worse_by,
-        less(&own, a)
+        instead(&a.effects, &own)
     );
     for pose in &a.separating_poses {
         let joints: Vec<String> = pose.joints.iter().map(|q| format!("{q:.2}")).collect();
         out += &format!("    {}  ({:.3} mm apart)\n", joints.join(", "), pose.difference_mm);
     }
     out
-}
-
-/// What an alternative does without.
-fn less(own: &[(&str, Vec<usize>)], a: &Alternative) -> String {
-    let theirs = |e: &&(&str, Vec<usize>)| a.effects.iter().all(|t| t.0 != e.0 || t.1 != e.1);
-    let mut names: Vec<String> = own.iter().filter(theirs).map(|(n, j)| place(n, j)).collect();
-    names.dedup();
-    if names.is_empty() { "nothing".to_owned() } else { names.join(" and ") }
-}
-
-fn place(name: &str, joints: &[usize]) -> String {
-    let list: Vec<String> = joints.iter().map(usize::to_string).collect();
-    let coupled = truearm::effects::Effect::from_name(name).is_some_and(|e| e.is_coupled());
-    match (name, joints.len()) {
-        (_, 0) => name.to_owned(),
-        _ if coupled => format!("{name} from joint {} to {}", list[0], list[1]),
-        (_, 1) => format!("{name} of joint {}", list[0]),
-        _ => format!("{name} of joints {}", list.join(", ")),
-    }
 }
 
 fn effect(e: &Effect, suspected: bool) -> String {

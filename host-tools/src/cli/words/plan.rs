@@ -6,10 +6,10 @@ use truearm_host::units::MICRO;
 /// Poses of `plan` and what they will tell.
 pub fn planned(found: &PosePlan) -> String {
     let mut table =
-        Table::new(["predicted 3-D standard deviation of the tool point over the region", "um"]);
+        Table::new(["predicted 3-D standard deviation of the tool point, geometry alone", "um"]);
     for (name, metres) in [
-        ("  worst", Some(found.worst)),
-        ("  root mean square", Some(found.rms)),
+        ("  worst over the region", Some(found.worst)),
+        ("  root mean square over the region", Some(found.rms)),
         ("  no set has a smaller worst than", found.bound),
         ("  worst of as many random poses", Some(found.random_worst)),
     ] {
@@ -35,13 +35,10 @@ pub fn planned(found: &PosePlan) -> String {
 /// What so many planned poses tell of alternatives.
 pub fn separated(alternatives: &[SeparatedAlternative], poses: usize) -> String {
     let line = |a: &SeparatedAlternative| {
-        let names: Vec<&str> = a.effects.iter().map(|(name, _)| *name).collect();
         format!(
             "alternative {}: worse by {:.1} in chi-square now, by {:.0} more expected with these \
              {poses} poses\n",
-            names.join(" and "),
-            a.worse_by_now,
-            a.worse_by_planned
+            a.instead, a.worse_by_now, a.worse_by_planned
         )
     };
     alternatives.iter().map(line).collect()

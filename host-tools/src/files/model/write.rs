@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::files::digest::digest;
 use crate::files::{covariance, model_curves, model_terms, prior_tables};
 use crate::model::{Instrument, Joint, Model, Placement, Robot};
-use crate::units::{joint_to_file, point_to_mm, to_mm};
+use crate::units::{End, joint_to_file_at, point_to_mm, to_mm};
 
 /// What stands above the keys.
 const HEAD: &str = "\
@@ -104,9 +104,11 @@ impl Model {
     }
 }
 
-/// A range of joint values, as degrees or as mm.
+/// A range of joint values, as degrees or as mm; what is read again holds all of it.
 fn range(kind: JointKind, range: Option<[f64; 2]>) -> [Option<[f64; 2]>; 2] {
-    let range = range.map(|r| r.map(|value| joint_to_file(kind, value)));
+    let range = range.map(|[low, high]| {
+        [joint_to_file_at(kind, low, End::Down), joint_to_file_at(kind, high, End::Up)]
+    });
     let revolute = kind == JointKind::Revolute;
     [range.filter(|_| revolute), range.filter(|_| !revolute)]
 }

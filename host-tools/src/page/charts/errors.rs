@@ -1,6 +1,7 @@
 //! Errors of rows: how many are better than what, and methods beside each other.
 
 use crate::methods::{self, Comparison, Outcome};
+use crate::observations::Residual;
 use crate::plot::{Axis, Ink, Mark, Panel, Rule, Series};
 use crate::statistics::Stats;
 use crate::units::to_mm;
@@ -25,22 +26,44 @@ pub fn shares(title: &str, lists: Vec<(String, Vec<f64>, Ink)>) -> Panel {
     Panel::new(title, x, y, series)
 }
 
-/// What a method is judged by.
-fn judged(o: &Outcome) -> Option<Stats> {
-    o.validation.or(o.fitted)
-}
-
 fn solved(found: &Comparison) -> Vec<&Outcome> {
     found.methods.iter().filter(|o| o.state.is_some()).collect()
+}
+
+/// Errors that differ by less than this share are drawn at about one place.
+const SAME: f64 = 0.03;
+/// Share of the rows of which they do; the smallest errors are far apart on an axis of decades.
+const MOST_OF_THEM: f64 = 0.95;
+
+/// The first method of which the curve of errors lies where this one's does.
+#[must_use]
+pub fn coincides(found: &Comparison, of: &Outcome) -> Option<&'static str> {
+    let sorted = |o: &Outcome| {
+        let mut errors: Vec<f64> = o.judged_residuals().iter().map(Residual::norm).collect();
+        errors.sort_by(f64::total_cmp);
+        errors
+    };
+    let own = sorted(of);
+    let same = |o: &&&Outcome| {
+        let other = sorted(o);
+        let near = own.iter().zip(&other).filter(|(a, b)| (*a - *b).abs() <= SAME * a.max(**b));
+        near.count() as f64 >= MOST_OF_THEM * own.len() as f64
+    };
+    let solved = solved(found);
+    let before = solved.iter().take_while(|o| o.name != of.name);
+    before.clone().find(same).map(|o| o.name)
 }
 
 /// How many rows are better than an error, a line a method.
 #[must_use]
 pub fn method_errors(found: &Comparison) -> Panel {
     let list = |o: &&Outcome| {
-        let rows = if o.validation.is_some() { &o.validation_residuals } else { &o.residuals };
-        let errors = rows.iter().map(|r| to_mm(r.norm())).collect();
-        (o.name.to_owned(), errors, methods::ink(o.name))
+        let errors = o.judged_residuals().iter().map(|r| to_mm(r.norm())).collect();
+        let name = match coincides(found, o) {
+            Some(first) => format!("{} (on {first})", o.name),
+            None => o.name.to_owned(),
+        };
+        (name, errors, methods::ink(o.name))
     };
     let on = if found.validation.is_some() { "validation" } else { "fitted" };
     let title = format!("How many {on} rows are better than an error");
@@ -56,7 +79,7 @@ pub fn method_sizes(found: &Comparison) -> [Panel; 2] {
     let of = |value: &dyn Fn(&Outcome) -> Option<f64>| {
         solved.iter().map(|o| value(o).unwrap_or(f64::NAN)).collect::<Vec<f64>>()
     };
-    let stats = |f: fn(&Stats) -> f64| of(&|o| judged(o).as_ref().map(f));
+    let stats = |f: fn(&Stats) -> f64| of(&|o| o.judged().as_ref().map(f));
     let on = if found.validation.is_some() { "validation" } else { "fitted" };
     let errors = Panel::new(
         format!("Position error, {on} rows"),

@@ -36,15 +36,58 @@ pub struct Left {
     pub rows: usize,
     /// Standard deviations above what chance leaves.
     pub deviations: f64,
+    /// RMS of what it explains of these rows, mm.
+    pub explains_mm: f64,
+    /// RMS of what was left of them, mm.
+    pub of_mm: f64,
 }
 
-/// The curves that are told from chance, strongest first, one an action.
+/// A curve, and what it is of every row: what is left less so much.
+struct Curve {
+    shown: Left,
+    takes: Vec<(usize, Vector3<f64>)>,
+    joint: usize,
+}
+
+impl Curve {
+    /// Sum of the squares that it explains.
+    fn explains(&self) -> f64 {
+        self.shown.explains_mm.powi(2) * self.shown.rows as f64
+    }
+}
+
+/// The curves that are told from chance, one an action: first the one that explains most,
+/// and so on of what those before it leave. A joint that swings the target as another does,
+/// by a shorter lever, would else be shown with the other's curve.
 #[must_use]
 pub fn left(seen: &Seen) -> Vec<Left> {
     let kinds: Vec<_> = seen.state.links.iter().map(|link| link.kind).collect();
-    let mut covariates: Vec<Covariate> = (0..kinds.len()).map(Covariate::Angle).collect();
+    let covariates = covariates(seen, kinds.len());
+    let along = |(j, kind): (usize, &truearm::JointKind)| seen.along_joint(j, *kind);
+    let actions: Vec<_> = kinds.iter().enumerate().map(along).collect();
+    let mut rest: Vec<Vector3<f64>> = (0..seen.kept.len()).map(|k| seen.left(k)).collect();
+    let mut joints: Vec<usize> = (0..kinds.len()).collect();
+    let mut out = Vec::new();
+    while out.len() < MOST {
+        let of = |joint: &usize| {
+            let of = (*joint, actions[*joint].as_slice());
+            let curves = covariates.iter().filter_map(|c| binned(seen, &rest, of, c, &kinds));
+            curves.filter(|curve| curve.shown.deviations > TOLD).collect::<Vec<_>>()
+        };
+        let best = joints.iter().flat_map(of);
+        let Some(best) = best.max_by(|a, b| a.explains().total_cmp(&b.explains())) else { break };
+        best.takes.iter().for_each(|(k, part)| rest[*k] -= part);
+        joints.retain(|joint| *joint != best.joint);
+        out.push(best.shown);
+    }
+    out
+}
+
+/// Everything recorded that a curve may go with.
+fn covariates(seen: &Seen, joints: usize) -> Vec<Covariate> {
+    let mut covariates: Vec<Covariate> = (0..joints).map(Covariate::Angle).collect();
     if seen.conditions.masses || seen.conditions.torques {
-        covariates.extend((0..kinds.len()).map(Covariate::Torque));
+        covariates.extend((0..joints).map(Covariate::Torque));
     }
     if seen.conditions.time {
         covariates.push(Covariate::Session(Course::Time));
@@ -54,25 +97,16 @@ pub fn left(seen: &Seen) -> Vec<Left> {
     if seen.conditions.temperature {
         covariates.push(Covariate::Warmth);
     }
-    let mut out: Vec<Left> = Vec::new();
-    for (joint, kind) in kinds.iter().enumerate() {
-        let action = seen.along_joint(joint, *kind);
-        let of = |covariate: &Covariate| binned(seen, joint, &action, covariate, &kinds);
-        let curves = covariates.iter().filter_map(of).filter(|left| left.deviations > TOLD);
-        out.extend(curves.max_by(|a, b| a.deviations.total_cmp(&b.deviations)));
-    }
-    out.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
-    out.truncate(MOST);
-    out
+    covariates
 }
 
 fn binned(
     seen: &Seen,
-    joint: usize,
-    action: &[Vector3<f64>],
+    rest: &[Vector3<f64>],
+    (joint, action): (usize, &[Vector3<f64>]),
     covariate: &Covariate,
     kinds: &[truearm::JointKind],
-) -> Option<Left> {
+) -> Option<Curve> {
     let mut rows: Vec<(f64, usize)> =
         seen.telling(action).into_iter().map(|k| (covariate.value(seen, k), k)).collect();
     rows.retain(|r| r.0.is_finite());
@@ -85,25 +119,28 @@ fn binned(
         return None;
     }
     // Along the action, m: of one size whatever the lever.
-    let along = |k: usize| seen.left(k).dot(&action[k]) / action[k].norm();
+    let along = |k: usize| rest[k].dot(&action[k]) / action[k].norm();
     let sizes: Vec<f64> = rows.iter().map(|r| along(r.1).abs()).collect();
     let scale = 1.4826 * median(&sizes);
     let (mut means, mut intervals, mut square) = (Vec::new(), Vec::new(), 0.0);
+    let mut takes = Vec::new();
     for bin in rows.chunks(rows.len().div_ceil(bins)) {
         let sum = |of: &dyn Fn(usize) -> f64| bin.iter().map(|r| of(r.1)).sum::<f64>();
         let weight = sum(&|k| action[k].norm_squared());
-        let mean = sum(&|k| seen.left(k).dot(&action[k])) / weight;
+        let mean = sum(&|k| rest[k].dot(&action[k])) / weight;
         let wide = scale / weight.sqrt();
         square += (mean / wide).powi(2);
         let x = bin.iter().map(|r| r.0).sum::<f64>() / bin.len() as f64;
         means.push((x, mean * MILLI));
         intervals.push(((mean - 1.96 * wide) * MILLI, (mean + 1.96 * wide) * MILLI));
+        takes.extend(bin.iter().map(|r| (r.1, action[r.1] * mean)));
     }
     let count = means.len() as f64;
     let unit = if kinds[joint] == truearm::JointKind::Revolute { "mrad" } else { "mm" };
     let x_label = covariate.label(kinds);
     let with = x_label.split(',').next().unwrap_or_default().to_owned();
-    Some(Left {
+    let rms = |squares: f64| (squares / rows.len() as f64).sqrt() * MILLI;
+    let shown = Left {
         title: format!("Joint {}, left over, against the {with}", joint + 1),
         x_label,
         y_label: format!("left of joint {}, {unit}", joint + 1),
@@ -111,5 +148,8 @@ fn binned(
         intervals,
         rows: rows.len(),
         deviations: (square - count) / (2.0 * count).sqrt(),
-    })
+        explains_mm: rms(takes.iter().map(|(_, part)| part.norm_squared()).sum()),
+        of_mm: rms(rows.iter().map(|r| rest[r.1].norm_squared()).sum()),
+    };
+    Some(Curve { shown, takes, joint })
 }

@@ -142,9 +142,11 @@ fn caption(p: &Part) -> String {
         1 => " One more row hardly moves with it and is not drawn.".to_owned(),
         n => format!(" {n} more rows hardly move with it and are not drawn."),
     };
+    // Against values that have names there is no line.
+    let model = if p.names.is_empty() { "Line and band" } else { "Marks with bars" };
     format!(
         "{} rows: what the residual of each says of this effect alone, everything else of the model \
-         taken off. Line and band: the model with its 95 % interval.{silent}",
+         taken off. {model}: the model with its 95 % interval.{silent}",
         p.points.len()
     )
 }

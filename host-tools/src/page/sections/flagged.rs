@@ -1,4 +1,5 @@
 use super::super::document::Section;
+use super::super::verbs::file_name;
 use super::{folded, table};
 use crate::identify::{Figures, FlaggedRow};
 
@@ -12,7 +13,7 @@ pub fn flagged(f: &Figures) -> Section {
         let numbers: Vec<String> = o.residual_mm.iter().map(|r| format!("{r:.3}")).collect();
         vec![
             o.row.to_string(),
-            o.file.clone(),
+            file_name(&o.file),
             o.line.to_string(),
             o.coordinates.join(", "),
             numbers.join(", "),

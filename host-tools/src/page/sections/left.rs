@@ -1,5 +1,6 @@
 use super::super::charts::free_curve;
 use super::super::document::{Figure, Section};
+use super::super::numbers::mm;
 use super::super::picture::Left;
 use super::list;
 
@@ -8,16 +9,24 @@ pub fn left(curves: &[Left], words: &[String], of: &str) -> Option<Section> {
     if curves.is_empty() && words.is_empty() {
         return None;
     }
-    let section = Section::new("left", "What has no name").say(format!(
-        "What {of} leaves is not the same everywhere: below is what is left of each joint against \
-         what it goes with most, without asking for a name."
-    ));
+    let section = Section::new("left", "What has no name").say(match curves {
+        [] => format!(
+            "What {of} leaves is not the same everywhere, but against nothing that was recorded \
+             does it draw a curve of one joint."
+        ),
+        _ => format!(
+            "What {of} leaves is not the same everywhere: below are the curves of joints that \
+             explain most of it, without asking for a name, each of what those before it leave."
+        ),
+    });
     let section =
         if words.is_empty() { section } else { section.node(list(words.iter().cloned())) };
     let figure = |(k, left): (usize, &Left)| {
         let caption = format!(
-            "{} rows in {} bins, mean of each with its 95 % interval; {:.0} standard deviations above \
-             what chance leaves.",
+            "It explains {} RMS of the {} that are left of {} rows. {} bins, mean of each with its 95 % interval; {:.0} standard \
+             deviations above what chance leaves.",
+            mm(left.explains_mm),
+            mm(left.of_mm),
             left.rows,
             left.means.len(),
             left.deviations

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use truearm::effects::MAX_TERMS;
 
 use super::super::document::Section;
-use super::super::numbers::runs;
 use super::{table, typed};
-use crate::diagnose::{Alternative, Outcome};
+use crate::diagnose::{Alternative, Outcome, instead};
 use crate::markup::{Node, element};
 
 /// What the next command is about.
@@ -77,6 +76,17 @@ pub fn commands(verb: &str, alternatives: &[Alternative], next: &Next) -> Vec<(S
     out
 }
 
+/// What follows when planned poses were measured and their points stand in the file of
+/// the poses: with `data`, together with what was diagnosed before.
+#[must_use]
+pub fn after_measuring(robot: &Path, poses: &Path, data: Option<&Path>) -> String {
+    let (robot, poses) = (word(robot), word(poses));
+    match data {
+        None => format!("truearm identify {robot} {poses} --out out"),
+        Some(data) => format!("truearm diagnose {robot} {} --data {poses} --out out", word(data)),
+    }
+}
+
 /// Poses to measure next, if explanations are to be told apart.
 pub fn poses(outcome: &Outcome) -> Option<Section> {
     if outcome.alternatives.is_empty() {
@@ -86,15 +96,8 @@ pub fn poses(outcome: &Outcome) -> Option<Section> {
         "The data leave more than one explanation. The poses below are those at which their \
          predictions are furthest apart.",
     );
+    let named = [outcome.effects.clone(), outcome.suspected.clone()].concat();
     for a in &outcome.alternatives {
-        let effects: Vec<String> = a
-            .effects
-            .iter()
-            .map(|(name, joints)| match joints.len() {
-                0 => name.replace('-', " "),
-                _ => format!("{} of joint {}", name.replace('-', " "), runs(joints)),
-            })
-            .collect();
         let joints = a.separating_poses.first().map_or(0, |p| p.joints.len());
         let names: Vec<String> = (1..=joints).map(|j| format!("q{j}")).collect();
         let mut head: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -106,10 +109,10 @@ pub fn poses(outcome: &Outcome) -> Option<Section> {
         });
         section = section
             .say(format!(
-                "Instead, worse by {:.1} in chi-square: {}. Joint values in degrees (mm where a \
-                 joint slides):",
+                "Worse by {:.1} in chi-square: {}. Joint values in degrees (mm where a joint \
+                 slides):",
                 a.worse_by,
-                effects.join(" and ")
+                instead(&a.effects, &named)
             ))
             .node(table(&head, rows));
     }

@@ -18,7 +18,10 @@ pub fn unknown(f: &Figures, not_testable: &[String]) -> Section {
     }
     if !f.weakly_determined.is_empty() {
         section = section
-            .say("Of these the rows say less than the manufacturing tolerances:")
+            .say(
+                "Of these the rows alone say less than the manufacturing tolerances; with the \
+                 tolerances, as the intervals of the corrections have them, they are known better:",
+            )
             .node(folded(&f.weakly_determined, "combinations of parameters"));
     }
     if !not_testable.is_empty() {

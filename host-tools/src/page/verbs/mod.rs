@@ -36,7 +36,7 @@ fn of_figures(f: &Figures, not_testable: &[String]) -> [Section; 4] {
 }
 
 /// The last part of a path: where a file stands is no business of a report's reader.
-fn file_name(path: &str) -> String {
+pub(super) fn file_name(path: &str) -> String {
     let name = std::path::Path::new(path).file_name();
     name.map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
 }

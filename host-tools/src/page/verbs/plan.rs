@@ -1,6 +1,8 @@
+use std::path::Path;
+
 use super::super::charts::covered;
 use super::super::document::{Figure, Page, Section};
-use super::super::numbers::{mm, runs};
+use super::super::numbers::mm;
 use super::super::picture::Arrow;
 use super::super::sections::{self, table, typed};
 use crate::model::Robot;
@@ -8,7 +10,7 @@ use crate::report::{PlanReport, SeparatedAlternative, SeparationReport};
 use crate::units::{joint_column, joint_to_file};
 
 /// Poses that were planned.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Planned<'a> {
     /// The nominal arm.
     pub robot: &'a Robot,
@@ -17,7 +19,9 @@ pub struct Planned<'a> {
     /// Joint values, rad or m.
     pub poses: &'a [Vec<f64>],
     /// The file they were written to.
-    pub file: &'a str,
+    pub file: &'a Path,
+    /// What to type when they were measured.
+    pub then: String,
 }
 
 /// The page of `plan`.
@@ -39,6 +43,11 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
         rows.into_iter().filter_map(|(name, x)| Some(vec![name.to_owned(), format!("{:.1}", x?)]));
     let told = Section::new("told", "What they will tell")
         .node(table(&["predicted 3-D standard deviation of the tool point, 1 sigma", "um"], rows))
+        .say(
+            "Predicted from the geometry and the stated noise alone: it says how well links, base \
+             and tool will be known. What bends, wears or turns with the angle is not in it; \
+             `truearm diagnose` looks for that in what was measured.",
+        )
         .say(format!(
             "{} parameters that {}s can determine; poses chosen out of {} candidates. \
              Observability: O1 {:.4}, O2 {:.2e}, O3 {:.4}, O4 {:.2e}, O5 {:.4}.",
@@ -54,8 +63,9 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
     Page {
         title: format!("{}: {} poses to measure", report.robot, report.poses),
         verdict: format!(
-            "Measured at these {} poses, the arm will be known to {} anywhere in the region (3-D, 1 \
-             sigma), where as many random poses give {}{target}.",
+            "Measured at these {} poses, the geometry of the arm will be known so well that the tool \
+             point is predicted to {} anywhere in the region (3-D, 1 sigma), where as many random \
+             poses give {}{target}; what geometry does not explain comes on top.",
             report.poses,
             um(report.worst_um),
             um(report.random_worst_um)
@@ -69,7 +79,7 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
         .into_iter()
         .flatten()
         .collect(),
-        sections: together(told, of, &report.warnings, "identify"),
+        sections: together(told, of, &report.warnings, &points_of(report.kind)),
     }
 }
 
@@ -77,13 +87,8 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
 #[must_use]
 pub fn separated(report: &SeparationReport, of: &Planned) -> Page {
     let row = |a: &SeparatedAlternative| {
-        let name = |(name, joints): &(&str, Vec<usize>)| match joints.len() {
-            0 => name.replace('-', " "),
-            _ => format!("{} of joint {}", name.replace('-', " "), runs(joints)),
-        };
-        let names: Vec<String> = a.effects.iter().map(name).collect();
         let worse = [a.worse_by_now, a.worse_by_planned].map(|x| format!("{x:.1}"));
-        [vec![names.join(" and ")], worse.to_vec()].concat()
+        [vec![a.instead.clone()], worse.to_vec()].concat()
     };
     let head = ["alternative", "worse now, chi-square", "worse by these poses, expected"];
     let told = Section::new("told", "What they will tell")
@@ -103,12 +108,18 @@ pub fn separated(report: &SeparationReport, of: &Planned) -> Page {
         },
         mood: "plain",
         numbers: vec![("poses".to_owned(), report.poses.to_string())],
-        sections: together(told, of, &report.warnings, "diagnose"),
+        sections: together(told, of, &report.warnings, &points_of("point")),
     }
 }
 
+/// The columns that a measurement of this kind adds.
+fn points_of(kind: &str) -> String {
+    let turn = if kind == "pose" { ", qx, qy, qz, qw" } else { "" };
+    format!("x_mm, y_mm, z_mm{turn}")
+}
+
 /// What every plan shows: where the poses are and their joint values.
-fn together(told: Section, of: &Planned, warnings: &[String], verb: &str) -> Vec<Section> {
+fn together(told: Section, of: &Planned, warnings: &[String], columns: &str) -> Vec<Section> {
     let kinds: Vec<_> = of.robot.joints.iter().map(|j| j.link.kind).collect();
     let target = of.robot.nominal_target();
     let arrow = |(k, q): (usize, &Vec<f64>)| {
@@ -134,13 +145,12 @@ fn together(told: Section, of: &Planned, warnings: &[String], verb: &str) -> Vec
     let poses = Section::new("poses", "Poses to measure")
         .node(table(&head, of.poses.iter().enumerate().map(row)))
         .say(format!("The farthest target is {} from the base.", mm(far)));
-    let line = format!("truearm {verb} robot.toml measurements.csv --out out");
     let next = Section::new("next", "What to do next")
         .say(format!(
-            "Measure them and add x_mm, y_mm, z_mm to the rows of {}; then:",
-            super::file_name(of.file)
+            "Measure them and add {columns} to the rows of {}; then:",
+            super::file_name(&of.file.display().to_string())
         ))
-        .node(typed(&[line]));
+        .node(typed(std::slice::from_ref(&of.then)));
     let mut out = vec![told];
     out.extend(sections::workspace(&arrows, ["", ""], "pose"));
     out.extend([joints, poses, next]);

@@ -37,7 +37,7 @@ pub fn verified(report: &VerifyReport, model: &Model, commanded: &Commanded) -> 
         ];
         numbers.splice(0..0, of_points);
     }
-    numbers.extend(before_rms(report).map(|b| ("RMS error before".to_owned(), mm(b))));
+    numbers.extend(before_rms(report).map(|(b, how)| (format!("RMS error before, {how}"), mm(b))));
     Page {
         title: format!("{}: verified on {}", model.robot.name, file_name(&after.file)),
         verdict: verdict(report),
@@ -52,11 +52,13 @@ pub fn verified(report: &VerifyReport, model: &Model, commanded: &Commanded) -> 
     }
 }
 
-/// RMS error of points without compensation, mm: measured, or as the model predicts.
-fn before_rms(report: &VerifyReport) -> Option<f64> {
+/// RMS error of points without compensation, mm, and whence it is known.
+fn before_rms(report: &VerifyReport) -> Option<(f64, &'static str)> {
     let points = report.after.points.as_ref()?;
     let measured = report.before.as_ref().and_then(|b| b.points.as_ref()).map(|b| b.errors);
-    measured.or(points.predicted_without_compensation).map(|s| s.rms_mm)
+    let predicted = points.predicted_without_compensation;
+    let measured = measured.map(|s| (s.rms_mm, "measured"));
+    measured.or(predicted.map(|s| (s.rms_mm, "as the model predicts")))
 }
 
 /// The kind that decides: that of which the tolerances say the worst, else the first.
@@ -89,8 +91,14 @@ fn verdict(report: &VerifyReport) -> String {
         None => format!("The compensated arm misses{of} by {largest} +- {guard} at most"),
     };
     let fall = || {
-        let (before, after) = (before_rms(report)?, report.after.points.as_ref()?.errors.rms_mm);
-        Some(format!("; RMS {} before, {} after", mm(before), mm(after)))
+        let ((before, how), after) =
+            (before_rms(report)?, report.after.points.as_ref()?.errors.rms_mm);
+        Some(match report.before.is_some() {
+            true => format!("; RMS {} before, {} after", mm(before), mm(after)),
+            false => {
+                format!("; RMS {} measured, {} without compensation {how}", mm(after), mm(before))
+            }
+        })
     };
     format!("{judged}{}.", fall().unwrap_or_default())
 }
