@@ -31,9 +31,9 @@ pub fn joint_to_file_at(kind: JointKind, value: f64, end: End) -> f64 {
     if read(plain) == value || !value.is_finite() {
         return plain;
     }
-    let (out, back): (fn(f64) -> f64, fn(f64) -> f64) = match end {
-        End::Up => (f64::next_up, f64::next_down),
-        End::Down => (f64::next_down, f64::next_up),
+    let [out, back]: [fn(f64) -> f64; 2] = match end {
+        End::Up => [f64::next_up, f64::next_down],
+        End::Down => [f64::next_down, f64::next_up],
     };
     let holds = |number: f64| match end {
         End::Up => read(number) >= value,
