@@ -14,8 +14,8 @@ use crate::units::{from_mm, joint_from_file};
 
 /// A reading is the arm's if distances agree as well as this (median of the
 /// logarithm: an eighth) and the other reading is off by twice as much at least.
-/// Sound files have 1 % to 8 %, the larger where the tool is not stated; grads
-/// taken for degrees are off by 10 % to 15 %, half of a file in another unit by 30 %.
+/// Sound files have 1 % to 8 %, the larger where the tool is not stated; gons
+/// taken for degrees are off by 6 % to 13 %, half of a file in another unit by 30 %.
 pub(super) const AGREES: f64 = 0.12;
 /// Units of angles that an arm may settle; nobody means a milliradian in silence.
 const ANGLES: [Unit; 3] = [Unit::Deg, Unit::Rad, Unit::Gon];
