@@ -402,6 +402,170 @@ fn flags_and_repetitions() {
     assert!(found.warnings[0].contains("lines 4"), "{:?}", found.warnings);
 }
 
+/// Every column is read in the unit that its own heading says.
+#[test]
+fn units_of_single_columns() {
+    let arm = robot();
+    let with = |at: usize, factor: f64| -> Vec<Vec<f64>> {
+        let mut all = rows();
+        all.iter_mut().for_each(|row| row[at] *= factor);
+        all
+    };
+    let radian = 1_f64.to_radians();
+    let cases = [
+        ("q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_rad,x_mm,y_mm,z_mm\n", with(5, radian)),
+        ("q1_rad,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm\n", with(0, radian)),
+        ("q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_m\n", with(8, 1e-3)),
+        ("q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_m,y_mm,z_mm\n", with(6, 1e-3)),
+        ("q1,q2,q3,q4,q5,q6_rad,x,y,z\n", with(5, radian)),
+        ("q1,q2,q3,q4,q5,q6,x,y,z_m\n", with(8, 1e-3)),
+        ("q1,q2,q3,q4,q5,q6,x,y (ft),z\n", with(7, 1.0 / 304.8)),
+        ("q1,q2,q3 [gon],q4,q5,q6,x,y,z\n", with(2, 1.0 / 0.9)),
+    ];
+    for (header, table) in cases {
+        for arm in [None, Some(&arm)] {
+            let files = vec![("m.csv", text(header, &table, ",", ".").into_bytes())];
+            let found = imported(&files, arm, &ImportOptions::default());
+            near(&found.csv, &plain(), header);
+            assert!(found.warnings.is_empty(), "{header}: {:?}", found.warnings);
+        }
+    }
+    // What is no unit that is known is asked for, with the column and the flag.
+    for (header, says, flag) in [
+        ("q1,q2 [counts],q3,q4,q5,q6,x,y,z\n", "column 2 \"q2 [counts]\": \"counts\"", "--angles"),
+        (
+            "q1,q2,q3,q4,q5,q6,x,y,z [furlong]\n",
+            "column 9 \"z [furlong]\": \"furlong\"",
+            "--lengths",
+        ),
+        ("q1,q2,q3,q4,q5,q6_mm,x,y,z\n", "column 6 \"q6_mm\" is in mm, but an angle", "--angles"),
+    ] {
+        let files = vec![("m.csv", text(header, &rows(), ",", ".").into_bytes())];
+        let message = refused(&files, Some(&arm), &ImportOptions::default());
+        assert!(message.contains(says) && message.contains(flag), "{header}: {message}");
+    }
+    let header = "q1 [counts],q2,q3,q4,q5,q6,x,y,z\n";
+    let files = vec![("m.csv", text(header, &rows(), ",", ".").into_bytes())];
+    let options = ImportOptions { angles: Some(Unit::Deg), ..ImportOptions::default() };
+    assert_eq!(imported(&files, None, &options).csv, plain());
+}
+
+/// Lengths and angles that the arm contradicts are read in the one unit that agrees.
+#[test]
+fn the_arm_finds_other_units() {
+    let arm = robot();
+    let header = "q1,q2,q3,q4,q5,q6,x,y,z\n";
+    let table = |angle: f64, length: f64| {
+        let scale = |row: &Vec<f64>| -> Vec<f64> {
+            let of = |(i, v): (usize, &f64)| if i < 6 { v / angle } else { v / length };
+            row.iter().enumerate().map(of).collect()
+        };
+        let all: Vec<Vec<f64>> = rows().iter().map(scale).collect();
+        text(header, &all, ",", ".").into_bytes()
+    };
+    for (angle, length) in
+        [(1.0, 1e-3), (1.0, 10.0), (1.0, 25.4), (1.0, 304.8), (0.9, 1.0), (0.9, 25.4)]
+    {
+        let files = vec![("m.csv", table(angle, length))];
+        let found = imported(&files, Some(&arm), &ImportOptions::default());
+        near(&found.csv, &plain(), &format!("{angle} {length}"));
+    }
+    // No unit makes a span of kilometres the arm's.
+    let files = vec![("m.csv", table(1.0, 1e-6))];
+    let message = refused(&files, Some(&arm), &ImportOptions::default());
+    assert!(message.contains("the arm reaches") && message.contains("--lengths"), "{message}");
+    // Files one below the other are in one unit, by their headings or by their numbers.
+    let rad = header.replace(",x", "_rad,x").replace("1,q", "1_rad,q");
+    for (second, arm) in [
+        (text(header, &scaled(true, false), ",", "."), None),
+        (text(header, &scaled(true, false), ",", "."), Some(&arm)),
+        (text(header, &scaled(false, true), ",", "."), Some(&arm)),
+        (text(&rad, &scaled(true, false), ",", "."), None),
+    ] {
+        let files = vec![("a.csv", table(1.0, 1.0)), ("b.csv", second.into_bytes())];
+        let message = refused(&files, arm, &ImportOptions::default());
+        let units = message.contains("a.csv is in") && message.contains("b.csv in");
+        assert!(units || message.contains("b.csv: other headings than"), "{message}");
+    }
+}
+
+/// Cells may carry their unit.
+#[test]
+fn units_in_cells() {
+    let cells = |row: &Vec<f64>| -> String {
+        let of = |(i, v): (usize, &f64)| if i < 6 { format!("{v}°") } else { format!("{v} mm") };
+        row.iter().enumerate().map(of).collect::<Vec<_>>().join(";") + "\n"
+    };
+    let table =
+        "J1;J2;J3;J4;J5;J6;X;Y;Z\n".to_owned() + &rows().iter().map(cells).collect::<String>();
+    let files = vec![("m.csv", table.clone().into_bytes())];
+    assert_eq!(imported(&files, None, &ImportOptions::default()).csv, plain());
+    let files = vec![("m.csv", table.replacen("°", " rad", 1).into_bytes())];
+    let message = refused(&files, None, &ImportOptions::default());
+    assert!(message.contains("m.csv:3") && message.contains("rad and deg"), "{message}");
+}
+
+/// Rows of other kinds stay, with what they say of themselves.
+#[test]
+fn rows_of_other_kinds() {
+    let header = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm,kind,distance_mm,anchor,\
+                  plate,hole,sigma_mm,torque1_nm\n";
+    let mut table = header.to_owned();
+    for (i, row) in rows().iter().enumerate() {
+        let joints: Vec<String> = row[..6].iter().map(f64::to_string).collect();
+        let point: Vec<String> = row[6..].iter().map(f64::to_string).collect();
+        let rest = match i % 3 {
+            0 => format!("{},point,,,,,0.02,1.5", point.join(",")),
+            1 => format!(",,,distance,{}.25,A,,,0.03,2.5", 500 + i),
+            _ => ",,,plate,,,P,03,0.04,3.5".to_owned(),
+        };
+        table += &format!("{},{rest}\n", joints.join(","));
+    }
+    for table in [table.clone(), table.replace(',', ";").replace('.', ",")] {
+        let found = imported(
+            &vec![("m.csv", table.into_bytes())],
+            Some(&robot()),
+            &ImportOptions::default(),
+        );
+        assert!(found.left_out.is_empty(), "{:?}", found.left_out);
+        let lines: Vec<&str> = found.csv.lines().collect();
+        assert_eq!(lines.len(), 19, "no row is lost");
+        let cell = |line: usize, name: &str| {
+            let at = lines[0].split(',').position(|n| n == name).unwrap();
+            lines[line].split(',').nth(at).unwrap().to_owned()
+        };
+        assert_eq!((cell(2, "kind"), cell(2, "distance_mm")), ("distance".into(), "501.25".into()));
+        assert_eq!((cell(3, "plate"), cell(3, "hole")), ("P".into(), "03".into()));
+        assert_eq!((cell(3, "x_mm"), cell(3, "torque1_nm")), (String::new(), "3.5".into()));
+        assert_eq!(cell(2, "sigma_mm"), "0.03");
+    }
+    // A point without its coordinates is still asked for.
+    let gap = table.replacen(&format!("{}", rows()[0][6]), "", 1);
+    let message = refused(&vec![("m.csv", gap.into_bytes())], None, &ImportOptions::default());
+    assert!(message.contains("m.csv:2") && message.contains("empty cell"), "{message}");
+}
+
+/// Four columns a, b, c, d of length one are no angles of a KUKA.
+#[test]
+fn a_quaternion_called_a_to_d() {
+    let arm = robot();
+    let target = arm.nominal_target();
+    let mut table = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm,a,b,c,d\n".to_owned();
+    for row in rows() {
+        let q: Vec<f64> = row[..6].iter().map(|v| v.to_radians()).collect();
+        let turn = nalgebra::Rotation3::from_matrix_unchecked(target(&q).rotation);
+        let turn = nalgebra::UnitQuaternion::from_rotation_matrix(&turn);
+        let numbers = row.iter().copied().chain([turn.w, turn.i, turn.j, turn.k]);
+        table += &(numbers.map(|v| v.to_string()).collect::<Vec<_>>().join(",") + "\n");
+    }
+    let files = vec![("m.csv", table.into_bytes())];
+    let message = refused(&files, None, &ImportOptions::default());
+    assert!(message.contains("--orientation xyzw") && message.contains("wxyz"), "{message}");
+    let found = imported(&files, Some(&arm), &ImportOptions::default());
+    let w = found.columns.iter().find(|c| c.to == "qw").unwrap();
+    assert_eq!(w.name, "a", "{}", w.because);
+}
+
 /// What is no table, and what cannot be told: by name, with what to do.
 #[test]
 fn refusals() {
@@ -489,6 +653,30 @@ fn refusals() {
             None,
             ImportOptions { columns: vec!["q1=nowhere".into()], ..Default::default() },
             &["no column nowhere", "q1_deg"],
+        ),
+        (
+            vec![("n2.csv", plain().into())],
+            None,
+            ImportOptions { columns: vec!["q1=1".into(), "q2=1".into()], ..Default::default() },
+            &["column 1 \"q1_deg\" is named twice, as q1 and as q2"],
+        ),
+        (
+            vec![("n3.csv", plain().into())],
+            None,
+            ImportOptions { columns: vec!["xyz=7-99".into()], ..Default::default() },
+            &["xyz=7-99: x, y and z are three columns", "xyz=7-9"],
+        ),
+        (
+            vec![("n4.csv", plain().into())],
+            None,
+            ImportOptions { columns: vec!["q=6-1".into()], ..Default::default() },
+            &["q=6-1: the range runs backwards", "q=1-6"],
+        ),
+        (
+            vec![("n5.parquet", b"PAR1".to_vec())],
+            None,
+            ImportOptions::default(),
+            &["a Parquet file", "n5.parquet').to_csv", "n5.csv"],
         ),
         (
             vec![("o.csv", plain().into())],

@@ -502,6 +502,7 @@ fn from_a_data_sheet_to_a_calibrated_urdf() {
         ("export model.toml --urdf out.urdf", 0, "wrote out.urdf"),
         ("export model.toml --ur-calibration ur.yaml --ur-hash a:b", 2, "--ur-hash a:b"),
         ("robot --dh modified mdh.csv", 0, "[[joints]]"),
+        ("robot --dh modified mdh.csv", 0, "write it under [tool]: xyz_mm"),
         ("robot --urdf out.urdf", 0, "name ="),
     ] {
         let (code, out, err) = truearm(at, line);

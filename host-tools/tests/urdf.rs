@@ -99,6 +99,23 @@ fn parameters_are_plain() {
     assert!(!made.text.contains("beta_deg"), "{}", made.text);
 }
 
+/// A mass that no body has is named, and gravity is not taken from the rest.
+#[test]
+fn impossible_masses() {
+    let text = std::fs::read_to_string(data("ur5e")).unwrap();
+    for mass in ["-2.846", "nan"] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("arm.urdf");
+        let changed = text.replacen("2.846", mass, 1);
+        assert_ne!(text, changed);
+        std::fs::write(&path, changed).unwrap();
+        let made = robot_of_urdf(&path, &ends("base_link", "tool0")).unwrap();
+        let says = made.warnings.join(" ");
+        assert!(says.contains("forearm_link has"), "{mass}: {says}");
+        assert!(!made.text.contains("[[links]]"), "{mass}");
+    }
+}
+
 /// Masses and centres of what hangs on a joint, fixed parts included: the first
 /// moment of the whole arm in the base is that of the URDF's own links.
 #[test]

@@ -6,26 +6,29 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use truearm::Pose;
 
 use super::chains::{Chains, PLAIN};
+pub(super) use super::judged::Fitted;
 use super::scene::{Scene, Sight};
 use crate::identify::{State, Unknown, Unknowns, rigid_transform};
 use crate::model::arm::Derivatives;
-use crate::statistics::{median, robust_distance_scale};
+use crate::statistics::median;
 
 /// Nominal parameters are held within so many tolerances (1 mm, 1 mrad): arms
 /// with three times the usual errors are sound.
 pub(super) const TOLERANCES: f64 = 3.0;
-/// No file is judged finer than this, m: gross mistakes are not of this size.
-const FINEST: f64 = 5e-5;
 /// Degrees of freedom of Student's t, by whose likelihood rows count.
-const FREEDOM: f64 = 4.0;
+pub(super) const FREEDOM: f64 = 4.0;
 /// No step turns anything by more, rad: beyond, the linearisation says nothing.
 const LONGEST_TURN: f64 = 0.5;
 /// Standard deviation of what is not held: base m and rad, tool m.
 const LOOSE: [f64; 2] = [10.0, 1.0];
 /// The same of a number that is fitted, m or rad.
 const FITTED: f64 = 3.0;
-/// Beyond so many scales a row is no part of the misfit.
-const GROSS: f64 = 10.0;
+/// Where a full step raises what is minimised, so much of the diagonal is added
+/// first, and ten times as much each time it still does: what the data hardly
+/// hold (a slide along parallel axes) would else run off by metres.
+const DAMPED: f64 = 1e-3;
+/// Gains below are none, nats.
+const AT_REST: f64 = 0.01;
 
 /// What is fitted, and how long.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,28 +46,9 @@ impl Effort {
         match self {
             Self::Glance => 4,
             Self::Screen => 6,
-            Self::Full => 15,
+            Self::Full => 60,
         }
     }
-}
-
-/// How well a hypothesis fits.
-#[derive(Debug, Clone)]
-pub(super) struct Fitted {
-    /// The arm.
-    pub state: State,
-    /// Robust standard deviation of a coordinate, m.
-    pub spread: f64,
-    /// Root mean square of the distances without gross rows, m.
-    pub rms: f64,
-    /// Root mean square distance of the points from their middle, m.
-    pub extent: f64,
-    /// Negative logarithm of the likelihood, nats a row.
-    pub misfit: f64,
-    /// Negative logarithm of the prior of the corrections, nats.
-    pub prior: f64,
-    /// Largest correction of a link that is held near nominal, tolerances.
-    pub correction: f64,
 }
 
 /// Fits a scene.
@@ -75,24 +59,17 @@ pub(super) fn fit(
     sigma: f64,
     effort: Effort,
 ) -> Fitted {
-    let unknowns = Unknowns::new(stations, markers, 0, scene.links.len());
-    let free = free(scene, &unknowns, effort);
-    let fitter = Fitter { scene, free, unknowns, sigma, extent: extent(&scene.sights) };
-    let mut state = fitter.registered(stations, markers);
-    let mut best = fitter.judged(&state);
-    for _ in 0..effort.steps() {
-        let Some(step) = fitter.step(&state) else { break };
-        state = state.stepped(&fitter.unknowns, &step);
-        let now = fitter.judged(&state);
-        let gain = fitter.objective(&best) - fitter.objective(&now);
-        if gain > 0.0 {
-            best = now;
-        }
-        if gain.abs() < 0.01 {
-            break;
-        }
-    }
-    best
+    let fitter = Fitter::new(scene, stations, markers, sigma, effort);
+    let start = fitter.registered(stations, markers);
+    fitter.fitted(&start, effort)
+}
+
+/// Fits a scene in full, base and tool starting from where another fit left them.
+pub(super) fn fit_from(scene: &Scene, other: &State, sigma: f64) -> Fitted {
+    let (stations, markers) = (other.bases.len(), other.markers.len());
+    let fitter = Fitter::new(scene, stations, markers, sigma, Effort::Full);
+    let start = State { links: scene.links.clone(), ..other.clone() };
+    fitter.fitted(&start, Effort::Full)
 }
 
 /// Root mean square distance of points from their middle, m.
@@ -114,15 +91,55 @@ fn free(scene: &Scene, unknowns: &Unknowns, effort: Effort) -> Vec<(usize, f64)>
     unknowns.list().iter().enumerate().filter_map(of).collect()
 }
 
-struct Fitter<'a> {
-    scene: &'a Scene,
-    unknowns: Unknowns,
-    free: Vec<(usize, f64)>,
-    sigma: f64,
-    extent: f64,
+/// A scene being fitted.
+pub(super) struct Fitter<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) unknowns: Unknowns,
+    pub(super) free: Vec<(usize, f64)>,
+    pub(super) sigma: f64,
+    pub(super) extent: f64,
 }
 
-impl Fitter<'_> {
+impl<'a> Fitter<'a> {
+    fn new(scene: &'a Scene, stations: usize, markers: usize, sigma: f64, effort: Effort) -> Self {
+        let unknowns = Unknowns::new(stations, markers, 0, scene.links.len());
+        let free = free(scene, &unknowns, effort);
+        Self { scene, free, unknowns, sigma, extent: extent(&scene.sights) }
+    }
+
+    /// The best state met on the way. In full no step is taken that raises what it
+    /// lowers, and it goes on until it rests; a screening takes every step.
+    fn fitted(&self, start: &State, effort: Effort) -> Fitted {
+        let mut now = self.judged(start);
+        let mut best = now.clone();
+        let mut damping = 0.0;
+        for _ in 0..effort.steps() {
+            let Some(step) = self.step(&now.state, damping) else { break };
+            let next = self.judged(&now.state.stepped(&self.unknowns, &step));
+            let (before, after) =
+                (self.at_scale(&now, now.spread), self.at_scale(&next, now.spread));
+            // Not a number is no descent either.
+            if effort == Effort::Full && !(after <= before + AT_REST) {
+                if damping > 1e9 {
+                    break;
+                }
+                damping = f64::max(10.0 * damping, DAMPED);
+                continue;
+            }
+            let gain = self.objective(&best) - self.objective(&next);
+            let resting = damping <= 1.0 && gain.abs() < AT_REST;
+            damping = if damping <= DAMPED { 0.0 } else { damping / 10.0 };
+            now = next;
+            if gain > 0.0 {
+                best = now.clone();
+            }
+            if resting {
+                break;
+            }
+        }
+        best
+    }
+
     /// The tool as stated, each base by SVD; where points lie on a line, only
     /// its place.
     fn registered(&self, stations: usize, markers: usize) -> State {
@@ -154,10 +171,10 @@ impl Fitter<'_> {
     }
 
     /// A step of all unknowns, SI; zero of those that are held.
-    fn step(&self, state: &State) -> Option<DVector<f64>> {
+    fn step(&self, state: &State, damping: f64) -> Option<DVector<f64>> {
         let (mut normal, mut right) = self.equations(state);
         for (at, ((_, sd), x)) in self.free.iter().zip(&self.held(state)).enumerate() {
-            normal[(at, at)] += sd.powi(-2);
+            normal[(at, at)] = (normal[(at, at)] + sd.powi(-2)) * (1.0 + damping);
             right[at] -= x / sd.powi(2);
         }
         // Only the lower triangle is filled and read.
@@ -205,7 +222,7 @@ impl Fitter<'_> {
 
     /// How far free unknowns are from where they are held: links from nominal,
     /// tools from the stated one; a base from nowhere.
-    fn held(&self, state: &State) -> Vec<f64> {
+    pub(super) fn held(&self, state: &State) -> Vec<f64> {
         let (stations, link) = (state.bases.len(), self.unknowns.free());
         let of = |(k, _): &(usize, f64)| match *k {
             k if k >= link => {
@@ -220,46 +237,6 @@ impl Fitter<'_> {
             _ => 0.0,
         };
         self.free.iter().map(of).collect()
-    }
-
-    fn spread(&self, far: &[f64]) -> f64 {
-        robust_distance_scale(far).max(self.sigma).max(FINEST)
-    }
-
-    fn judged(&self, state: &State) -> Fitted {
-        let chains = Chains::new(state);
-        let miss =
-            |s: &Sight| (s.point - chains.of(s.station, s.marker).pose(&s.q).translation).norm();
-        let far: Vec<f64> = self.scene.sights.iter().map(miss).collect();
-        let spread = self.spread(&far);
-        let row = |d: &f64| {
-            let tail = (1.0 + (d / spread).powi(2) / FREEDOM).ln() * (FREEDOM + 3.0) / 2.0;
-            // In the file's own numbers: a smaller unit makes no better fit.
-            tail + 3.0 * (spread / self.scene.scale).ln()
-        };
-        let misfit = far.iter().map(row).sum::<f64>() / far.len().max(1) as f64;
-        let held = self.held(state);
-        let near = far.iter().copied().filter(|d| *d <= GROSS * spread);
-        let (squares, count) = near.fold((0.0, 0.0), |(sum, n), d| (sum + d * d, n + 1.0));
-        let of = |((k, _), x): (&(usize, f64), &f64)| match self.unknowns.list()[*k] {
-            Unknown::Link(joint, p) if self.scene.fitted.contains(&(joint, p)) => 0.0,
-            link @ Unknown::Link(..) => x.abs() / link.tolerance(),
-            _ => 0.0,
-        };
-        Fitted {
-            state: state.clone(),
-            spread,
-            extent: self.extent,
-            rms: (squares / f64::max(count, 1.0)).sqrt(),
-            misfit: if misfit.is_finite() { misfit } else { f64::INFINITY },
-            prior: self.free.iter().zip(&held).map(|((_, sd), x)| (x / sd).powi(2) / 2.0).sum(),
-            correction: self.free.iter().zip(&held).map(of).fold(0.0, f64::max),
-        }
-    }
-
-    /// What a fit lowers.
-    fn objective(&self, fitted: &Fitted) -> f64 {
-        fitted.misfit * self.scene.sights.len() as f64 + fitted.prior
     }
 }
 

@@ -12,6 +12,9 @@ use crate::files::{CsvEdit, not_that_text, tables};
 use crate::model::{Measurements, Robot};
 use crate::units::{DEGREES, joint_column, point_to_mm};
 
+/// What the first line of a mended file begins with.
+pub const MENDED: &str = "# truearm check: ";
+
 /// The two texts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mended {
@@ -33,9 +36,7 @@ pub fn mend(
     let (of_data, of_robot): (Vec<_>, Vec<_>) =
         finding.changes.iter().zip(&finding.said).partition(|(change, _)| change.of_data());
     let remarks = |said: &[(&Change, &super::Said)]| {
-        said.iter()
-            .map(|(_, said)| format!("# truearm check: {said}; mended\n"))
-            .collect::<String>()
+        said.iter().map(|(_, said)| format!("{MENDED}{said}; mended\n")).collect::<String>()
     };
     let mut texts = Mended { robot: robot_text.to_owned(), measurements: data_text.to_owned() };
     if !of_robot.is_empty() {
@@ -45,7 +46,13 @@ pub fn mend(
         let mut ordered: Vec<&Change> = of_data.iter().map(|(change, _)| *change).collect();
         ordered.sort_by_key(|change| change.rank());
         let mut edit = CsvEdit::new(&data.path, data_text)?;
-        ordered.iter().for_each(|change| rows_mended(&mut edit, robot, change));
+        let rows: Vec<usize> = match finding.only_rows() {
+            // Rows are known by their place: none may be missing.
+            Some(_) if edit.rows() != data.rows.len() => return Err(not_that_text(&data.path)),
+            Some(rows) => rows.to_vec(),
+            None => (0..edit.rows()).collect(),
+        };
+        ordered.iter().for_each(|change| rows_mended(&mut edit, robot, change, &rows));
         texts.measurements = remarks(&of_data) + &edit.finish();
     }
     Ok(texts)
@@ -53,12 +60,13 @@ pub fn mend(
 
 impl Change {
     /// Whether measurements.csv is mended; else robot.toml is.
-    fn of_data(&self) -> bool {
+    pub(super) fn of_data(&self) -> bool {
         !matches!(self, Self::Convention(_) | Self::RobotUnit(_) | Self::Value(..))
     }
 }
 
-fn rows_mended(edit: &mut CsvEdit, robot: &Robot, change: &Change) {
+/// A change of all these rows; steps are of all rows of a file.
+fn rows_mended(edit: &mut CsvEdit, robot: &Robot, change: &Change, rows: &[usize]) {
     let kinds: Vec<JointKind> = robot.joints.iter().map(|j| j.link.kind).collect();
     let joints: Vec<Option<usize>> = kinds
         .iter()
@@ -73,24 +81,26 @@ fn rows_mended(edit: &mut CsvEdit, robot: &Robot, change: &Change) {
     let points = || ["x_mm", "y_mm", "z_mm"];
     match change {
         Change::Step(step) => stepped(edit, *step, joints.iter().chain(&sides).flatten()),
-        Change::JointUnit(unit) => scaled(edit, of_kind(JointKind::Revolute), unit.degrees()),
-        Change::SlideUnit(unit) => scaled(edit, of_kind(JointKind::Prismatic), unit.millimetres()),
+        Change::JointUnit(unit) => scaled(edit, rows, of_kind(JointKind::Revolute), unit.degrees()),
+        Change::SlideUnit(unit) => {
+            scaled(edit, rows, of_kind(JointKind::Prismatic), unit.millimetres());
+        }
         Change::PointUnit(unit) => {
             let columns: Vec<usize> = points().iter().filter_map(|c| edit.column(c)).collect();
-            scaled(edit, columns.into_iter(), unit.millimetres());
+            scaled(edit, rows, columns.into_iter(), unit.millimetres());
         }
         // With the points their orientation is seen in a mirror.
         Change::Hand => {
             let columns: Vec<usize> =
                 ["z_mm", "qx", "qy"].iter().filter_map(|c| edit.column(c)).collect();
-            negated(edit, columns);
+            negated(edit, rows, columns);
         }
         Change::Order(order) => {
-            permuted(edit, &joints, order);
-            permuted(edit, &sides, order);
+            permuted(edit, rows, &joints, order);
+            permuted(edit, rows, &sides, order);
         }
         Change::Sense(joint) => {
-            negated(edit, [joints[*joint], sides[*joint]].into_iter().flatten());
+            negated(edit, rows, [joints[*joint], sides[*joint]].into_iter().flatten());
         }
         Change::Convention(_) | Change::RobotUnit(_) | Change::Value(..) => {}
     }
@@ -112,8 +122,8 @@ fn stepped<'a>(edit: &mut CsvEdit, step: isize, columns: impl Iterator<Item = &'
     edit.drop_row(if down { rows.saturating_sub(1) } else { 0 });
 }
 
-fn permuted(edit: &mut CsvEdit, columns: &[Option<usize>], order: &[usize]) {
-    for row in 0..edit.rows() {
+fn permuted(edit: &mut CsvEdit, rows: &[usize], columns: &[Option<usize>], order: &[usize]) {
+    for row in rows.iter().copied() {
         let cell = |column: &Option<usize>| column.map(|c| edit.cell(row, c).to_owned());
         let cells: Vec<Option<String>> = columns.iter().map(cell).collect();
         for (column, from) in columns.iter().zip(order) {
@@ -124,9 +134,9 @@ fn permuted(edit: &mut CsvEdit, columns: &[Option<usize>], order: &[usize]) {
     }
 }
 
-fn scaled(edit: &mut CsvEdit, columns: impl Iterator<Item = usize>, factor: f64) {
+fn scaled(edit: &mut CsvEdit, rows: &[usize], columns: impl Iterator<Item = usize>, factor: f64) {
     for column in columns {
-        for row in 0..edit.rows() {
+        for row in rows.iter().copied() {
             if let Ok(value) = edit.cell(row, column).parse::<f64>() {
                 // Nine decimals: a picometre, a nanodegree.
                 let now = (value * factor * 1e9).round() / 1e9;
@@ -137,9 +147,9 @@ fn scaled(edit: &mut CsvEdit, columns: impl Iterator<Item = usize>, factor: f64)
 }
 
 /// The same digits with the other sign; nought has none.
-fn negated(edit: &mut CsvEdit, columns: impl IntoIterator<Item = usize>) {
+fn negated(edit: &mut CsvEdit, rows: &[usize], columns: impl IntoIterator<Item = usize>) {
     for column in columns {
-        for row in 0..edit.rows() {
+        for row in rows.iter().copied() {
             let cell = edit.cell(row, column);
             let now = match (cell.strip_prefix('-'), cell.parse::<f64>()) {
                 (_, Err(_) | Ok(0.0)) => continue,

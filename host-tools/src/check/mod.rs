@@ -12,13 +12,17 @@ mod chains;
 mod change;
 mod fit;
 mod hypotheses;
+mod judged;
 pub mod mend;
+mod part;
 mod sample;
 mod scene;
 mod search;
+mod stray;
 mod words;
 
 pub use change::{AngleUnit, Change, Convention, LengthUnit, New};
+pub use stray::Stray;
 pub use words::Said;
 
 use nalgebra::Vector3;
@@ -78,8 +82,11 @@ pub struct Finding {
     pub margin: Option<f64>,
     /// Mistakes that these data cannot show, in words: base or tool absorb them.
     pub absorbed: Vec<String>,
+    /// Rows that are far off once the changes are undone; those of the changes
+    /// themselves where they are of a part of the rows.
+    pub stray: Option<Stray>,
     /// Root mean square misfit as the files are, links within their
-    /// tolerances, m.
+    /// tolerances, m; rows far off left out where they are few.
     pub rms_before: f64,
     /// The same with the mistakes undone, m.
     pub rms_after: f64,
@@ -94,6 +101,13 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// Rows that the changes are of, counted from 0; `None` of all.
+    #[must_use]
+    pub fn only_rows(&self) -> Option<&[usize]> {
+        let stray = self.stray.as_ref().filter(|stray| stray.change.is_some());
+        stray.filter(|_| self.verdict == Verdict::Mendable).map(|stray| stray.block.as_slice())
+    }
+
     /// Whether the frames of the links are no longer those that the robot file
     /// had, so that centres of mass may be elsewhere.
     #[must_use]
@@ -112,7 +126,7 @@ pub fn check(robot: &Robot, data: &Measurements) -> Finding {
         Err(why) => return undecided(robot, data, None, why),
     };
     let search = Search { links: &links, tool: robot.tool, sample: &sample };
-    let nothing = search.nothing();
+    let mut nothing = search.nothing();
     if data.poses < LEAST_POSES {
         let poses = count(data.poses, "pose");
         let why = format!(
@@ -121,18 +135,19 @@ pub fn check(robot: &Robot, data: &Measurements) -> Finding {
         );
         return undecided(robot, data, Some(&nothing), why);
     }
-    let ones = search.one();
-    let mut best = better(nothing.clone(), ones.first());
-    let mut ranked = ones.clone();
-    if !good(&best) {
-        let twos = search.two(&ones);
-        best = better(best, twos.first());
-        ranked.extend(twos);
+    let (best, ranked) = ranked(&search, &mut nothing);
+    // Rows of another arm are all far off.
+    let stray =
+        |of: &Found| (!senseless(of)).then(|| stray::rows(&search, robot, data, of)).flatten();
+    let of_best = stray(&best);
+    let whole = !best.changes.is_empty() && !of_best.as_ref().is_some_and(|stray| stray.many);
+    if let Some(stray) = stray(&nothing).filter(|s| !whole && s.many && s.change.is_some()) {
+        return part::finding(robot, data, &search, &nothing, stray);
     }
-    ranked.push(nothing.clone());
-    ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let stray = of_best;
     let verdict = match (&best, best.changes.is_empty()) {
         (best, _) if senseless(best) => Verdict::NotUnderstood,
+        _ if stray.as_ref().is_some_and(|stray| stray.many) => Verdict::NotUnderstood,
         (_, true) => Verdict::Sound,
         _ => Verdict::Mendable,
     };
@@ -148,6 +163,7 @@ pub fn check(robot: &Robot, data: &Measurements) -> Finding {
         equivalent,
         margin: others.next.map(|next| next.fitted.rms / best.fitted.rms),
         absorbed,
+        stray,
         rms_before: nothing.fitted.rms,
         rms_after: best.fitted.rms,
         correction_before: nothing.fitted.correction,
@@ -155,6 +171,29 @@ pub fn check(robot: &Robot, data: &Measurements) -> Finding {
         poses: data.poses,
         too_few: None,
     }
+}
+
+/// The best explanation, and all by how probable they are. One that changes a
+/// file wins over a fit of the files as they are only where that rests, begun from
+/// its own place as well.
+fn ranked(search: &Search, nothing: &mut Found) -> (Found, Vec<Found>) {
+    let ones = search.one();
+    if let Some(one) = ones.first().filter(|one| nothing.cost - one.cost >= CLEARLY) {
+        let again = search.nothing_from(one);
+        if again.cost < nothing.cost {
+            *nothing = again;
+        }
+    }
+    let mut best = better(nothing.clone(), ones.first());
+    let mut ranked = ones.clone();
+    if !good(&best) {
+        let twos = search.two(&ones);
+        best = better(best, twos.first());
+        ranked.extend(twos);
+    }
+    ranked.push(nothing.clone());
+    ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    (best, ranked)
 }
 
 /// Of too few poses nothing can be said but how well they agree.
@@ -168,6 +207,7 @@ fn undecided(robot: &Robot, data: &Measurements, nothing: Option<&Found>, why: S
         equivalent: Vec::new(),
         margin: None,
         absorbed: Vec::new(),
+        stray: None,
         rms_before: rms,
         rms_after: rms,
         correction_before: correction,

@@ -89,6 +89,30 @@ impl Sample {
         })
     }
 
+    /// All points of a file, beside them their rows; of stations that this sample
+    /// has rows of.
+    pub fn whole(data: &Measurements, known: &Self) -> (Self, Vec<usize>) {
+        let all = &data.rows;
+        let usable = |i: &usize| {
+            kind(&all[*i]).point(&all[*i]).is_some()
+                && known.rows.iter().any(|row| row.station == all[*i].station)
+        };
+        let rows: Vec<usize> = (0..all.len()).filter(usable).collect();
+        let last = all.len().saturating_sub(1);
+        let row = |i: &usize| SampledRow {
+            q: [i.saturating_sub(1), *i, (i + 1).min(last)].map(|i| all[i].q.clone()),
+            point: all[*i].measured.point(),
+            station: all[*i].station,
+            marker: all[*i].marker,
+        };
+        (Self { rows: rows.iter().map(row).collect(), ..known.clone() }, rows)
+    }
+
+    /// Some of the rows.
+    pub fn only(&self, rows: &[usize]) -> Self {
+        Self { rows: rows.iter().map(|i| self.rows[*i].clone()).collect(), ..self.clone() }
+    }
+
     /// At most so many of the rows, evenly.
     #[must_use]
     pub fn thinned(&self, most: usize) -> Self {

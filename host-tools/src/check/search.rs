@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use truearm::{Link, LinkParameter};
 
 use super::change::{Change, Convention, New};
-use super::fit::{Effort, Fitted, fit};
+use super::fit::{Effort, Fitted, fit, fit_from};
 use super::hypotheses::{all, plain};
 use super::sample::Sample;
 use super::scene::Scene;
@@ -46,6 +46,19 @@ impl Search<'_> {
     /// Nothing changed.
     pub fn nothing(&self) -> Found {
         self.tried(Vec::new(), self.sample, Effort::Full)
+    }
+
+    /// Nothing changed, from where another explanation has base and tool: an
+    /// explanation may not win because its fit began at a better place.
+    pub fn nothing_from(&self, other: &Found) -> Found {
+        let scene = Scene::new(self.links, self.tool, self.sample, &[]);
+        let fitted = fit_from(&scene, &other.fitted.state, self.sample.sigma);
+        Found { changes: Vec::new(), cost: self.cost(self.sample, &fitted), fitted }
+    }
+
+    /// Negative logarithm of how probable a fit is, nats, whatever was changed.
+    fn cost(&self, rows: &Sample, fitted: &Fitted) -> f64 {
+        INDEPENDENT_ROWS.min(rows.rows.len() as f64) * fitted.misfit + fitted.prior
     }
 
     /// Single mistakes, the most probable first.
@@ -124,8 +137,7 @@ impl Search<'_> {
         };
         let changes: Vec<Change> = changes.into_iter().map(moved).collect();
         let price: f64 = changes.iter().map(Change::price).sum();
-        let cost = INDEPENDENT_ROWS.min(rows.rows.len() as f64) * fitted.misfit + fitted.prior;
-        Found { changes, cost: cost + price, fitted }
+        Found { changes, cost: self.cost(rows, &fitted) + price, fitted }
     }
 
     /// The full fit of these mistakes, or of the same with a plain value in

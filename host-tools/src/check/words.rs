@@ -21,12 +21,17 @@ pub struct Said {
     pub from: String,
     /// What they should say.
     pub to: String,
+    /// In which rows, counted from 1, where it is not in all: `37 to 60`.
+    pub rows: Option<String>,
 }
 
 impl std::fmt::Display for Said {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { from, to, .. } = self;
         let joint = self.joint.unwrap_or_default();
+        if let Some(rows) = &self.rows {
+            write!(f, "in rows {rows}: ")?;
+        }
         match self.what {
             "joint-sense" => write!(f, "joint {joint} counts the other way"),
             "joint-zero" => write!(f, "the zero of joint {joint} is off: {from}, should be {to}"),
@@ -74,7 +79,8 @@ pub(super) fn said(robot: &Robot, kinds: &[JointKind], changes: &[Change]) -> Ve
                 LinkParameter::D if slides => "joint-zero",
                 other => other.name(),
             };
-            Said { what, joint: Some(joint + 1), from: value(&others), to: value(changes) }
+            let (from, to) = (value(&others), value(changes));
+            Said { what, joint: Some(joint + 1), from, to, rows: None }
         }
         other => of_files(other, kinds),
     };
@@ -88,6 +94,7 @@ fn of_files(change: &Change, kinds: &[JointKind]) -> Said {
         joint: None,
         from: from.to_owned(),
         to: to.to_owned(),
+        rows: None,
     };
     match change {
         Change::Step(step) => {
@@ -115,6 +122,7 @@ fn of_files(change: &Change, kinds: &[JointKind]) -> Said {
                 joint: Some(joint + 1),
                 from: format!("+q{} {unit}", joint + 1),
                 to: format!("-q{} {unit}", joint + 1),
+                rows: None,
             }
         }
         Change::Convention(Convention::Standard) => {

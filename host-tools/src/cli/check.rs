@@ -1,16 +1,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use truearm_host::check::mend::mend;
+use truearm_host::check::mend::{MENDED, mend};
 use truearm_host::check::{Finding, Verdict, check};
-use truearm_host::files::{read_text, write};
+use truearm_host::files::{foreign, read_text, write};
 use truearm_host::identify::Figures;
+use truearm_host::methods::Comparison;
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::report::{CheckReport, to_json};
 use truearm_host::units::to_mm;
 use truearm_host::{Error, Kind, Result};
 
-use super::{End, Said, warn, words};
+use super::{End, Said, own, warn, words};
 
 /// Find gross mistakes between robot and measurements: senses, zeros, orders,
 /// units, conventions. Exit status 3: found, 4: they disagree and nothing says why.
@@ -23,13 +24,20 @@ pub struct Check {
     /// Write robot.toml and measurements.csv into this folder, mended
     #[arg(long, value_name = "DIR")]
     fix: Option<PathBuf>,
+    /// Write over files in DIR that truearm did not write
+    #[arg(long, requires = "fix")]
+    force: bool,
     /// Print JSON instead of words
     #[arg(long)]
     json: bool,
 }
 
+/// What is written into a folder.
+const FILES: [&str; 2] = ["robot.toml", "measurements.csv"];
+
 impl Check {
     pub fn run(self) -> Result<Said> {
+        own::folder_apart(self.fix.as_deref(), &FILES, [&self.robot, &self.data])?;
         let texts = [read_text(&self.robot)?, read_text(&self.data)?];
         let robot = Robot::parse(&self.robot, &texts[0])?;
         let data = Measurements::of_file(&self.data, &texts[1], &robot)?;
@@ -72,20 +80,27 @@ impl Check {
         if finding.verdict == Verdict::NotUnderstood {
             return Ok("wrote nothing: what is wrong is not understood\n".to_owned());
         }
-        let targets = [folder.join("robot.toml"), folder.join("measurements.csv")];
-        let real = |path: &Path| std::fs::canonicalize(path).ok();
-        for source in [&self.robot, &self.data] {
-            if targets.iter().any(|t| real(t).is_some() && real(t) == real(source)) {
-                return Err(Error::usage(
-                    format!("--fix {} would overwrite {}", folder.display(), source.display()),
-                    "give another folder",
-                ));
-            }
-        }
+        let targets = FILES.map(|name| folder.join(name));
         let mended = mend((robot, &texts[0]), (data, &texts[1]), finding)?;
-        write(&targets[0], mended.robot.as_bytes())?;
-        write(&targets[1], mended.measurements.as_bytes())?;
+        let made = [mended.robot, mended.measurements];
+        for (path, text) in targets.iter().zip(&made) {
+            self.spared(path, text)?;
+        }
+        for (path, text) in targets.iter().zip(&made) {
+            write(path, text.as_bytes())?;
+        }
         Ok(format!("wrote {}\n", folder.join("{robot.toml,measurements.csv}").display()))
+    }
+}
+
+impl Check {
+    /// Mended files carry no digest, as people go on with them: what may be written
+    /// over is that very text, or one that begins as a mended one does.
+    fn spared(&self, path: &Path, text: &str) -> Result<()> {
+        let Some(stood) = std::fs::read(path).ok().filter(|_| !self.force) else { return Ok(()) };
+        let first = text.lines().next().filter(|line| line.starts_with(MENDED));
+        let alike = first.is_some_and(|line| stood.starts_with(line.as_bytes()));
+        if alike || stood == text.as_bytes() { Ok(()) } else { Err(foreign(path)) }
     }
 }
 
@@ -94,6 +109,9 @@ const MANY_TOLERANCES: f64 = 100.0;
 /// From here on it is worth a look whether a mistake is behind them: poorly made
 /// arms of seven joints have 20.
 const SUSPICIOUS_TOLERANCES: f64 = 40.0;
+/// A single correction beyond is of the size of gross mistakes, tolerances: 2 cm, or
+/// 1.1 degrees.
+const LARGE_TOLERANCES: f64 = 20.0;
 /// A misfit beyond makes no sense, mm.
 const SENSELESS_MM: f64 = 20.0;
 
@@ -114,21 +132,54 @@ pub fn explained(error: Error, robot: &Robot, data: &Measurements) -> Error {
     }
 }
 
+/// Where a fit ended.
+#[derive(Clone, Copy)]
+pub struct Ended {
+    /// Norm of the corrections, tolerances.
+    norm: f64,
+    /// The largest of them.
+    largest: f64,
+    /// Misfit, mm.
+    rms: f64,
+}
+
+impl Ended {
+    pub fn of(figures: &Figures) -> Self {
+        Self {
+            norm: figures.correction_norm,
+            largest: figures.largest_correction,
+            rms: figures.identified.map_or(0.0, |stats| stats.rms_mm),
+        }
+    }
+
+    /// Of the method that `identify` has; none where it broke down.
+    pub fn of_methods(compared: &Comparison) -> Option<Self> {
+        let method = compared.methods.iter().find(|method| method.name == "RPIM")?;
+        Some(Self {
+            norm: method.correction_norm?,
+            largest: method.largest_correction?,
+            rms: method.fitted?.rms_mm,
+        })
+    }
+}
+
 /// A remark where a fit ended at figures that make no sense.
-pub fn remark(figures: &Figures, robot: &Robot, data: &Measurements) -> Option<String> {
-    let size = figures.correction_norm;
-    let rms = figures.identified.map_or(0.0, |stats| stats.rms_mm);
-    if size <= SUSPICIOUS_TOLERANCES && rms <= SENSELESS_MM {
+pub fn remark(ended: Ended, robot: &Robot, data: &Measurements) -> Option<String> {
+    let Ended { norm, largest, rms } = ended;
+    if norm <= SUSPICIOUS_TOLERANCES && largest <= LARGE_TOLERANCES && rms <= SENSELESS_MM {
         return None;
     }
     let what = if rms > SENSELESS_MM {
         format!("a misfit of {rms:.0} mm RMS is left")
+    } else if largest > LARGE_TOLERANCES && norm <= MANY_TOLERANCES {
+        format!("the largest correction is {largest:.0} tolerances")
     } else {
-        format!("the corrections are {size:.0} tolerances")
+        format!("the corrections are {norm:.0} tolerances")
     };
+    let few = norm <= MANY_TOLERANCES && largest <= LARGE_TOLERANCES && rms <= SENSELESS_MM;
     let why = match found(robot, data) {
         Some(why) => why,
-        None if size <= MANY_TOLERANCES && rms <= SENSELESS_MM => return None,
+        None if few => return None,
         None => "no gross mistake explains it".to_owned(),
     };
     Some(format!("{}: {what}, more than a sound arm has: {why}", data.path.display()))
@@ -140,8 +191,12 @@ fn found(robot: &Robot, data: &Measurements) -> Option<String> {
     if finding.too_few.is_some() {
         return None;
     }
+    let many = finding.stray.as_ref().filter(|stray| stray.many);
     let words = match finding.verdict {
         Verdict::Sound => return None,
+        Verdict::NotUnderstood if many.is_some() => {
+            many.map(ToString::to_string).unwrap_or_default()
+        }
         Verdict::Mendable => format!(
             "{}; with that mended {:.2} mm RMS are left: `truearm check {} {} --fix DIR` mends it",
             words::together(&finding.said),

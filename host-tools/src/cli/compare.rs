@@ -9,7 +9,7 @@ use truearm_host::observations::points_only;
 use truearm_host::page::compared;
 use truearm_host::report::{CompareReport, to_json};
 
-use super::check::explained;
+use super::check::{Ended, explained, remark};
 use super::evaluate::Frames as Anew;
 use super::page::write_page;
 use super::{Said, own, read_both, warn, words};
@@ -56,8 +56,10 @@ impl Compare {
         let anew = self.reregister.map(Into::into).unwrap_or_default();
         let frames = if self.hold_frames { Frames::Held } else { Frames::Fitted };
         let judge = other.as_ref().map(|o| (o, anew));
-        let found = methods::compare(&robot, &data, judge, frames, &methods::all())
+        let mut found = methods::compare(&robot, &data, judge, frames, &methods::all())
             .map_err(|error| explained(error, &robot, &data))?;
+        let ended = Ended::of_methods(&found);
+        found.warnings.extend(ended.and_then(|ended| remark(ended, &robot, &data)));
         warn(&found.warnings);
         let json = to_json(&CompareReport::new(&found));
         let mut wrote = String::new();

@@ -7,7 +7,7 @@ use truearm_host::model::{Measurements, ModelTerm};
 use truearm_host::page::{Measured, Next, diagnosed};
 use truearm_host::report::DiagnoseReport;
 
-use super::check::{explained, remark};
+use super::check::{Ended, explained, remark};
 use super::page::next_line;
 use super::progress::Bar;
 use super::rows::{apart, residuals};
@@ -72,7 +72,7 @@ impl Diagnose {
         bar.finish();
         let mut found = found.map_err(|error| explained(error, &robot, &data))?;
         let figures = &mut found.outcome.figures;
-        figures.warnings.extend(remark(figures, &robot, &data));
+        figures.warnings.extend(remark(Ended::of(figures), &robot, &data));
         let report = DiagnoseReport::new(found.outcome);
         warn(&report.outcome.figures.warnings);
         let on = Measured { data: &data, rows: &found.rows, model: &found.model };

@@ -9,7 +9,7 @@ use truearm_host::report::IdentifyReport;
 
 use truearm_host::{Error, Result};
 
-use super::check::{explained, remark};
+use super::check::{Ended, explained, remark};
 use super::evaluate::Frames;
 use super::progress::Bar;
 use super::rows::{apart, residuals};
@@ -80,7 +80,7 @@ impl Identify {
         let found = identify(&robot, &data, &options, &|done, total| bar.update(done, total));
         bar.finish();
         let mut found = found.map_err(|error| explained(error, &robot, &data))?;
-        found.figures.warnings.extend(remark(&found.figures, &robot, &data));
+        found.figures.warnings.extend(remark(Ended::of(&found.figures), &robot, &data));
         let mut validation = None;
         if let Some(other) = &other {
             let frames = self.reregister.map(Into::into).unwrap_or_default();

@@ -78,6 +78,7 @@ pub struct Import {
 enum Angles {
     Deg,
     Rad,
+    Gon,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -87,6 +88,7 @@ enum Lengths {
     Cm,
     Um,
     Inch,
+    Foot,
 }
 
 impl Import {
@@ -156,6 +158,7 @@ impl Import {
             angles: self.angles.map(|angles| match angles {
                 Angles::Deg => Unit::Deg,
                 Angles::Rad => Unit::Rad,
+                Angles::Gon => Unit::Gon,
             }),
             lengths: self.lengths.map(|lengths| match lengths {
                 Lengths::Mm => Unit::Mm,
@@ -163,6 +166,7 @@ impl Import {
                 Lengths::Cm => Unit::Cm,
                 Lengths::Um => Unit::Um,
                 Lengths::Inch => Unit::Inch,
+                Lengths::Foot => Unit::Foot,
             }),
             columns: self.columns.clone(),
             orientation: self.orientation.clone(),

@@ -6,7 +6,7 @@ use truearm_host::convert::TEMPLATE;
 use truearm_host::convert::presets::{PRESETS, Preset};
 use truearm_host::convert::table::{Convention, Units, robot_of_table};
 use truearm_host::convert::urdf::{Ends, robot_of_urdf};
-use truearm_host::files::{Comment, overwritable, signed, write};
+use truearm_host::files::{Comment, overwritable, read_text, signed, write};
 use truearm_host::model::Robot;
 use truearm_host::units::MILLI;
 use truearm_host::{Error, Result};
@@ -161,7 +161,20 @@ impl MakeRobot {
             }),
         };
         let text = robot_of_table(Path::new(path), convention, &units)?;
-        Ok(Made { text, said: String::new(), warnings: Vec::new() })
+        // Tables that truearm wrote have them in remarks, which no table holds.
+        let stood = read_text(Path::new(path))?;
+        let remarks = stood.lines().filter_map(|line| line.strip_prefix("# "));
+        let placed =
+            remarks.filter(|l| l.starts_with("base xyz_mm") || l.starts_with("tool xyz_mm"));
+        let warnings = placed
+            .map(|line| {
+                let (name, place) = line.split_once(' ').unwrap_or((line, ""));
+                format!(
+                    "{path}: {name} is a remark and is not read; write it under [{name}]: {place}"
+                )
+            })
+            .collect();
+        Ok(Made { text, said: String::new(), warnings })
     }
 }
 

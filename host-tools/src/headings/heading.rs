@@ -11,7 +11,41 @@ pub struct Heading {
     pub words: Vec<String>,
     /// Its unit, if it says one.
     pub unit: Option<Unit>,
+    /// What stands where a unit does and is none that is known: `counts`.
+    pub strange: Option<String>,
 }
+
+/// Units of joints and points that are met and are none that can be converted
+/// without knowing more.
+const STRANGE: [&str; 24] = [
+    "counts",
+    "count",
+    "cts",
+    "ticks",
+    "tick",
+    "inc",
+    "incs",
+    "increments",
+    "pulses",
+    "pulse",
+    "steps",
+    "lsb",
+    "arcmin",
+    "arcsec",
+    "urad",
+    "µrad",
+    "dm",
+    "nm",
+    "km",
+    "yd",
+    "mil",
+    "mils",
+    "thou",
+    "px",
+];
+/// In square brackets stand units, but for these and numbers: `joint[1]`, `pos[x]`.
+const NO_UNITS: [&str; 12] =
+    ["x", "y", "z", "w", "act", "actual", "meas", "measured", "cmd", "nominal", "tcp", "tracker"];
 
 /// Units of a letter are read as such behind a separator only: `x_m`.
 const LETTERS: [&str; 6] = ["m", "s", "c", "k", "g", "f"];
@@ -21,7 +55,10 @@ impl Heading {
     #[must_use]
     pub fn new(text: &str) -> Self {
         let (rest, bracketed) = bracketed(text);
-        let mut words = words(&rest);
+        let mut strange = strange(&rest);
+        let named = strange.as_ref().and_then(|unit| rest.rsplit_once(unit.as_str()));
+        let named = named.map_or_else(|| rest.clone(), |(before, after)| [before, after].concat());
+        let mut words = words(&named);
         let mut unit = bracketed;
         if unit.is_none() && words.len() > 1 {
             let last = words.last().map(String::as_str).unwrap_or_default();
@@ -34,7 +71,8 @@ impl Heading {
                 words.pop();
             }
         }
-        Self { text: text.trim().to_owned(), words, unit }
+        strange = strange.filter(|_| unit.is_none());
+        Self { text: text.trim().to_owned(), words, unit, strange }
     }
 }
 
@@ -53,6 +91,21 @@ fn bracketed(text: &str) -> (String, Option<Unit>) {
         Some((rest, unit)) => (rest.to_owned(), Some(unit)),
         None => (text.to_owned(), None),
     }
+}
+
+/// What stands in brackets, or at the end, in place of a unit and is none.
+fn strange(text: &str) -> Option<String> {
+    let known = |inside: &str| STRANGE.contains(&inside.to_lowercase().as_str());
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        let Some((_, rest)) = text.split_once(open) else { continue };
+        let inside = rest.split(close).next().unwrap_or_default().trim();
+        let word = !NO_UNITS.contains(&inside.to_lowercase().as_str());
+        let unit = !inside.is_empty() && word && !inside.contains(|c: char| c.is_ascii_digit());
+        if known(inside) || open == '[' && unit {
+            return Some(inside.to_owned());
+        }
+    }
+    text.rsplit_once('_').map(|(_, last)| last.trim()).filter(|last| known(last)).map(str::to_owned)
 }
 
 /// In lower case: cut at everything that is neither letter nor digit, between
@@ -82,6 +135,25 @@ fn words(text: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn units_that_are_none() {
+        for (text, strange) in [
+            ("J1 [counts]", Some("counts")),
+            ("x (dm)", Some("dm")),
+            ("q1_ticks", Some("ticks")),
+            ("q2 [furlong]", Some("furlong")),
+            ("x (ft)", None),
+            ("q1 [gon]", None),
+            ("joint[1]", None),
+            ("pos[x]", None),
+            ("X [measured]", None),
+            ("X (measured)", None),
+            ("q1 [rad]", None),
+        ] {
+            assert_eq!(Heading::new(text).strange.as_deref(), strange, "{text}");
+        }
+    }
 
     #[test]
     fn headings_are_taken_apart() {

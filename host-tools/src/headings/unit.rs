@@ -28,6 +28,8 @@ pub enum Unit {
     Mrad,
     /// Turns.
     Turn,
+    /// Gons: 400 a turn.
+    Gon,
     /// Millimetres.
     Mm,
     /// Metres.
@@ -38,6 +40,8 @@ pub enum Unit {
     Um,
     /// Inches.
     Inch,
+    /// Feet.
+    Foot,
     /// Seconds.
     S,
     /// Milliseconds.
@@ -62,16 +66,18 @@ pub enum Unit {
 
 /// Unit, how truearm writes it, how others do, and how many of the file's unit
 /// (degrees, mm, s, kg) one of it is.
-const UNITS: [(Unit, Quantity, &[&str], f64); 19] = [
+const UNITS: [(Unit, Quantity, &[&str], f64); 21] = [
     (Unit::Deg, Quantity::Angle, &["deg", "degree", "degrees", "°", "grad", "º"], 1.0),
     (Unit::Rad, Quantity::Angle, &["rad", "radian", "radians", "rads"], crate::units::DEGREES),
     (Unit::Mrad, Quantity::Angle, &["mrad"], crate::units::DEGREES * 1e-3),
     (Unit::Turn, Quantity::Angle, &["turn", "turns", "rev"], 360.0),
+    (Unit::Gon, Quantity::Angle, &["gon", "gons"], 0.9),
     (Unit::Mm, Quantity::Length, &["mm", "millimeter", "millimetre", "millimeters"], 1.0),
     (Unit::M, Quantity::Length, &["m", "meter", "metre", "meters", "metres"], 1e3),
     (Unit::Cm, Quantity::Length, &["cm"], 10.0),
     (Unit::Um, Quantity::Length, &["um", "µm", "μm"], 1e-3),
     (Unit::Inch, Quantity::Length, &["in", "inch", "inches", "zoll"], 25.4),
+    (Unit::Foot, Quantity::Length, &["ft", "foot", "feet"], 304.8),
     (Unit::S, Quantity::Time, &["s", "sec", "seconds"], 1.0),
     (Unit::Ms, Quantity::Time, &["ms", "msec"], 1e-3),
     (Unit::Us, Quantity::Time, &["us", "µs"], 1e-6),

@@ -107,6 +107,8 @@ pub struct Figures {
     pub l_curve: Vec<LCurvePoint>,
     /// Norm of the corrections, in tolerances.
     pub correction_norm: f64,
+    /// The largest of them, in tolerances.
+    pub largest_correction: f64,
     /// Residual scale over the standard deviation, the stated one or in `diagnose` the one
     /// that was found; well above 1 means structure that the model lacks.
     pub residual_over_sigma: f64,

@@ -89,6 +89,7 @@ impl Findings<'_> {
             lambda_choice: found.choice.clone(),
             l_curve: l_curve(factorised, problem.equations(&found.robust.kept), found.lambda),
             correction_norm: prior.corrections(&found.fit.state).norm(),
+            largest_correction: prior.corrections(&found.fit.state).amax(),
             residual_over_sigma: found.robust.scale * problem.noise.largest(data),
             nominal: stats(results, false, |r| r.nominal),
             identified: stats(results, false, |r| r.identified),

@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Place, Result};
 use crate::headings::Unit;
 
+use super::own::own;
+
 /// The schema of the file.
 const SCHEMA: &str = "truearm-import-config-1";
 
@@ -283,6 +285,7 @@ pub(super) fn is_name(to: &str) -> bool {
     };
     ORDER.contains(&to)
         || ["r31", "r32", "r33"].contains(&to)
+        || own(to).is_some()
         || joint(to.strip_prefix('q'))
         || joint(to.strip_prefix("dir"))
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::config::{Config, Join, Pick};
 use super::join::RowRef;
 use super::number::{plain, seconds};
+use super::own::{Own, has_point, own};
 use super::table::Table;
 use super::turn::{Form, quaternion};
 use crate::error::{Error, Result};
@@ -41,6 +42,8 @@ struct Output<'a> {
 enum Kind {
     /// A number that must be there.
     Needed,
+    /// The same in rows that measured a point.
+    Point,
     /// A number, or nothing.
     Optional,
     Label,
@@ -68,7 +71,7 @@ pub(super) fn convert(
     let start = start(tables, config, rows);
     let (mut lines, mut joints, mut incomplete) = (Vec::new(), Vec::new(), Vec::new());
     for row in rows {
-        let reader = Reader { tables, row, start };
+        let reader = Reader { tables, row, start, kind: config.columns.get("kind") };
         let cells = outputs.iter().map(|o| reader.cell(o)).collect::<Result<Vec<String>>>();
         let cells = match cells {
             Err(_) if skip_incomplete && outputs.iter().any(|o| reader.missing(o)) => {
@@ -101,7 +104,7 @@ fn stem(table: &Table) -> String {
 fn outputs(config: &Config) -> Vec<Output<'_>> {
     let output = |(to, pick): (&String, &'_ Pick)| {
         let (name, kind) = match to.as_str() {
-            "x" | "y" | "z" => (format!("{to}_mm"), Kind::Needed),
+            "x" | "y" | "z" => (format!("{to}_mm"), Kind::Point),
             "station" | "marker" | "series" => (to.clone(), Kind::Label),
             "order" => (to.clone(), Kind::Optional),
             "time" => ("time_s".to_owned(), Kind::Time),
@@ -109,6 +112,8 @@ fn outputs(config: &Config) -> Vec<Output<'_>> {
             "payload" => ("payload_kg".to_owned(), Kind::Optional),
             "sigma" => ("sigma_mm".to_owned(), Kind::Optional),
             _ if to.starts_with("dir") => (to.clone(), Kind::Optional),
+            _ if own(to) == Some(Own::Label) => (to.clone(), Kind::Label),
+            _ if own(to) == Some(Own::Number) => (to.clone(), Kind::Optional),
             _ => {
                 let length = pick.unit.quantity() == Quantity::Length;
                 (format!("{to}_{}", if length { "mm" } else { "deg" }), Kind::Needed)
@@ -134,8 +139,10 @@ fn form(columns: &BTreeMap<String, Pick>) -> Option<Form> {
 /// The first time, if times are dates: seconds then count from it.
 fn start(tables: &[Table], config: &Config, rows: &[RowRef]) -> f64 {
     let Some(pick) = config.columns.get("time") else { return 0.0 };
-    let times: Vec<f64> =
-        rows.iter().filter_map(|row| Reader { tables, row, start: 0.0 }.time(pick)).collect();
+    let times: Vec<f64> = rows
+        .iter()
+        .filter_map(|row| Reader { tables, row, start: 0.0, kind: None }.time(pick))
+        .collect();
     let text = rows.first().is_some_and(|row| {
         let (file, at) = row.at(pick.file);
         tables[file].number(at, pick.column).is_none()
@@ -150,6 +157,8 @@ struct Reader<'a> {
     tables: &'a [Table],
     row: &'a RowRef,
     start: f64,
+    /// The column that says what a row measured.
+    kind: Option<&'a Pick>,
 }
 
 impl Reader<'_> {
@@ -173,7 +182,14 @@ impl Reader<'_> {
             let (file, at) = self.row.at(output.pick.file);
             self.tables[file].number(at, output.pick.column)
         };
-        output.kind == Kind::Needed && number().is_none()
+        self.needed(output) && number().is_none()
+    }
+
+    fn needed(&self, output: &Output) -> bool {
+        match output.kind {
+            Kind::Point => self.kind.is_none_or(|pick| has_point(self.text(pick))),
+            kind => kind == Kind::Needed,
+        }
     }
 
     /// In the unit of the files; `None` of an empty cell.
@@ -222,7 +238,7 @@ impl Reader<'_> {
         };
         match self.number(pick)? {
             Some(value) => Ok(plain(value, decimals)),
-            None if output.kind == Kind::Optional => Ok(String::new()),
+            None if !self.needed(output) => Ok(String::new()),
             None => {
                 let help = "fill it in or delete the row; --skip-incomplete leaves such rows out";
                 Err(self.fail(pick, "empty cell".to_owned(), help))

@@ -22,22 +22,22 @@ const FOREIGN: [(&[u8], &str, &str); 6] = [
     (
         b"\x93NUMPY",
         "a NumPy array",
-        "save it as CSV: python3 -c \"import numpy as n; n.savetxt('FILE.csv', n.load('FILE.npy'), \
+        "save it as CSV: python3 -c \"import numpy as n; n.savetxt('FILE.csv', n.load('INPUT'), \
          delimiter=',', fmt='%.17g')\"",
     ),
     (
         b"PAR1",
         "a Parquet file",
         "save it as CSV: python3 -c \"import pandas as p; \
-         p.read_parquet('FILE').to_csv('FILE.csv', index=False)\"",
+         p.read_parquet('INPUT').to_csv('FILE.csv', index=False)\"",
     ),
     (b"%PDF", "a PDF", "export the table from the program that made it, as CSV or .xlsx"),
-    (b"\x1f\x8b", "compressed with gzip", "unpack it first: gunzip FILE"),
+    (b"\x1f\x8b", "compressed with gzip", "unpack it first: gunzip INPUT"),
 ];
 /// MATLAB's containers are private to it; one line of either program opens them.
 const MATLAB: &str = "save the variable as CSV, in MATLAB: writematrix(NAME, 'FILE.csv') after load; \
     in Python: python3 -c \"import scipy.io as s, numpy as n; n.savetxt('FILE.csv', \
-    s.loadmat('FILE.mat')['NAME'], delimiter=',', fmt='%.17g')\" (s.whosmat('FILE.mat') lists the \
+    s.loadmat('INPUT')['NAME'], delimiter=',', fmt='%.17g')\" (s.whosmat('INPUT') lists the \
     names; h5py opens files of version 7.3)";
 
 /// Refuses what is no table, by what it is.
@@ -50,7 +50,7 @@ pub(super) fn refuse_foreign(path: &Path, bytes: &[u8]) -> Result<()> {
         None => return Ok(()),
     };
     let stem = path.file_stem().map_or("FILE".into(), |s| s.to_string_lossy().into_owned());
-    let help = help.replace("FILE", &stem);
+    let help = help.replace("FILE", &stem).replace("INPUT", &path.display().to_string());
     Err(Error::file(path, Place::default(), format!("{what}, not a table"), help))
 }
 

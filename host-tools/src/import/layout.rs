@@ -144,6 +144,9 @@ pub(super) fn body(path: &Path, lines: Vec<Line>, layout: Layout, decimal: char)
     let mut headings: Vec<Heading> = (0..width).map(|i| Heading::new(name(i))).collect();
     for (heading, unit) in headings.iter_mut().zip(units.unwrap_or_default()) {
         heading.unit = Unit::of_word(&unit).filter(|u| *u != Unit::Plain).or(heading.unit);
+        if heading.unit.is_some() {
+            heading.strange = None;
+        }
     }
     let rows = rows[..last].iter().map(|l| (*l).clone()).collect();
     Ok(Body { headings, rows, warnings })

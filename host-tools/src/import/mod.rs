@@ -16,8 +16,10 @@ mod join;
 mod layout;
 mod number;
 mod options;
+mod own;
 mod record;
 mod sniff;
+mod suffix;
 mod table;
 mod turn;
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::config::FileConfig;
 use super::number::number;
 use super::sniff::{Dialect, Line, sniff};
-use super::{book, decode, fixed, layout};
+use super::{book, decode, fixed, layout, suffix};
 use crate::error::{Error, Place, Result, listed};
 use crate::headings::Heading;
 
@@ -35,13 +35,14 @@ impl Table {
         let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
         let mut settled = FileConfig { file: path.display().to_string(), ..asked.clone() };
         let mut evidence = Vec::new();
-        let (lines, dialect, layout);
+        let (lines, dialect, layout, units);
         if book::is_book(&bytes) {
-            let (found, sheet, because) = book::read(path, &bytes, asked.sheet.as_deref())?;
+            let (mut found, sheet, because) = book::read(path, &bytes, asked.sheet.as_deref())?;
             evidence.push(format!("sheet \"{sheet}\": {because}"));
             settled.sheet = Some(sheet);
             let decimal = asked.decimal.as_deref().map(Dialect::decimal_of).transpose()?;
             dialect = Dialect { delimiter: ',', decimal: decimal.unwrap_or(sheet_decimal(&found)) };
+            units = suffix::taken_out(path, &mut found, dialect.decimal)?;
             layout = lines_of(path, &found, dialect, asked)?;
             lines = found;
         } else {
@@ -55,7 +56,11 @@ impl Table {
             (dialect, because) = sniff(path, &decoded.text, delimiter, decimal)?;
             evidence.push(because);
             settled.delimiter = Some(dialect.delimiter_word().to_owned());
-            let cut = dialect.cut(path, &decoded.text)?;
+            let mut cut = dialect.cut(path, &decoded.text)?;
+            // Where blanks cut, a unit is a cell of its own.
+            let blanks = dialect.delimiter == ' ';
+            let whole = if blanks { &mut [] } else { cut.as_mut_slice() };
+            units = suffix::taken_out(path, whole, dialect.decimal)?;
             layout = lines_of(path, &cut, dialect, asked)?;
             let by_place =
                 (dialect.delimiter == ' ').then(|| fixed::cut(&decoded.text, &cut, layout));
@@ -71,7 +76,8 @@ impl Table {
         settled.header_line = Some(layout.header.unwrap_or(0));
         settled.unit_line = layout.units;
         settled.data_line = Some(layout.data);
-        let body = layout::body(path, lines, layout, dialect.decimal)?;
+        let mut body = layout::body(path, lines, layout, dialect.decimal)?;
+        suffix::told(path, &mut body.headings, &units)?;
         Ok(Self {
             path: path.to_owned(),
             headings: body.headings,

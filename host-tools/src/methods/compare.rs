@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use nalgebra::DVector;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -66,6 +67,8 @@ pub struct Outcome {
     pub lambda: Option<f64>,
     /// Norm of the corrections, in tolerances.
     pub correction_norm: Option<f64>,
+    /// The largest of them, in tolerances.
+    pub largest_correction: Option<f64>,
     /// Longest correction of a length, mm.
     pub longest_correction_mm: Option<f64>,
     /// Errors of the fitted points.
@@ -194,8 +197,9 @@ fn run(method: &dyn Method, task: &Task) -> Outcome {
         settled: found.is_some_and(|f| f.settled),
         seconds,
         lambda: found.and_then(|f| f.lambda),
-        correction_norm: corrections.map(|c| c.0),
-        longest_correction_mm: corrections.map(|c| c.1 * 1e3),
+        correction_norm: corrections.as_ref().map(DVector::norm),
+        largest_correction: corrections.as_ref().map(DVector::amax),
+        longest_correction_mm: corrections.as_ref().map(|x| task.longest(x) * 1e3),
         fitted: None,
         validation: None,
         mae_reduction_percent: None,

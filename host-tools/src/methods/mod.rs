@@ -136,15 +136,20 @@ impl<'a> Task<'a> {
         Ok(state.stepped(&self.problem.unknowns, &all))
     }
 
-    /// Corrections of the links, in tolerances: norm, and longest length in m.
+    /// Corrections of the links, in tolerances.
     #[must_use]
-    pub fn corrections(&self, state: &State) -> (f64, f64) {
-        let x = self.problem.corrections(state);
+    pub fn corrections(&self, state: &State) -> DVector<f64> {
+        self.problem.corrections(state)
+    }
+
+    /// The longest length of corrections, m.
+    #[must_use]
+    pub fn longest(&self, x: &DVector<f64>) -> f64 {
         let list = self.problem.unknowns.list();
         let length = |k: &usize| list[*k].is_length();
         let longest =
             (0..x.len()).filter(length).map(|k| x[k].abs() * self.problem.tolerance(list[k]));
-        (x.norm(), longest.fold(0.0, f64::max))
+        longest.fold(0.0, f64::max)
     }
 }
 

@@ -195,6 +195,13 @@ pub trait Kind: Sync {
     }
 }
 
+/// The columns of all kinds: of numbers, and of labels.
+#[must_use]
+pub fn columns_of_kinds() -> (Vec<&'static str>, Vec<&'static str>) {
+    let numbers = KINDS.iter().flat_map(|kind| kind.columns()).map(|column| column.name);
+    (numbers.collect(), KINDS.iter().flat_map(|kind| kind.labels()).copied().collect())
+}
+
 /// The kind of a row.
 #[must_use]
 pub fn kind(row: &Row) -> &'static dyn Kind {

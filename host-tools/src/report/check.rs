@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::check::{Finding, LEAST_POSES, Said, Verdict};
+use crate::check::{Finding, LEAST_POSES, Said, Stray, Verdict};
 use crate::units::to_mm;
 
 /// What `check --json` prints.
@@ -30,8 +30,10 @@ pub struct CheckReport {
     pub margin: Option<f64>,
     /// Mistakes that these data cannot show: base or tool absorb them.
     pub absorbed: Vec<String>,
+    /// Rows that are far off, if there are any.
+    pub stray: Option<Stray>,
     /// Root mean square misfit as the files are, links within their tolerances,
-    /// rows far off left out, mm.
+    /// rows far off left out where they are few, mm.
     pub rms_before_mm: f64,
     /// The same with the mistakes undone, mm.
     pub rms_after_mm: f64,
@@ -62,6 +64,7 @@ impl CheckReport {
             equivalent: finding.equivalent.clone(),
             margin: finding.margin,
             absorbed: finding.absorbed.clone(),
+            stray: finding.stray.clone(),
             rms_before_mm: to_mm(finding.rms_before),
             rms_after_mm: to_mm(finding.rms_after),
             poses: finding.poses,

@@ -15,6 +15,18 @@ use truearm_simulate::{csv, vector};
 
 use super::simulated::Truth;
 
+/// Two parallel axes, a slide and a turn about it.
+pub const SCARA: &str = r#"
+name = "SCARA"
+tool.xyz_mm = [30.0, 12.0, 40.0]
+joints = [
+  { alpha_deg = 0, a_mm = 0, d_mm = 380, theta_offset_deg = 0, limits_deg = [-130, 130] },
+  { alpha_deg = 0, a_mm = 325, d_mm = 0, theta_offset_deg = 0, limits_deg = [-140, 140] },
+  { kind = "prismatic", alpha_deg = 180, a_mm = 275, d_offset_mm = 60, theta_offset_deg = 0, limits_mm = [0, 200] },
+  { alpha_deg = 0, a_mm = 0, d_mm = 0, theta_offset_deg = 0, limits_deg = [-170, 170] },
+]
+"#;
+
 /// The numbers that somebody typed.
 #[derive(Clone)]
 pub struct Session {
@@ -170,6 +182,16 @@ impl Session {
                 self.joints = self.joints[joints].to_vec();
                 self.points = self.points[points].to_vec();
             }
+        }
+    }
+
+    /// A mistake that was made in some rows only.
+    pub fn make_in(&mut self, rows: impl IntoIterator<Item = usize>, mistake: &Mistake) {
+        let mut whole = self.clone();
+        whole.make(mistake);
+        for row in rows {
+            self.joints[row].clone_from(&whole.joints[row]);
+            self.points[row] = whole.points[row];
         }
     }
 

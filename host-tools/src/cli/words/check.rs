@@ -11,6 +11,9 @@ pub fn checked(report: &CheckReport) -> String {
         Verdict::Mendable => String::from("found wrong:\n"),
         Verdict::NotUnderstood => match &report.too_few {
             Some(why) => format!("cannot be decided: {why}\n"),
+            None if report.stray.as_ref().is_some_and(|stray| stray.many) => {
+                String::from("not understood:\n")
+            }
             None => format!(
                 "not understood: robot and measurements disagree by {before:.0} mm RMS, and no one \
                  or two mistakes explain it; are they of the same arm?\n"
@@ -19,6 +22,11 @@ pub fn checked(report: &CheckReport) -> String {
     };
     for change in &report.changes {
         out += &format!("  {change}\n");
+    }
+    // Of a mistake in some rows it is said which these are.
+    let in_part = report.changes.iter().any(|change| change.rows.is_some());
+    if let Some(stray) = report.stray.as_ref().filter(|_| !in_part) {
+        out += &format!("{}{stray}\n", if stray.many { "  " } else { "" });
     }
     if report.verdict == Verdict::Mendable {
         out +=

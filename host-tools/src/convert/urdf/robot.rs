@@ -43,6 +43,18 @@ pub fn robot_of_urdf(path: &Path, ends: &Ends) -> Result<FromUrdf> {
         let names = beside.join(", ");
         warnings.push(format!("masses behind joints beside the chain are not counted: {names}"));
     }
+    let impossible = document.robot.links.iter().filter(|link| {
+        let mass = link.inertial.mass.value;
+        mass < 0.0 || !mass.is_finite()
+    });
+    let impossible: Vec<String> = impossible
+        .map(|link| format!("{} has {} kg", link.name, link.inertial.mass.value))
+        .collect();
+    if !impossible.is_empty() {
+        let names = impossible.join(", ");
+        warnings.push(format!("no body has such a mass: link {names}; [[links]] is left out"));
+        links.clear();
+    }
     let massless = links.iter().zip(&chain.joints).filter(|(link, _)| link.mass == 0.0);
     let massless: Vec<&str> = massless.map(|(_, joint)| joint.name.as_str()).collect();
     if !massless.is_empty() {

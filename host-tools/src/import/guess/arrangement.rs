@@ -71,7 +71,8 @@ fn numeric(table: &Table) -> Vec<usize> {
 
 /// Columns of numbers beyond which nobody looks for an arm among them.
 const MOST_COLUMNS: usize = 2000;
-/// A third: so well a reading of the numbers must agree; see units.
+/// So well an arrangement must agree. Units are settled behind it, more strictly:
+/// of a wrong arrangement nothing agrees by half.
 const AGREES: f64 = 0.3;
 
 /// The only arrangement, and units, in which the nominal arm agrees.

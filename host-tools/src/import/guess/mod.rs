@@ -6,6 +6,7 @@ mod named;
 mod orientation;
 mod others;
 mod overrides;
+mod readings;
 mod units;
 
 use std::collections::BTreeMap;

@@ -104,7 +104,10 @@ fn readings(
     push(&|r| if let Role::Turn(c) = r { Some(c) } else { None }, 3, Form::Vector, "vector");
     push(&|r| if let Role::Matrix(i, j) = r { Some(3 * i + j) } else { None }, 9, Form::Matrix, "");
     all.extend(euler_parameters(clues, columns));
-    all.extend(kuka(clues));
+    match anonymous(clues, columns) {
+        four if four.is_empty() => all.extend(kuka(clues)),
+        four => all.extend(four),
+    }
     if all.is_empty() {
         all = nameless(clues, columns);
     }
@@ -153,24 +156,47 @@ fn kuka(clues: &Clues) -> Option<Reading> {
     None
 }
 
+/// Columns a, b, c, d of length one are a quaternion, no angles A, B, C: either order.
+fn anonymous(clues: &Clues, columns: &BTreeMap<String, Pick>) -> Vec<Reading> {
+    for (file, table) in clues.tables.iter().enumerate() {
+        let at = |name: &&str| table.headings.iter().position(|h| h.words == [*name]);
+        let four: Option<Vec<usize>> = ["a", "b", "c", "d"].iter().map(at).collect();
+        if let Some(four) = four {
+            return of_length_one(clues, file, &four, columns);
+        }
+    }
+    Vec::new()
+}
+
 /// Four columns of length one behind the point, in a table without headings:
 /// either order.
 fn nameless(clues: &Clues, columns: &BTreeMap<String, Pick>) -> Vec<Reading> {
     let Some(z) = columns.get("z") else { return Vec::new() };
-    let table = &clues.tables[z.file];
-    let four: Vec<usize> = (z.column + 1..z.column + 5).collect();
-    let taken = columns.values().any(|p| p.file == z.file && four.contains(&p.column));
+    if clues.tables[z.file].named() {
+        return Vec::new();
+    }
+    of_length_one(clues, z.file, &(z.column + 1..z.column + 5).collect::<Vec<_>>(), columns)
+}
+
+/// Both readings of four columns, if they are a quaternion in every row.
+fn of_length_one(
+    clues: &Clues,
+    file: usize,
+    four: &[usize],
+    columns: &BTreeMap<String, Pick>,
+) -> Vec<Reading> {
+    let table = &clues.tables[file];
+    let taken = columns.values().any(|p| p.file == file && four.contains(&p.column));
     let unit = |row: usize| {
         let q: Option<Vec<f64>> = four.iter().map(|c| table.number(row, *c)).collect();
         q.is_some_and(|q| (q.iter().map(|v| v * v).sum::<f64>().sqrt() - 1.0).abs() < 1e-2)
     };
-    if table.named() || taken || !(0..table.rows.len()).all(unit) {
+    if taken || !(0..table.rows.len()).all(unit) {
         return Vec::new();
     }
     let reading = |order: [usize; 4], flag: &'static str| {
-        let because =
-            format!("four columns of length 1 stand behind the point, in the order {flag}");
-        let place = |i: usize| Place { file: z.file, column: four[i], because: because.clone() };
+        let because = format!("four columns have together the length 1, in the order {flag}");
+        let place = |i: usize| Place { file, column: four[i], because: because.clone() };
         let places = order.map(place).to_vec();
         Reading { form: Form::Quaternion, places, unit: None, flag, because: because.clone() }
     };

@@ -6,6 +6,7 @@ use super::clues::{Clues, Place};
 use crate::headings::{Named, Quantity, Role, Unit};
 use crate::import::config::Pick;
 use crate::import::number::seconds;
+use crate::import::own::own;
 use crate::import::table::Table;
 
 /// Adds what names and numbers tell; what is not clear is left out, and so
@@ -37,6 +38,27 @@ pub(super) fn add(
             if let Some(unit) = unit(clues, &to, &place) {
                 columns.insert(to, clues.pick(&place, unit, because));
             }
+        }
+    }
+    ours(clues, columns);
+}
+
+/// What rows measure beyond points, under the names that it has in measurements.csv:
+/// in a table that says the kind of every row, and what joints hold in any.
+fn ours(clues: &Clues, columns: &mut BTreeMap<String, Pick>) {
+    for (file, table) in clues.tables.iter().enumerate() {
+        let kinds = table.headings.iter().any(|heading| heading.text == "kind");
+        for (column, heading) in table.headings.iter().enumerate() {
+            let to = &heading.text;
+            let held = to.starts_with("torque") || to.starts_with("force");
+            let taken = columns.values().any(|p| (p.file, p.column) == (file, column))
+                || to == "sigma_mm" && columns.contains_key("sigma");
+            if own(to).is_none() || !(kinds || held) || taken || columns.contains_key(to) {
+                continue;
+            }
+            let because = "measurements.csv calls it so".to_owned();
+            let place = Place { file, column, because: because.clone() };
+            columns.insert(to.clone(), clues.pick(&place, Unit::Plain, because));
         }
     }
 }

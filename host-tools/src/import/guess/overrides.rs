@@ -16,12 +16,21 @@ pub(super) fn read(clues: &Clues) -> Result<BTreeMap<String, Place>> {
     for text in &clues.options.columns {
         let (to, from) =
             text.split_once('=').ok_or_else(|| Error::usage(format!("--columns {text}"), HELP))?;
-        for (to, from) in ranged(to.trim(), from.trim()) {
+        for (to, from) in ranged(to.trim(), from.trim())? {
             if !is_name(&to) {
                 let help = format!("names are q1.., dir1.., r31, r32, r33, {}", ORDER.join(", "));
                 return Err(Error::usage(format!("--columns {to}=: no such name"), help));
             }
             let place = place(clues, &from)?;
+            let same = |p: &Place| (p.file, p.column) == (place.file, place.column);
+            if let Some((other, _)) = given.iter().find(|(_, p)| same(p)) {
+                let called = clues.tables[place.file].called(place.column);
+                let message = format!("--columns: {called} is named twice, as {other} and as {to}");
+                return Err(Error::usage(message, HELP));
+            }
+            if given.contains_key(&to) {
+                return Err(Error::usage(format!("--columns: {to} is given twice"), HELP));
+            }
             given.insert(to, place);
         }
     }
@@ -29,7 +38,10 @@ pub(super) fn read(clues: &Clues) -> Result<BTreeMap<String, Place>> {
 }
 
 /// `q=1-6` as q1=1 .. q6=6, `xyz=7-9` likewise, or the pair itself.
-fn ranged(to: &str, from: &str) -> Vec<(String, String)> {
+///
+/// # Errors
+/// A range that runs backwards, and one of other than three columns for x, y, z.
+fn ranged(to: &str, from: &str) -> Result<Vec<(String, String)>> {
     let (file, range) = from.split_once(':').map_or((None, from), |(f, r)| (Some(f), r));
     let ends = range.split_once('-').and_then(|(a, b)| {
         Some((a.trim().parse::<usize>().ok()?, b.trim().parse::<usize>().ok()?))
@@ -37,14 +49,22 @@ fn ranged(to: &str, from: &str) -> Vec<(String, String)> {
     let names: Vec<String> = match (to, ends) {
         ("q", Some((a, b))) if a <= b => (1..=b - a + 1).map(|j| format!("q{j}")).collect(),
         ("xyz", Some((a, b))) if b == a + 2 => ["x", "y", "z"].map(str::to_owned).to_vec(),
-        _ => return vec![(to.to_owned(), from.to_owned())],
+        ("q" | "xyz", Some((a, b))) if a > b => {
+            let message = format!("--columns {to}={from}: the range runs backwards");
+            return Err(Error::usage(message, format!("write {to}={b}-{a}, or name every column")));
+        }
+        ("xyz", Some((a, _))) => {
+            let message = format!("--columns {to}={from}: x, y and z are three columns");
+            return Err(Error::usage(message, format!("such as xyz={a}-{}", a + 2)));
+        }
+        _ => return Ok(vec![(to.to_owned(), from.to_owned())]),
     };
     let first = ends.map_or(1, |(a, _)| a);
     let column = |i: usize| match file {
         Some(file) => format!("{file}:{}", first + i),
         None => (first + i).to_string(),
     };
-    names.into_iter().enumerate().map(|(i, name)| (name, column(i))).collect()
+    Ok(names.into_iter().enumerate().map(|(i, name)| (name, column(i))).collect())
 }
 
 fn place(clues: &Clues, from: &str) -> Result<Place> {

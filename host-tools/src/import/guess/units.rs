@@ -1,23 +1,15 @@
-//! Degrees or radians, millimetres or metres: by what was asked for, by the
-//! headings, by the nominal arm, by the size of the numbers.
-
-use nalgebra::Vector3;
-use truearm::JointKind;
+//! Degrees or radians, millimetres or metres, column by column: by what was asked
+//! for, by the headings, by the nominal arm, by the size of the numbers.
 
 use super::clues::{Clues, Found, Place};
+use super::readings::{Readings, reach, within_reach};
 use crate::error::{Error, Result};
 use crate::headings::{Quantity, Unit};
-use crate::import::agreement;
 use crate::import::join::RowRef;
-use crate::model::Robot;
-use crate::units::{from_mm, joint_from_file};
 
 /// A unit and why.
-type Told = (Unit, String);
+pub(super) type Told = (Unit, String);
 
-/// A reading is the arm's if distances agree as well as this (median of the
-/// logarithm: a third) and the other reading is off by twice as much at least.
-const AGREES: f64 = 0.3;
 /// A joint that was told in radians cannot go further than a turn and a bit.
 const TURN: f64 = 6.4;
 /// Two turns in radians: what is beyond are degrees.
@@ -35,70 +27,178 @@ const LENGTHS_FLAG: &str = "say it: --lengths mm or --lengths m; a robot.toml gi
 /// The unit of every joint and of x, y, z.
 ///
 /// # Errors
-/// Numbers that may be either, with the flag that settles it.
+/// Numbers that may be either, headings of unknown units, and files one below the
+/// other in different ones, with the flag that settles it.
 pub(super) fn decide(
     clues: &Clues,
     found: &Found,
     rows: &[RowRef],
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<Told>, Vec<Told>)> {
-    let quantities: Vec<Quantity> =
-        found.joints.iter().enumerate().map(|(j, p)| clues.joint_quantity(j, p)).collect();
-    let of = |quantity| {
-        let pairs = found.joints.iter().zip(&quantities);
-        pairs.filter(|(_, q)| **q == quantity).map(|(p, _)| p).collect::<Vec<_>>()
-    };
-    let (turning, sliding) = (of(Quantity::Angle), of(Quantity::Length));
-    let known_angles = known(clues, &turning, clues.options.angles, Quantity::Angle);
-    let point: Vec<&Place> = found.point.iter().collect();
-    let known_lengths = known(clues, &point, clues.options.lengths, Quantity::Length);
-    let readings = Readings::of(clues, found, &quantities, rows);
-    readings.warn(&known_angles, &known_lengths, warnings);
-    let angles = match known_angles {
-        Some(told) => told,
-        None => match readings.joints().or_else(|| by_limits(clues, found, &quantities, rows)) {
-            Some(told) => told,
-            None => angles_by_size(most(clues, &turning))?,
-        },
-    };
-    let lengths = match known_lengths {
-        Some(told) => told,
-        None => match readings.points().or_else(|| by_reach(clues, &point)) {
-            Some(told) => told,
-            None => lengths_by_size(span(clues, &point), "the points span")?,
-        },
-    };
-    let slides = match known(clues, &sliding, clues.options.lengths, Quantity::Length) {
-        Some(told) => told,
-        None if sliding.is_empty() => lengths.clone(),
-        None => lengths_by_size(span(clues, &sliding), "the sliding joint spans")?,
-    };
-    let joint = |quantity: &Quantity| match quantity {
-        Quantity::Length => slides.clone(),
-        _ => angles.clone(),
-    };
-    Ok((quantities.iter().map(joint).collect(), vec![lengths; 3]))
+    let told = of_rows(clues, found, rows, warnings)?;
+    if rows.iter().any(|row| row.stacked.is_some()) {
+        alike(clues, found, rows)?;
+    }
+    Ok(told)
 }
 
-/// As asked, or as headings say.
-fn known(
-    clues: &Clues,
-    places: &[&Place],
-    asked: Option<Unit>,
-    quantity: Quantity,
-) -> Option<Told> {
-    if let Some(unit) = asked {
-        return Some((unit, "it was asked for".to_owned()));
+/// One below the other, files are of one unit: each by itself says the same.
+fn alike(clues: &Clues, found: &Found, rows: &[RowRef]) -> Result<()> {
+    let mut before: Option<(usize, Vec<Unit>)> = None;
+    for file in 0..clues.tables.len() {
+        let here = |places: &[Place]| -> Vec<Place> {
+            places.iter().map(|p| Place { file, ..p.clone() }).collect()
+        };
+        let part = Found { joints: here(&found.joints), point: here(&found.point) };
+        let own: Vec<RowRef> = rows.iter().filter(|r| r.stacked == Some(file)).cloned().collect();
+        // A file that says nothing by itself is as the others are.
+        let Ok(told) = of_rows(clues, &part, &own, &mut Vec::new()) else { continue };
+        let units: Vec<Unit> = told.0.iter().chain(&told.1).map(|told| told.0).collect();
+        let (other, others) = before.get_or_insert_with(|| (file, units.clone()));
+        let pairs = units.iter().zip(others.iter());
+        if let Some((now, then)) = pairs.into_iter().find(|(now, then)| now != then) {
+            let [a, b] = [*other, file].map(|file| clues.tables[file].path.display().to_string());
+            return Err(Error::usage(
+                format!("{a} is in {} and {b} in {}", then.word(), now.word()),
+                "files one below the other have the same units: import them one by one, each with \
+                 its own --angles and --lengths, and put the results together",
+            ));
+        }
     }
-    let said = places.iter().find_map(|p| Some((clues.said(p)?, p)));
-    let (unit, place) = said.filter(|(unit, _)| unit.quantity() == quantity)?;
+    Ok(())
+}
+
+fn of_rows(
+    clues: &Clues,
+    found: &Found,
+    rows: &[RowRef],
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Told>, Vec<Told>)> {
+    let before = warnings.len();
+    let quantities: Vec<Quantity> =
+        found.joints.iter().enumerate().map(|(j, p)| clues.joint_quantity(j, p)).collect();
+    let of_joint = |(place, quantity): (&Place, &Quantity)| known(clues, place, *quantity);
+    let joints: Vec<Option<Told>> =
+        found.joints.iter().zip(&quantities).map(of_joint).collect::<Result<_>>()?;
+    let of_point = |place: &Place| known(clues, place, Quantity::Length);
+    let point: Vec<Option<Told>> = found.point.iter().map(of_point).collect::<Result<_>>()?;
+    let said: Vec<Option<Unit>> =
+        joints.iter().chain(&point).map(|told| told.as_ref().map(|(unit, _)| *unit)).collect();
+    let readings = Readings::of(clues, found, &quantities, rows, &said);
+    let nothing = vec![None; said.len()];
+    let unsaid = Readings::of(clues, found, &quantities, rows, &nothing);
+    for (what, told, arm) in
+        [("joints", &joints, unsaid.joints()), ("points", &point, unsaid.points())]
+    {
+        // Columns that differ are read as they say: no one unit is the arm's.
+        let first = told.first().and_then(Option::as_ref);
+        let same = told.iter().flatten().all(|t| Some(t.0) == first.map(|f| f.0));
+        let known = first.filter(|_| same && told.iter().all(Option::is_some));
+        warnings.extend(known.and_then(|known| Readings::contradiction(what, known, arm)));
+    }
+    let of = |quantity: Quantity| Group::of(&found.joints, &joints, &quantities, quantity);
+    let (turning, sliding) = (of(Quantity::Angle), of(Quantity::Length));
+    let axes = Group::of(&found.point, &point, &[Quantity::Length; 3], Quantity::Length);
+    let open = turning.open() || axes.open();
+    let angle = turning.settled(|open| {
+        let arm = readings.joints().or_else(|| by_limits(clues, found, &quantities, rows, &said));
+        arm.map_or_else(|| angles_by_size(most(clues, open)), Ok)
+    })?;
+    let length = axes.settled(|open| points_in(clues, open, &readings))?;
+    // Slides and points may differ: of a slide its size tells more than the arm.
+    let slide = sliding.settled(|open| {
+        let told = lengths_by_size(span(clues, open), "the sliding joint spans");
+        told.or_else(|error| readings.points().ok_or(error))
+    })?;
+    if let Some(percent) = readings.none_agrees().filter(|_| open && warnings.len() == before) {
+        warnings.push(format!(
+            "in no unit are the distances between the points those of the nominal arm (at best \
+             within {percent:.0} %): units were taken by the size of the numbers; see `truearm check`"
+        ));
+    }
+    let all = |told: Vec<Option<Told>>, of: &dyn Fn(usize) -> Option<Told>| -> Vec<Told> {
+        let one = |(i, told): (usize, Option<Told>)| told.or_else(|| of(i));
+        told.into_iter().enumerate().filter_map(one).collect()
+    };
+    let of_joint = |j: usize| {
+        if quantities[j] == Quantity::Length { slide.clone() } else { angle.clone() }
+    };
+    Ok((all(joints, &of_joint), all(point, &|_| length.clone())))
+}
+
+/// Columns of one quantity, and what they say.
+struct Group<'a> {
+    open: Vec<&'a Place>,
+    said: Option<&'a Told>,
+}
+
+impl<'a> Group<'a> {
+    fn of(
+        places: &'a [Place],
+        told: &'a [Option<Told>],
+        quantities: &[Quantity],
+        of: Quantity,
+    ) -> Self {
+        let theirs: Vec<usize> = (0..places.len()).filter(|i| quantities[*i] == of).collect();
+        let open = theirs.iter().filter(|i| told[**i].is_none()).map(|i| &places[*i]).collect();
+        Self { open, said: theirs.iter().find_map(|i| told[*i].as_ref()) }
+    }
+
+    fn open(&self) -> bool {
+        !self.open.is_empty()
+    }
+
+    /// The unit of those that say none: as found, or where numbers do not tell as
+    /// their neighbours say; `None` where all say theirs.
+    fn settled(&self, find: impl Fn(&[&Place]) -> Result<Told>) -> Result<Option<Told>> {
+        if !self.open() {
+            return Ok(None);
+        }
+        match (find(&self.open), self.said) {
+            (Err(_), Some((unit, because))) => {
+                Ok(Some((*unit, format!("{because}, and it says nothing else"))))
+            }
+            (found, _) => found.map(Some),
+        }
+    }
+}
+
+/// As asked, or as the column's heading says; `None` where it says nothing.
+///
+/// # Errors
+/// A unit that is not known, and one of another quantity.
+fn known(clues: &Clues, place: &Place, quantity: Quantity) -> Result<Option<Told>> {
+    let (asked, flag) = match quantity {
+        Quantity::Length => (clues.options.lengths, "--lengths mm or --lengths m"),
+        _ => (clues.options.angles, "--angles deg or --angles rad"),
+    };
+    if let Some(unit) = asked {
+        return Ok(Some((unit, "it was asked for".to_owned())));
+    }
     let table = &clues.tables[place.file];
-    let heading = &table.headings[place.column].text;
+    let heading = &table.headings[place.column];
+    let called = || format!("{}: {}", table.path.display(), table.called(place.column));
+    if let Some(strange) = &heading.strange {
+        return Err(Error::usage(
+            format!("{}: \"{strange}\" is no unit that is known", called()),
+            format!("convert the column, or say what its numbers are: {flag}"),
+        ));
+    }
+    let Some(unit) = heading.unit else { return Ok(None) };
+    let measures = [Quantity::Angle, Quantity::Length];
+    if unit.quantity() != quantity && measures.contains(&unit.quantity()) {
+        let wanted = if quantity == Quantity::Length { "a length" } else { "an angle" };
+        return Err(Error::usage(
+            format!("{} is in {}, but {wanted} belongs there", called(), unit.word()),
+            format!("name the right column with --columns, or say what its numbers are: {flag}"),
+        ));
+    }
     let where_ = match table.settled.unit_line {
         Some(line) => format!("line {line}"),
-        None => format!("the heading \"{heading}\""),
+        None => format!("the heading \"{}\"", heading.text),
     };
-    Some((unit, format!("{where_} says {}", unit.word())))
+    let told = (unit, format!("{where_} says {}", unit.word()));
+    Ok(Some(told).filter(|(unit, _)| unit.quantity() == quantity))
 }
 
 fn most(clues: &Clues, places: &[&Place]) -> f64 {
@@ -136,20 +236,44 @@ fn lengths_by_size(span: f64, what: &str) -> Result<Told> {
     Err(Error::usage(format!("millimetres or metres? {what} {span:.3}"), LENGTHS_FLAG))
 }
 
+/// The unit of points: the arm's, or by their span; what the arm cannot reach is
+/// taken in the only other unit in which it can.
+fn points_in(clues: &Clues, open: &[&Place], readings: &Readings) -> Result<Told> {
+    if let Some(told) = readings.points() {
+        return Ok(told);
+    }
+    let span = span(clues, open);
+    let Some(robot) = clues.robot else { return lengths_by_size(span, "the points span") };
+    let within = within_reach(robot, span);
+    let because = format!("the points span {span:.3} and the arm reaches {:.2} m", reach(robot));
+    let usual: Vec<Unit> =
+        [Unit::Mm, Unit::M].into_iter().filter(|unit| within.contains(unit)).collect();
+    match (usual.as_slice(), within.as_slice()) {
+        ([unit], _) | ([], [unit]) => Ok((*unit, because)),
+        ([], _) => Err(Error::usage(
+            format!("in which unit are the points? {because}"),
+            "say it: --lengths mm, m, cm, um, inch or foot; or give the robot.toml of this arm",
+        )),
+        _ => lengths_by_size(span, "the points span"),
+    }
+}
+
 /// The only unit in which the joints are within the arm's limits.
 fn by_limits(
     clues: &Clues,
     found: &Found,
     quantities: &[Quantity],
     rows: &[RowRef],
+    said: &[Option<Unit>],
 ) -> Option<Told> {
     let robot = clues.robot?;
     let places: Vec<&Place> = found.joints.iter().collect();
     let values = clues.numbers(&places, rows);
     let inside = |unit: Unit| {
         let within = |q: &Vec<f64>| {
-            let joints = robot.joints.iter().zip(q).zip(quantities);
-            joints.filter(|(_, quantity)| **quantity == Quantity::Angle).all(
+            let joints = robot.joints.iter().zip(q).zip(quantities.iter().zip(said));
+            let open = |said: &Option<Unit>| said.is_none();
+            joints.filter(|(_, (quantity, said))| **quantity == Quantity::Angle && open(said)).all(
                 |((joint, value), _)| {
                     let angle = unit.to_file(*value).to_radians();
                     joint
@@ -170,102 +294,4 @@ fn by_limits(
             format!("in radians {outside:.0} % of the rows are outside the limits of the joints"),
         )
     })
-}
-
-/// The only unit in which the points are within the arm's reach.
-fn by_reach(clues: &Clues, point: &[&Place]) -> Option<Told> {
-    let robot = clues.robot?;
-    let reach = reach(robot);
-    let span = span(clues, point);
-    let fits = |metres: f64| metres <= 2.6 * reach && metres >= 5e-3 * reach;
-    let (mm, m) = (fits(from_mm(span)), fits(span));
-    let unit = if mm { Unit::Mm } else { Unit::M };
-    (mm != m).then(|| (unit, format!("the points span {span:.3} and the arm reaches {reach:.2} m")))
-}
-
-/// All lengths of the arm, m.
-fn reach(robot: &Robot) -> f64 {
-    let links = robot.joints.iter().map(|j| {
-        let p = &j.link.parameters;
-        let slide = match (j.link.kind, j.limits) {
-            (JointKind::Prismatic, Some([low, high])) => low.abs().max(high.abs()),
-            _ => 0.0,
-        };
-        p.a.abs() + p.d.abs() + slide
-    });
-    links.sum::<f64>() + robot.tool.norm()
-}
-
-/// How far the nominal arm is from every reading: joint unit, point unit,
-/// median logarithm of the ratio of distances.
-struct Readings(Vec<(Unit, Unit, f64)>);
-
-impl Readings {
-    fn of(clues: &Clues, found: &Found, quantities: &[Quantity], rows: &[RowRef]) -> Self {
-        let Some(robot) = clues.robot else { return Self(Vec::new()) };
-        let places: Vec<&Place> = found.joints.iter().chain(&found.point).collect();
-        let values = clues.numbers(&places, rows);
-        let n = found.joints.len();
-        let mut all = Vec::new();
-        for angle in [Unit::Deg, Unit::Rad] {
-            for length in [Unit::Mm, Unit::M] {
-                let joint = |(j, v): (usize, &f64)| match quantities[j] {
-                    Quantity::Length => joint_from_file(JointKind::Prismatic, length.to_file(*v)),
-                    _ => angle.to_file(*v).to_radians(),
-                };
-                let q: Vec<Vec<f64>> =
-                    values.iter().map(|v| v[..n].iter().enumerate().map(joint).collect()).collect();
-                let point =
-                    |v: &Vec<f64>| Vector3::from_fn(|i, _| from_mm(length.to_file(v[n + i])));
-                let points: Vec<_> = values.iter().map(point).collect();
-                if let Some(misfit) = agreement::distances(robot, &q, &points) {
-                    all.push((angle, length, misfit));
-                }
-            }
-        }
-        Self(all)
-    }
-
-    /// The best reading, where it agrees, and the best that differs by `key`.
-    fn best(&self, key: impl Fn(&(Unit, Unit, f64)) -> Unit) -> Option<(Unit, f64, f64)> {
-        let best = self.0.iter().min_by(|a, b| a.2.total_cmp(&b.2)).filter(|b| b.2 < AGREES)?;
-        let others = self.0.iter().filter(|r| key(r) != key(best));
-        let other = others.map(|r| r.2).fold(f64::INFINITY, f64::min);
-        (other > 2.0 * best.2 && other.is_finite()).then(|| (key(best), best.2, other))
-    }
-
-    fn told(best: Option<(Unit, f64, f64)>) -> Option<Told> {
-        let (unit, misfit, other) = best?;
-        let percent = |misfit: f64| 100.0 * misfit.exp_m1();
-        let words = format!(
-            "distances between the points are those of the nominal arm within {:.0} % (otherwise {:.0} %)",
-            percent(misfit).ceil(),
-            percent(other)
-        );
-        Some((unit, words))
-    }
-
-    fn joints(&self) -> Option<Told> {
-        Self::told(self.best(|r| r.0))
-    }
-
-    fn points(&self) -> Option<Told> {
-        Self::told(self.best(|r| r.1))
-    }
-
-    /// Where the arm contradicts what a heading says or a flag asks for.
-    fn warn(&self, angles: &Option<Told>, lengths: &Option<Told>, warnings: &mut Vec<String>) {
-        let pairs = [("joints", angles, self.joints()), ("points", lengths, self.points())];
-        for (what, known, arm) in pairs {
-            let (Some((unit, because)), Some((other, words))) = (known, arm) else { continue };
-            let plain = [Unit::Deg, Unit::Rad, Unit::Mm, Unit::M].contains(unit);
-            if plain && *unit != other {
-                warnings.push(format!(
-                    "{what} are taken in {}, because {because}; but in {} {words}",
-                    unit.word(),
-                    other.word()
-                ));
-            }
-        }
-    }
 }
