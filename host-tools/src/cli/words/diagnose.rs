@@ -2,6 +2,7 @@ use truearm_host::diagnose::policy::POLICY;
 use truearm_host::diagnose::{Alternative, Effect, GapUnit, Outcome, Verdict, said};
 use truearm_host::effects::OUTLIERS;
 use truearm_host::identify::KindFigures;
+use truearm_host::identify::scale::SCALE_OPEN;
 use truearm_host::model::CURVE;
 use truearm_host::table::Table;
 use truearm_host::units::MILLI;
@@ -44,6 +45,9 @@ pub fn diagnosis(r: &Outcome) -> String {
     if !r.whereabouts.is_empty() {
         out += "where geometry alone disagrees:\n";
         r.whereabouts.iter().take(PLACES).for_each(|line| out += &format!("  {line}\n"));
+    }
+    if b.unidentifiable.iter().any(|line| line == SCALE_OPEN) {
+        out += &format!("left open: {SCALE_OPEN}\n");
     }
     r.alternatives.iter().for_each(|a| out += &alternative(a, r));
     r.not_testable.iter().for_each(|line| out += &format!("not testable: {line}\n"));
