@@ -42,10 +42,11 @@ fn deviations(data: &Measurements, residuals: &[Residual], group: Group) -> Vec<
             .map(|c| residual[c] / sigmas[c])
             .collect();
         let middle = MIDDLES.get(own.len().checked_sub(1)?)?;
-        Some((row, own.iter().map(|v| v * v).sum::<f64>().sqrt() / middle))
+        Some((row, own.iter().map(|v| v * v).sum::<f64>().sqrt(), *middle))
     };
-    let all: Vec<(usize, f64)> = (0..residuals.len()).filter_map(off).collect();
-    let scale = median(&all.iter().map(|(_, off)| *off).collect::<Vec<_>>());
+    let all: Vec<(usize, f64, f64)> = (0..residuals.len()).filter_map(off).collect();
+    let scale = median(&all.iter().map(|(_, off, middle)| off / middle).collect::<Vec<_>>());
     let scale = if all.len() < FEW { scale.max(1.0) } else { scale };
-    all.into_iter().filter(|(_, off)| *off > 0.0).map(|(row, off)| (row, off / scale)).collect()
+    let far = all.into_iter().filter(|(_, off, _)| *off > 0.0);
+    far.map(|(row, off, _)| (row, off / scale)).collect()
 }
