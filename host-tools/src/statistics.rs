@@ -39,10 +39,10 @@ impl Stats {
     }
 }
 
-/// Rows to leave out of a held-out file on their own evidence: beyond 10 robust
-/// standard deviations, the worst first, at most 1 % of the rows.
+/// Measured points to leave out on their own evidence: beyond 10 robust standard
+/// deviations, the worst first, at most 1 % of them.
 #[must_use]
-pub fn own_evidence(residuals: &[impl Miss]) -> Vec<usize> {
+pub fn points_apart(residuals: &[impl Miss]) -> Vec<usize> {
     let d: Vec<f64> = residuals.iter().map(Miss::miss).collect();
     let scale = robust_distance_scale(&d);
     let mut rows: Vec<usize> = (0..d.len()).filter(|i| d[*i] > 10.0 * scale).collect();

@@ -47,6 +47,7 @@ fn identified(robot: &Robot, seed: u64) -> Model {
         curves: Vec::new(),
         stations: Vec::new(),
         markers: vec![(String::new(), marker)],
+        not_measured: Vec::new(),
         instruments: Vec::new(),
         frame_translation,
         frame_rotation,

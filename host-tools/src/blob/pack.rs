@@ -226,7 +226,7 @@ pub(crate) fn parameters<'t, const N: usize>(
         base_rotation: model.frame_rotation,
         // The marker is where the tracker's target sat; the tool of the robot
         // file is only where it was meant to be.
-        tool: model.markers.first().map_or_else(Vector3::zeros, |m| m.1),
+        tool: model.tool(),
         terms,
         curves,
         masses: masses(robot),

@@ -96,6 +96,7 @@ fn model<const N: usize>(p: &ArmParameters<f64, N>, path: &Path, name: Option<Na
         curves: p.curves.iter().map(|curve| ErrorCurve::of_blob(&curve)).collect(),
         stations: Vec::new(),
         markers: vec![(String::new(), p.tool)],
+        not_measured: Vec::new(),
         instruments: Vec::new(),
         frame_translation: p.base_translation,
         frame_rotation: p.base_rotation,

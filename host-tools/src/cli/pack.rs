@@ -36,6 +36,10 @@ pub struct Pack {
     /// Sequence number; the model's creation time in Unix seconds if not given
     #[arg(long)]
     sequence: Option<u32>,
+    /// The marker that is the tool; needed where the points of several were measured, and
+    /// none of them is the marker without a label
+    #[arg(long, value_name = "LABEL")]
+    marker: Option<String>,
     /// With the covariance, so that the controller can state the tool point's
     /// uncertainty; several kilobytes
     #[arg(long)]
@@ -99,7 +103,7 @@ impl Pack {
     pub fn run(self) -> Result<Said> {
         let inputs = [&self.model, &self.memory].into_iter().chain(&self.key);
         own::apart([self.out.as_path()], inputs.map(PathBuf::as_path))?;
-        let model = Model::read(&self.model)?;
+        let model = self.of_tool(Model::read(&self.model)?)?;
         let key = self.key.as_deref().map(read_key).transpose()?;
         let options = PackOptions { sequence: self.sequence, covariance: self.covariance, key };
         let bytes = pack_with(&model, &options)?;
@@ -125,6 +129,34 @@ impl Pack {
             text += &format!("slot {name} at {origin:#010x}, {length} bytes\n");
         }
         Ok((text + &remarks.join("\n") + "\n").into())
+    }
+
+    /// The model with one marker for the tool.
+    fn of_tool(&self, model: Model) -> Result<Model> {
+        if let Some(marker) = &self.marker {
+            let known = model.tool_marker().is_some_and(|(label, _)| label == marker);
+            let own = model.with_tool(marker)?;
+            return match self.covariance && !known {
+                true => Err(Error::data(
+                    Kind::NoCovariance,
+                    format!("{}: [covariance] is of another marker", self.model.display()),
+                    "leave out --covariance, or --marker",
+                )),
+                false => Ok(own),
+            };
+        }
+        let labels: Vec<String> = model.measured().map(|(l, _)| format!("\"{l}\"")).collect();
+        if labels.len() > 1 && model.tool_marker().is_some_and(|(label, _)| !label.is_empty()) {
+            return Err(Error::usage(
+                format!(
+                    "{}: the points of {} markers were measured",
+                    self.model.display(),
+                    labels.len()
+                ),
+                format!("say which of them is the tool with --marker: {}", labels.join(", ")),
+            ));
+        }
+        Ok(model)
     }
 
     fn format(&self) -> Format {
@@ -170,6 +202,20 @@ impl Pack {
     }
 }
 
+/// Whose point the tool of the blob is, where that is not plain.
+fn tool(model: &Model) -> Option<String> {
+    match model.tool_marker() {
+        None => Some(
+            "tool: that of robot.toml, as no row measured where a target sits on the last frame"
+                .to_owned(),
+        ),
+        Some((label, _)) if model.markers.len() > 1 => {
+            Some(format!("tool: marker \"{label}\", of {}", model.markers.len()))
+        }
+        Some(_) => None,
+    }
+}
+
 /// What the blob says and does not say.
 fn remarks(model: &Model) -> Vec<String> {
     let mut lines = notes(model);
@@ -182,9 +228,7 @@ fn remarks(model: &Model) -> Vec<String> {
     if !model.orientation_identified {
         lines.push("flange orientation: not identified, points only; it stays nominal".to_owned());
     }
-    if let [(first, _), _, ..] = &model.markers[..] {
-        lines.push(format!("tool: marker \"{first}\", the first of {}", model.markers.len()));
-    }
+    lines.extend(tool(model));
     if !model.unidentifiable.is_empty() {
         let what = "directions the data did not determine, held by nothing but the tolerances and the tool of the robot file:";
         lines.push(what.to_owned());

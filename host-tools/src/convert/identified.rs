@@ -22,13 +22,13 @@ pub struct Identified {
 }
 
 impl Identified {
-    /// Of a model and one of its markers; the first if none is named.
+    /// Of a model and one of its markers; the one that stands for the tool if none is named.
     ///
     /// # Errors
     /// A marker that the model does not have; numbers that are none.
     pub fn of(model: &Model, marker: Option<&str>) -> Result<Self> {
         let found = match marker {
-            None => model.markers.first(),
+            None => model.tool_marker().or(model.markers.first()),
             Some(name) => model.markers.iter().find(|(label, _)| label == name),
         };
         let Some((label, point)) = found else {

@@ -40,7 +40,7 @@ pub fn left_out(model: &Model) -> Vec<LeftOut> {
         let joints = model.curves.iter().map(|curve| usize::from(curve.joint()) + 1);
         groups.push((CURVE, joints.collect(), Vec::new()));
     }
-    let tool = model.markers.first().map_or(model.robot.tool, |(_, point)| *point);
+    let tool = model.tool();
     let arm = chain(&model.links(), Pose::identity(), tool);
     let states = states(model);
     let size = |(effect, joints, terms): &Group| {

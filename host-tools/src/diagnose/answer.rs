@@ -5,7 +5,7 @@ use super::policy::POLICY;
 use super::question::Question;
 use super::weigh::{Weighed, weigh};
 use crate::error::Result;
-use crate::identify::{Problem, State, components};
+use crate::identify::{Problem, State, scale};
 
 /// Geometry alone, at a lambda that it bears out, and what is weighed beyond it.
 ///
@@ -31,7 +31,7 @@ pub fn answered(
 /// the marginal likelihood).
 fn believable_lambda(problem: &Problem, node: &Node) -> f64 {
     // Where nothing but the tolerances holds the scale they keep their weight.
-    if components::scale_is_open(problem) {
+    if scale::is_open(problem, &node.fit.fit.state) {
         return 1.0;
     }
     let norm = problem.corrections(&node.fit.fit.state).norm_squared();

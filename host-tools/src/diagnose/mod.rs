@@ -30,7 +30,8 @@ use crate::identify::registration::register;
 use crate::identify::robust::{Crowd, Flags};
 use crate::identify::typical::as_measured;
 use crate::identify::{
-    Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, enough, folds, nominal_state,
+    Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, blamed, enough, folds,
+    nominal_state,
 };
 use crate::model::{ErrorCurve, Measurements, Model, Robot};
 use crate::observations::{Residual, kind};
@@ -93,10 +94,11 @@ pub fn diagnose(
         same_torques(robot, data, held)?;
     }
     let with = |crowd| diagnosed(robot, data, holdout, options, crowd, progress);
-    match with(Crowd::Refused) {
+    let done = match with(Crowd::Refused) {
         Err(error) if error.kind() == Kind::Contradiction => with(Crowd::Described),
         done => done,
-    }
+    };
+    done.map_err(|error| blamed(robot, data, error))
 }
 
 fn diagnosed(

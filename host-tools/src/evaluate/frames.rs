@@ -5,14 +5,14 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use truearm::{Link, Pose};
 
-use super::{Reregister, residuals};
+use super::{Reregister, own_evidence, residuals};
 use crate::error::{Error, Kind, Label, Result};
 use crate::identify::fit::{Freedom, fit};
 use crate::identify::registration::register;
 use crate::identify::{Conditions, Predictor, Problem, Scaling, State, rigid_transform};
 use crate::model::{Instrument, Measurements, Model, ModelTerm};
 use crate::observations::{kind, measuring};
-use crate::statistics::own_evidence;
+use crate::statistics::points_apart;
 
 /// The model with the frames of a file: those of the training, or fitted to it.
 ///
@@ -151,7 +151,7 @@ pub(super) fn with_bases(
         for _ in 0..3 {
             let errors: Vec<_> =
                 from.iter().zip(&to).map(|(a, b)| base.transform_point(a) - b).collect();
-            let out = own_evidence(&errors);
+            let out = points_apart(&errors);
             weights = (0..rows.len()).map(|i| f64::from(u8::from(!out.contains(&i)))).collect();
             base = rigid_transform(&from, &to, &weights).ok_or_else(fail)?;
         }
@@ -174,7 +174,7 @@ pub(super) fn registered(
     links: Vec<Link<f64>>,
     terms: Vec<ModelTerm>,
 ) -> Result<State> {
-    let tool = model.markers.first().map_or(model.robot.tool, |m| m.1);
+    let tool = model.tool();
     let start = State { terms, ..register(data, &links, tool)? };
     let problem = Problem {
         nominal: links,
@@ -183,7 +183,7 @@ pub(super) fn registered(
     };
     let mut rows = measuring(&data.rows);
     let mut state = fit(&problem, &rows, None, &start, Freedom::Frames)?.state;
-    let out = own_evidence(&residuals(data, &problem.conditions, &state));
+    let out = own_evidence(data, &residuals(data, &problem.conditions, &state));
     if !out.is_empty() {
         rows.retain(|r| !out.contains(r));
         state = fit(&problem, &rows, None, &start, Freedom::Frames)?.state;

@@ -1,6 +1,7 @@
 //! Scoring a model on other data, in the frames of its training or, when asked
 //! for, in frames fitted to that data.
 
+mod evidence;
 mod frames;
 
 use schemars::JsonSchema;
@@ -11,7 +12,8 @@ use crate::identify::components::{KindScore, scores};
 use crate::identify::{Conditions, Predictor, State, View};
 use crate::model::{Measurements, Model};
 use crate::observations::Residual;
-use crate::statistics::{Stats, own_evidence};
+use crate::statistics::Stats;
+pub use evidence::own_evidence;
 pub use frames::{known_instruments, state_on};
 use frames::{registered, with_bases};
 
@@ -25,7 +27,7 @@ pub struct Validation {
     /// `none`, `base` or `base+tool`: what was fitted on this file.
     pub reregistered: &'static str,
     /// Rows left out on their own evidence (beyond 10 robust standard
-    /// deviations, at most 1 % of the rows), counted from 1.
+    /// deviations of their kind, at most 1 % of the rows), counted from 1.
     pub left_out: Vec<usize>,
     /// Errors of the rows; nothing where no row says how far off something is.
     #[serde(flatten)]
@@ -81,7 +83,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
     let rigid = Conditions::new(data, &model.robot);
     let state = state_on(model, data, frames)?;
     let residuals = residuals(data, &conditions, &state);
-    let left_out = own_evidence(&residuals);
+    let left_out = own_evidence(data, &residuals);
     let kept: Vec<_> =
         (0..residuals.len()).filter(|i| !left_out.contains(i)).map(|i| residuals[i]).collect();
     if residuals.iter().all(|r| r.is_empty()) {
@@ -114,7 +116,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
         all_rows: stats(&residuals),
         nominal_rms_mm: rms_without(&nominal, &rigid),
         base_refitted_rms_mm: base_refitted,
-        kinds: scores(data, &self::residuals(data, &rigid, &nominal), &residuals),
+        kinds: scores(data, &self::residuals(data, &rigid, &nominal), &residuals, &left_out),
         joints_not_covered: not_covered(model, data),
     })
 }

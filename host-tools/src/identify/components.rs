@@ -11,7 +11,7 @@ use super::unknowns::State;
 use super::{RowResult, figures::KindFigures};
 use crate::error::{Error, Kind, Result};
 use crate::model::{KindId, Measurements, Row};
-use crate::observations::{KINDS, Residual, equations_of, kind};
+use crate::observations::{KINDS, Residual, kind};
 use crate::tikhonov::covariance;
 
 /// Rounds of estimates, and the change of a scale that ends them.
@@ -133,11 +133,19 @@ pub struct KindScore {
     pub rms: Option<f64>,
 }
 
-/// How far off each kind is, by nominal geometry and by a model.
+/// How far off each kind is, by nominal geometry and by a model, without rows that are
+/// left out.
 #[must_use]
-pub fn scores(data: &Measurements, nominal: &[Residual], found: &[Residual]) -> Vec<KindScore> {
+pub fn scores(
+    data: &Measurements,
+    nominal: &[Residual],
+    found: &[Residual],
+    without: &[usize],
+) -> Vec<KindScore> {
     let of = |group: Group, all: &[Residual]| {
-        rms(group, data.rows.iter().zip(all).map(|(row, r)| (row, *r)))
+        let rows = data.rows.iter().zip(all).enumerate();
+        let kept = rows.filter(|(i, _)| !without.contains(i));
+        rms(group, kept.map(|(_, (row, r))| (row, *r)))
     };
     let score = |group: Group| KindScore {
         kind: KINDS[usize::from(group.kind.0)].name(),
@@ -178,30 +186,6 @@ pub fn none_is_lost(data: &Measurements, rows: &[usize], outliers: &[Outlier]) -
     }
     Ok(())
 }
-
-/// What is said of a file that holds no length against the arm.
-pub const SCALE_OPEN: &str = "the overall scale: all lengths of the arm, and of where what it touches \
-                              stands, times one number move no measured value; a plate of known \
-                              coordinates, or one known length, closes it";
-
-/// Whether a file leaves the overall scale open, the tolerances apart.
-#[must_use]
-pub fn scale_is_open(problem: &Problem) -> bool {
-    let data = problem.data;
-    let tells = |row: &Row| equations_of(row) > 0 && kind(row).tells_scale(row, &data.instruments);
-    let slides = problem.nominal.iter().any(|link| link.kind == truearm::JointKind::Prismatic);
-    // Where all axes are parallel a slide measures along them and nothing across.
-    let across = problem.nominal.iter().skip(1).any(|link| {
-        let p = &link.parameters;
-        p.alpha.sin().hypot(p.beta.sin()) > PARALLEL
-    });
-    !(slides && across)
-        && data.known_markers.iter().all(Option::is_none)
-        && !data.rows.iter().any(tells)
-}
-
-/// Sine of a twist below which two axes are parallel as drawn.
-const PARALLEL: f64 = 1e-6;
 
 /// What the kinds of a file leave undetermined, in words; nothing is said where
 /// there are points.

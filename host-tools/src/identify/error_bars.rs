@@ -17,9 +17,9 @@ use serde::Serialize;
 use super::accumulate::{CHUNK, tree};
 use super::damped::ANOTHER_ARM;
 use super::estimate::Estimate;
-use super::linearised::Linearised;
 use super::problem::{Problem, Scaling};
 use super::redundancy::correlated;
+use super::tool;
 use super::unknowns::Unknown;
 use super::{LambdaRule, State};
 use crate::model::Values;
@@ -168,10 +168,24 @@ pub struct Uncertainty {
 #[must_use]
 pub fn uncertainty(problem: &Problem, found: &Estimate, of: &Covariances) -> Uncertainty {
     let at = problem.linearise(&found.fit.state);
-    let rows = &found.robust.kept;
+    // Of the marker that stands for the tool: an inclinometer's own is anywhere.
+    let kept = &found.robust.kept;
+    let tool = tool::of(problem.data);
+    let of_tool = |row: &usize| tool.is_none_or(|tool| problem.data.rows[*row].marker == tool);
+    let rows: Vec<usize> = kept.iter().copied().filter(of_tool).collect();
+    let rows = &if rows.is_empty() { kept.clone() } else { rows };
     let frameless = (0..problem.data.stations.len()).all(|s| problem.unknowns.station(s).is_none());
-    let frame = if frameless { Frame::of(&at, rows) } else { None };
-    let leaf = |rows: &[usize]| Bars::of(&at, of, frame.as_ref(), rows);
+    let target = |row: usize| {
+        let (point, mut block) = at.target(row);
+        // Where no row says where a target is, the tool is that of robot.toml.
+        let marker = problem.unknowns.marker(problem.data.rows[row].marker);
+        if let (None, Some(first)) = (tool, marker) {
+            block.columns_mut(first, 3).fill(0.0);
+        }
+        (point, block)
+    };
+    let frame = if frameless { Frame::of(&target, of.units.len(), rows) } else { None };
+    let leaf = |rows: &[usize]| Bars::of(&target, of, frame.as_ref(), rows);
     let bars = tree(rows, CHUNK, &leaf, &Bars::join);
     let count = bars.count.max(1) as f64;
     let [noise_rms_mm, rms_mm] = bars.squares.map(|s| (s / count).sqrt() * FACTOR * 1e3);
@@ -184,6 +198,9 @@ pub fn uncertainty(problem: &Problem, found: &Estimate, of: &Covariances) -> Unc
     }
 }
 
+/// Where the target of a row is seen, m, and how it moves with each unknown in its unit.
+type Target<'a> = dyn Fn(usize) -> (Vector3<f64>, DMatrix<f64>) + Sync + 'a;
+
 /// Variances of the coordinates of predicted points, m^2: from noise alone, and with
 /// the bias.
 #[derive(Default)]
@@ -194,10 +211,10 @@ struct Bars {
 }
 
 impl Bars {
-    fn of(at: &Linearised, of: &Covariances, frame: Option<&Frame>, rows: &[usize]) -> Self {
+    fn of(target: &Target, of: &Covariances, frame: Option<&Frame>, rows: &[usize]) -> Self {
         let mut motions = DMatrix::zeros(of.units.len(), 3 * rows.len());
         for (i, row) in rows.iter().enumerate() {
-            let (point, mut block) = at.target(*row);
+            let (point, mut block) = target(*row);
             if let Some(frame) = frame {
                 block -= frame.rigid(&point) * &frame.moved;
             }
@@ -234,14 +251,14 @@ struct Frame {
 
 impl Frame {
     /// `None` where the points do not say how a body turns.
-    fn of(at: &Linearised, rows: &[usize]) -> Option<Self> {
-        let points = |rows: &[usize]| rows.iter().map(|r| at.target(*r).0).sum::<Vector3<f64>>();
+    fn of(target: &Target, unknowns: usize, rows: &[usize]) -> Option<Self> {
+        let points = |rows: &[usize]| rows.iter().map(|r| target(*r).0).sum::<Vector3<f64>>();
         let middle = tree(rows, CHUNK, &points, &|a, b| a + b) / rows.len().max(1) as f64;
-        let mut frame = Self { middle, moved: Matrix6xX::zeros(at.corrections().len()) };
+        let mut frame = Self { middle, moved: Matrix6xX::zeros(unknowns) };
         let leaf = |rows: &[usize]| {
             let mut sums = (SMatrix::<f64, 6, 6>::zeros(), frame.moved.clone());
             for row in rows {
-                let (point, block) = at.target(*row);
+                let (point, block) = target(*row);
                 let motion = frame.rigid(&point);
                 sums.0 += motion.transpose() * motion;
                 sums.1 += motion.transpose() * block;

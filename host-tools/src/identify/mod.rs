@@ -4,6 +4,7 @@
 //! cross-validation -> report. Nothing here reads or writes a file.
 
 pub mod accumulate;
+mod blame;
 pub mod components;
 mod conditions;
 pub mod cross_validation;
@@ -23,16 +24,20 @@ mod predictor;
 mod problem;
 pub mod redundancy;
 pub mod registration;
+mod remarks;
 mod rigid;
 pub mod robust;
+pub mod scale;
 mod summary;
 mod suspects;
 #[cfg(test)]
 mod tests;
+mod tool;
 pub mod typical;
 pub mod uncertainty;
 mod unknowns;
 
+pub use blame::blamed;
 pub use conditions::{Conditions, Surroundings};
 pub use figures::{AllRows, Condition, Figures, FlaggedRow, KindFigures};
 pub use l_curve::{LCurvePoint, l_curve};
@@ -120,14 +125,10 @@ pub fn identify(
     let start = registration::register(data, &problem.nominal, robot.tool)?;
     let mut problem = problem.about(&start);
     let rows = problem.counted();
-    problem.noise = components::noise(&problem, &rows, &start)?;
-    // Where no length is held against the arm a smaller arm fits better: nothing
-    // but the tolerances holds it, at their own weight.
-    let asked = matches!(options.rule, LambdaRule::Fixed(_));
-    let rule = match components::scale_is_open(&problem) && !asked {
-        true => LambdaRule::MaximumAPosteriori,
-        false => options.rule,
-    };
+    let blamed = |problem: &Problem, e: Error| blame::named(problem, &rows, &start, e);
+    let noise = components::noise(&problem, &rows, &start);
+    problem.noise = noise.map_err(|e| blamed(&problem, e))?;
+    let rule = in_force(options.rule, &problem, &start);
     let folds = folds::random(data, &rows, folds::SEED);
     let blocks = folds::blocked(data, &rows);
     let total = 1 + folds.len() + blocks.as_ref().map_or(0, Vec::len);
@@ -137,7 +138,8 @@ pub fn identify(
         progress(now, total);
     };
 
-    let found = estimate(&problem, rule, &rows, &start, true)?;
+    let found = estimate(&problem, rule, &rows, &start, true);
+    let found = found.map_err(|e| blamed(&problem, e))?;
     components::none_is_lost(data, &rows, &found.robust.outliers)?;
     tick();
     let held_out = cross_validate(&problem, rule, &folds, &found, &tick)?;
@@ -159,6 +161,16 @@ pub fn identify(
         cross_validation: folds_in_words(folds.len(), data.poses),
     }
     .summarise())
+}
+
+/// How lambda is chosen. Where no length is held against the arm a smaller arm fits better:
+/// nothing but the tolerances holds it, at their own weight.
+fn in_force(asked: LambdaRule, problem: &Problem, start: &State) -> LambdaRule {
+    let given = matches!(asked, LambdaRule::Fixed(_));
+    match !given && scale::is_open(problem, start) {
+        true => LambdaRule::MaximumAPosteriori,
+        false => asked,
+    }
 }
 
 /// How it was cross-validated.

@@ -12,7 +12,7 @@ use super::problem::link_corrections;
 use super::uncertainty::{factor, instruments, of_arm};
 use super::{
     Identification, LambdaRule, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE, components,
-    redundancy, rigid_transform, robust,
+    redundancy, remarks, rigid_transform, robust, scale, tool,
 };
 use crate::model::arm::chain;
 use crate::model::{ErrorCurve, Measurements, Model, Provenance, Robot};
@@ -61,10 +61,10 @@ impl Findings<'_> {
         let prior = Problem { scaling: Scaling::Prior, ..(*problem).clone() };
         let geometry = problem.with_terms(0);
         let mut redundancy = redundancy::analyse(&geometry, &self.nominal, &found.robust.kept);
-        if components::scale_is_open(problem) {
+        if scale::is_open(problem, &self.nominal) {
             // Where residuals are not zero it shows as weak only.
             redundancy.rank -= 1;
-            redundancy.redundant.push(components::SCALE_OPEN.to_owned());
+            redundancy.redundant.insert(0, scale::SCALE_OPEN.to_owned());
         }
         let own = |cv: &[Option<Residual>]| lengths(judged(results, cv).into_iter());
         let flags: Vec<FlaggedRow> =
@@ -110,7 +110,7 @@ impl Findings<'_> {
             kinds: components::figures(problem, results),
             left_open: components::left_open(data),
             orientation_identified: orientation_identified(problem, found, &self.covariances()),
-            warnings: self.warnings(),
+            warnings: remarks::of(self),
         }
     }
 
@@ -122,29 +122,6 @@ impl Findings<'_> {
             Factorised::new(&triangle, problem.unknowns.free())
         };
         found.solved.clone().unwrap_or_else(factorise)
-    }
-
-    fn warnings(&self) -> Vec<String> {
-        let data = self.problem.data;
-        let mut warnings = [self.robot.warnings.clone(), data.warnings.clone()].concat();
-        let again = data.rows.len() - data.distinct().len();
-        if again > 0 {
-            warnings.push(format!(
-                "{}: {again} rows repeat others in every cell and count once",
-                data.path.display()
-            ));
-        }
-        // Corners of one image are no repeats.
-        let points = data.rows.iter().filter(|row| kind(row).point(row).is_some()).count();
-        if 2 * data.poses < points && data.markers.len() * data.stations.len() == 1 {
-            warnings.push(format!(
-                "{}: {} rows but only {} distinct poses; repeats average noise, they do not identify",
-                data.path.display(),
-                data.rows.len(),
-                data.poses
-            ));
-        }
-        warnings
     }
 
     fn row_results(&self) -> Vec<RowResult> {
@@ -187,6 +164,7 @@ impl Findings<'_> {
             curves: self.curves.clone(),
             stations: stations.collect(),
             markers: markers.collect(),
+            not_measured: tool::not_measured(data),
             instruments: instruments(problem, state, &unknowns),
             frame_translation: frame.translation,
             frame_rotation: turn,

@@ -32,8 +32,8 @@ pub fn of_arm(
 
     let mut map = DMatrix::zeros(uncertain_parameters(joints, terms), columns.list().len());
     map.rows_mut(0, 6).copy_from(&base(problem, state, rows, frame));
-    // The blob's tool point is the first marker.
-    for (k, column) in (0..3).zip(columns.marker(0).into_iter().flat_map(|first| first..)) {
+    let marker = super::tool::of(problem.data).and_then(|marker| columns.marker(marker));
+    for (k, column) in (0..3).zip(marker.into_iter().flat_map(|first| first..)) {
         map[(6 + k, column)] = 1.0;
     }
     for k in 0..5 * joints {

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 use truearm::{MdhParameters, Pose};
 
 use super::robot::Robot;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, Kind, Result, listed};
 use crate::model::{ErrorCurve, Instrument, Measurements, ModelTerm};
 
 /// An identified arm: what `identify` writes, `evaluate` scores, `pack` flashes.
@@ -26,6 +26,8 @@ pub struct Model {
     pub stations: Vec<(String, Pose<f64>)>,
     /// Each marker in the flange frame, m.
     pub markers: Vec<(String, Vector3<f64>)>,
+    /// Labels of those of them whose point no row measured: of an inclinometer, of a ray.
+    pub not_measured: Vec<String>,
     /// What was measured with and on, found with the arm.
     pub instruments: Vec<Instrument>,
     /// Carries identified tool points onto nominal ones: translation, m.
@@ -110,6 +112,7 @@ impl Model {
             curves: Vec::new(),
             stations: Vec::new(),
             markers: Vec::new(),
+            not_measured: Vec::new(),
             instruments: Vec::new(),
             frame_translation: Vector3::zeros(),
             frame_rotation: Vector3::zeros(),
@@ -121,6 +124,55 @@ impl Model {
             changed: false,
             robot,
         }
+    }
+
+    /// Markers whose point some row measured.
+    pub fn measured(&self) -> impl Iterator<Item = &(String, Vector3<f64>)> {
+        self.markers.iter().filter(|(label, _)| !self.not_measured.contains(label))
+    }
+
+    /// Which of some labels stands for the tool where nothing else is said: the empty one,
+    /// or else the first by name, whatever the order of the rows.
+    pub fn first_of<'a>(labels: impl Iterator<Item = &'a String>) -> Option<&'a String> {
+        labels.min()
+    }
+
+    /// The marker that stands for the tool where nothing else is said; `None` where no row
+    /// measured where any is.
+    #[must_use]
+    pub fn tool_marker(&self) -> Option<&(String, Vector3<f64>)> {
+        let label = Self::first_of(self.measured().map(|(label, _)| label))?;
+        self.markers.iter().find(|(own, _)| own == label)
+    }
+
+    /// Where the tool is in the last frame, m: its marker, or else as robot.toml has it.
+    #[must_use]
+    pub fn tool(&self) -> Vector3<f64> {
+        self.tool_marker().map_or(self.robot.tool, |(_, point)| *point)
+    }
+
+    /// The same model with this marker for the tool; without its covariance where that is
+    /// of another.
+    ///
+    /// # Errors
+    /// A marker that the model does not have, or whose point no row measured.
+    pub fn with_tool(mut self, marker: &str) -> Result<Self> {
+        let known: Vec<String> = self.measured().map(|(label, _)| label.clone()).collect();
+        if !known.iter().any(|label| label == marker) {
+            let why = match self.not_measured.iter().any(|label| label == marker) {
+                true => "no row measured where it is",
+                false => "the model does not have it",
+            };
+            return Err(Error::usage(
+                format!("--marker {marker}: {why}"),
+                format!("markers whose place was measured: {}", listed(&known)),
+            ));
+        }
+        if self.tool_marker().is_none_or(|(label, _)| label != marker) {
+            self.covariance = None;
+        }
+        self.markers.retain(|(label, _)| label == marker);
+        Ok(self)
     }
 
     /// The identified links: nominal plus corrections.

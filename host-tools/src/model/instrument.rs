@@ -152,13 +152,6 @@ impl Instrument {
         (0..self.free.len()).filter(|k| self.free[*k]).collect()
     }
 
-    /// Whether one of its lengths is known, along a direction that counts.
-    #[must_use]
-    pub fn knows_length(&self) -> bool {
-        let used = self.form.freedoms();
-        (0..self.free.len()).any(|k| self.is_length(k) && !self.free[k] && (k >= 6 || used[k]))
-    }
-
     /// Whether something of it is fixed where the station is, so that the arm
     /// has a place to be found.
     #[must_use]

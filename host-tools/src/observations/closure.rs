@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 
 use super::partials::InFrame;
 use super::{Book, Bound, Column, Kind, Partials, Seen, Told, Unclear};
-use crate::model::{Form, Instrument, Row, Values};
+use crate::model::{Form, Values};
 
 /// The point of the column `anchor`; without a label there is one.
 pub struct Closure;
@@ -32,8 +32,8 @@ impl Kind for Closure {
         &["x", "y", "z"]
     }
 
-    fn tells_scale(&self, row: &Row, instruments: &[Instrument]) -> bool {
-        instruments[row.refers[0]].knows_length()
+    fn check(&self) -> &'static str {
+        "the labels of anchors, and that the target is at the very same point each time"
     }
 
     fn leaves(&self) -> &'static str {

@@ -40,6 +40,10 @@ impl Kind for Distance {
         &["distance"]
     }
 
+    fn check(&self) -> &'static str {
+        "the unit of distance_mm, its zero offset and scale, and the labels of anchors"
+    }
+
     fn leaves(&self) -> &'static str {
         "where the arm stands, unless three anchors that are not on a line are known"
     }

@@ -5,7 +5,7 @@
 use nalgebra::{DMatrix, Vector3};
 
 use super::{ArmPart, Body, Book, Bound, Column, Kind, Measure, Partials, Seen, Told, Unclear};
-use crate::model::{Form, Instrument, Row, Values};
+use crate::model::{Form, Row, Values};
 
 /// Two angles, each of one axis of the inclinometer.
 pub struct Inclination;
@@ -39,8 +39,9 @@ impl Kind for Inclination {
         Measure::Angle
     }
 
-    fn tells_scale(&self, _row: &Row, _instruments: &[Instrument]) -> bool {
-        false
+    fn check(&self) -> &'static str {
+        "that incl_x_deg and incl_y_deg are degrees, not swapped, and positive upwards, \
+         and how the inclinometer sits ([[markers]])"
     }
 
     fn leaves(&self) -> &'static str {

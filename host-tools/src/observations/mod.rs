@@ -23,6 +23,8 @@ mod residual;
 pub(crate) mod tests;
 mod touch;
 
+use std::borrow::Cow;
+
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use truearm::Pose;
 
@@ -30,6 +32,7 @@ use crate::model::{Instrument, KindId, Measurements, Row, Values};
 pub use book::{Book, Bound, Told, Unclear};
 pub use column::{Column, Measure};
 pub use partials::{ArmPart, Body, Partials};
+pub use range::ray_of;
 pub use reading::{Reading, postures};
 pub use residual::{Miss, Residual};
 
@@ -115,11 +118,8 @@ pub trait Kind: Sync {
         Values::from_fn(self.components().len(), of)
     }
 
-    /// Whether a row holds a length against the arm: with places and sizes all
-    /// unknown a touch says the same of an arm twice as large.
-    fn tells_scale(&self, _row: &Row, _instruments: &[Instrument]) -> bool {
-        true
-    }
+    /// What to check of its rows, in words, where they contradict others.
+    fn check(&self) -> &'static str;
 
     /// What the kind alone leaves undetermined, in words.
     fn leaves(&self) -> &'static str;
@@ -155,9 +155,20 @@ pub trait Kind: Sync {
         None
     }
 
+    /// The label of what a row measures with, of that of its marker: another where it is
+    /// no target.
+    fn target<'a>(&self, marker: &'a str) -> Cow<'a, str> {
+        Cow::Borrowed(marker)
+    }
+
     /// Whether what a row measures depends on the place of its marker.
     fn of_marker(&self, _row: &Row) -> bool {
         true
+    }
+
+    /// Whether it says where in the last frame its target is.
+    fn of_target(&self, row: &Row) -> bool {
+        self.of_marker(row)
     }
 
     /// Whether it depends on how the last frame is turned.

@@ -29,6 +29,10 @@ impl Kind for Pair {
         &["distance"]
     }
 
+    fn check(&self) -> &'static str {
+        "the unit of distance_mm and its scale, and which rows a label of `pair` joins"
+    }
+
     fn leaves(&self) -> &'static str {
         "where the arm stands, and how the last frame is turned about the target"
     }

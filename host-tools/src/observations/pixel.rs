@@ -60,9 +60,9 @@ impl Kind for Pixel {
         Measure::Pixel
     }
 
-    fn tells_scale(&self, row: &Row, instruments: &[Instrument]) -> bool {
-        let known = |i: &usize| instruments[*i].knows_length();
-        self.corner(row).is_some() || row.refers[SEEN..].iter().any(known)
+    fn check(&self) -> &'static str {
+        "that u_px and v_px are not swapped (u to the right, v down), the camera's \
+         constants and mounting, the labels of corners, and its first guess"
     }
 
     fn leaves(&self) -> &'static str {

@@ -33,6 +33,11 @@ impl Kind for Plate {
         &["x", "y", "z"]
     }
 
+    fn check(&self) -> &'static str {
+        "the coordinates of the holes in instruments.toml (mm, their order and sense) \
+         and the labels of the rows"
+    }
+
     fn leaves(&self) -> &'static str {
         "where the arm stands; nothing of its scale"
     }

@@ -34,6 +34,11 @@ impl Kind for Point {
         Some(row.measured.point())
     }
 
+    fn check(&self) -> &'static str {
+        "the unit of x_mm, y_mm, z_mm, the order and handedness of the tracker's axes, \
+         and the labels of stations and markers"
+    }
+
     fn leaves(&self) -> &'static str {
         "how the last frame is turned about the target"
     }

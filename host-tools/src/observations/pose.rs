@@ -45,6 +45,11 @@ impl Kind for FullPose {
         if component < 3 { Measure::Length } else { Measure::Angle }
     }
 
+    fn check(&self) -> &'static str {
+        "the unit of x_mm, y_mm, z_mm, the quaternion's order (qx, qy, qz, qw) and its \
+         sense: of the marker in the tracker's frame"
+    }
+
     fn leaves(&self) -> &'static str {
         "nothing of where the target is and how it is turned"
     }

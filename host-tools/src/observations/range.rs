@@ -1,6 +1,9 @@
 //! The range along a ray that is fixed to the last frame, to a plane. The ray
-//! begins at the marker and runs along the z of its frame; both are unknowns
-//! unless they are stated, and so is the plane.
+//! begins at a point of its own and runs along the z of a frame of its own; both are
+//! unknowns unless they are stated, and so is the plane. No target sits there: what
+//! other kinds measure of a marker of the same label is another point, turned otherwise.
+
+use std::borrow::Cow;
 
 use nalgebra::DMatrix;
 
@@ -11,6 +14,15 @@ use crate::model::{Form, Row, Values};
 
 /// The plane of the column `surface`; without a label there is one.
 pub struct Range;
+
+/// What ends the label of a ray.
+const RAY: &str = "(ray)";
+
+/// The label under which the ray of rows with this marker is kept.
+#[must_use]
+pub fn ray_of(marker: &str) -> String {
+    format!("{marker} {RAY}").trim_start().to_owned()
+}
 
 impl Kind for Range {
     fn name(&self) -> &'static str {
@@ -23,6 +35,10 @@ impl Kind for Range {
 
     fn labels(&self) -> &'static [&'static str] {
         &["surface"]
+    }
+
+    fn target<'a>(&self, marker: &'a str) -> Cow<'a, str> {
+        Cow::Owned(ray_of(marker))
     }
 
     fn bind(&self, told: &Told, book: &mut dyn Book) -> Result<Bound, Unclear> {
@@ -40,8 +56,17 @@ impl Kind for Range {
         &["range"]
     }
 
+    fn check(&self) -> &'static str {
+        "the unit of distance_mm, its zero offset and scale, the labels of surfaces, \
+         and the [[rays]] of instruments.toml"
+    }
+
     fn leaves(&self) -> &'static str {
         "where the arm stands; how the ray is turned about itself"
+    }
+
+    fn of_target(&self, _row: &Row) -> bool {
+        false
     }
 
     fn turns(&self) -> bool {

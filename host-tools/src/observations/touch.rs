@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, Vector3};
 use super::distance::along;
 use super::partials::InFrame;
 use super::{Book, Bound, Column, Kind, Partials, Seen, Told, Unclear};
-use crate::model::{Form, Instrument, Row, Values};
+use crate::model::{Form, Values};
 
 /// The surface of the column `surface`; without a label there is one.
 pub struct Touch;
@@ -38,14 +38,14 @@ impl Kind for Touch {
         &["touch"]
     }
 
-    fn tells_scale(&self, row: &Row, instruments: &[Instrument]) -> bool {
-        // Of an unknown radius that of the ball is a part.
-        instruments[row.refers[0]].knows_length()
+    fn check(&self) -> &'static str {
+        "the labels of surfaces, the radius of the probe ([[probes]]) and of spheres \
+         and cylinders, and from which side they are touched"
     }
 
     fn leaves(&self) -> &'static str {
-        "where the arm stands; with planes of unknown place its overall scale, which a plate of \
-         known coordinates or one known length closes"
+        "where the arm stands; its overall scale, which a plate of known coordinates or one known \
+         length closes, and known planes where they share no point"
     }
 
     fn partials(&self, index: usize, seen: &dyn Seen) -> Partials {

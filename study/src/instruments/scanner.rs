@@ -14,6 +14,7 @@ use truearm_host::Result;
 use truearm_host::identify::{Options, identify, rigid_transform};
 use truearm_host::model::arm::chain;
 use truearm_host::model::{Measurements, Model, Robot};
+use truearm_host::observations::ray_of;
 use truearm_simulate::instruments::{Cell, Scanner, Sigmas, apart};
 use truearm_simulate::{normal, rigid, robots, vector};
 
@@ -104,7 +105,7 @@ fn sensor(model: &Model) -> Pose<f64> {
     let origins = model.markers.iter().map(|marker| marker.1);
     let translation = origins.sum::<Vector3<f64>>() / model.markers.len() as f64;
     let way = |k: usize| {
-        let label = format!("ray{k}");
+        let label = ray_of(&format!("ray{k}"));
         let ray = model.instruments.iter().find(|ray| ray.label == label);
         ray.map_or_else(Vector3::z, |ray| ray.place.rotation.column(2).into_owned())
     };

@@ -4,6 +4,7 @@ use truearm_host::diagnose::{
 };
 use truearm_host::effects::OUTLIERS;
 use truearm_host::identify::KindFigures;
+use truearm_host::identify::scale::SCALE_OPEN;
 use truearm_host::table::Table;
 use truearm_host::units::MILLI;
 
@@ -47,6 +48,9 @@ pub fn diagnosis(r: &Outcome) -> String {
     if !r.whereabouts.is_empty() {
         out += "where geometry alone disagrees:\n";
         r.whereabouts.iter().take(PLACES).for_each(|line| out += &format!("  {line}\n"));
+    }
+    if b.unidentifiable.iter().any(|line| line == SCALE_OPEN) {
+        out += &format!("left open: {SCALE_OPEN}\n");
     }
     r.alternatives.iter().for_each(|a| out += &alternative(a, r));
     r.not_testable.iter().for_each(|line| out += &format!("not testable: {line}\n"));

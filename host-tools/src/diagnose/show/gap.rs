@@ -7,13 +7,13 @@ use crate::diagnose::outcome::{GapRow, Rms};
 use crate::diagnose::question::Question;
 use crate::diagnose::weigh::{Stage, with_curves};
 use crate::error::{Error, Kind, Label, Result};
-use crate::evaluate::{known_instruments, residuals};
+use crate::evaluate::{known_instruments, own_evidence, residuals};
 use crate::identify::cross_validation::Parts;
 use crate::identify::folds::Fold;
 use crate::identify::{Conditions, Layout, Noise, Problem, State, in_deviations};
 use crate::model::{CURVE, ErrorCurve, Measurements, Robot};
 use crate::observations::Residual;
-use crate::statistics::{Stats, own_evidence};
+use crate::statistics::Stats;
 
 /// Held-out judgement of models.
 #[derive(Clone, Copy)]
@@ -208,7 +208,8 @@ impl Figures {
         let flagged = last.fit.outliers.iter().map(|o| o.row).collect();
         let left_out = match show.holdout {
             Some(holdout) => {
-                own_evidence(&show.on_holdout(holdout, show.tables, &last.fit.fit.state)?)
+                let state = &last.fit.fit.state;
+                own_evidence(holdout, &show.on_holdout(holdout, show.tables, state)?)
             }
             None => Vec::new(),
         };

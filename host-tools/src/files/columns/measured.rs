@@ -24,6 +24,8 @@ pub struct Measured {
     pub kind: KindId,
     pub values: Values,
     pub refers: Vec<usize>,
+    /// The label of what it measured with.
+    pub target: String,
     /// What joins it to another row.
     pub pair: Option<String>,
 }
@@ -97,7 +99,8 @@ impl MeasuredColumns {
             }
             values = values.iter().copied().chain([value]).collect();
         }
-        let bound = kind.bind(&Told { marker, text: &text }, book);
+        let target = kind.target(marker);
+        let bound = kind.bind(&Told { marker: &target, text: &text }, book);
         let Bound { refers, known } = bound.map_err(|(column, message, help)| {
             let at = self.labels.iter().find(|(l, _)| *l == column);
             match at {
@@ -106,7 +109,7 @@ impl MeasuredColumns {
             }
         })?;
         values = values.iter().copied().chain(known).collect();
-        Ok(Measured { kind: id, values, refers, pair })
+        Ok(Measured { kind: id, values, refers, target: target.into_owned(), pair })
     }
 
     fn number(&self, cells: &Cells, at: usize, either: bool) -> Result<Option<f64>> {

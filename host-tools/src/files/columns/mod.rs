@@ -152,7 +152,9 @@ impl Columns {
         let (marker, book) = (text(o.marker), &mut labels.book);
         let measured =
             self.measured.as_ref().map(|all| all.row(cells, marker, book)).transpose()?;
-        let Measured { kind, values: measured, refers, pair } = measured.unwrap_or_default();
+        let nothing = || Measured { target: marker.to_owned(), ..Measured::default() };
+        let Measured { kind, values: measured, refers, target, pair } =
+            measured.unwrap_or_else(nothing);
         labels.pairs.push(pair);
         let angle = robot.sigma_angle.unwrap_or(USUAL_SIGMA_ANGLE);
         Ok(Row {
@@ -166,7 +168,7 @@ impl Columns {
             refers,
             partner: None,
             station: label(&mut labels.stations, text(o.station)),
-            marker: label(&mut labels.markers, text(o.marker)),
+            marker: label(&mut labels.markers, &target),
             pose: 0,
             series: Some(text(o.series)).filter(|s| !s.is_empty()).map(str::to_owned),
             time: sense::time(cells, o.time)?,

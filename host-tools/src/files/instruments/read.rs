@@ -9,6 +9,7 @@ use super::keys::{CameraFile, InstrumentsFile, MarkerFile, PlateFile, RayFile, S
 use crate::error::Result;
 use crate::files::source::Source;
 use crate::model::{Form, Instrument, Placement, Robot};
+use crate::observations::{Book, ray_of};
 use crate::units::{from_mm, point_from_mm};
 
 const HELP: &str = "see docs/instruments.md for the keys of this file";
@@ -239,20 +240,28 @@ impl Reader<'_> {
 
     fn ray(&self, file: &RayFile, book: &mut Gathered) -> Result<()> {
         let rotation = self.towards(&file.direction)?;
-        let mut ray = Instrument::unknown(Form::Turn, &file.marker);
+        let label = ray_of(&file.marker);
+        let mut ray = Instrument::unknown(Form::Turn, &label);
         ray.free[2] = false;
         book.list.push(stated(ray, Pose { rotation, ..Pose::identity() }, file.guess));
-        book.markers.push((file.marker.clone(), self.point(&file.origin_mm)?, file.guess));
+        book.markers.push((label, self.point(&file.origin_mm)?, file.guess));
         Ok(())
     }
 
     fn marker(&self, file: &MarkerFile, book: &mut Gathered) -> Result<()> {
-        if let Some(xyz) = &file.xyz_mm {
-            book.markers.push((file.marker.clone(), self.point(xyz)?, file.guess));
-        }
-        if let Some(place) = self.place(None, file.rpy_deg.as_ref())? {
-            let turn = Instrument::unknown(Form::Turn, &file.marker);
-            book.list.push(stated(turn, place, file.guess));
+        let xyz = file.xyz_mm.as_ref().map(|xyz| self.point(xyz)).transpose()?;
+        let place = self.place(None, file.rpy_deg.as_ref())?;
+        let ray = ray_of(&file.marker);
+        // A marker of a name of its own may be a ray that no [[rays]] states.
+        let also = !file.marker.is_empty() && book.known(Form::Turn, &ray).is_none();
+        for label in std::iter::once(file.marker.clone()).chain(also.then_some(ray.clone())) {
+            book.markers.extend(xyz.map(|xyz| (label.clone(), xyz, file.guess)));
+            book.list.extend(place.map(|place| {
+                let mut turn = Instrument::unknown(Form::Turn, &label);
+                // A ray is as it is however it turns about itself.
+                turn.free[2] = label != ray;
+                stated(turn, place, file.guess)
+            }));
         }
         Ok(())
     }

@@ -170,6 +170,17 @@ pub(super) struct StationFile {
 pub(super) struct MarkerFile {
     pub label: String,
     pub xyz_mm: [f64; 3],
+    /// Whether some row measured where it is.
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    pub measured: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn is_yes(value: &bool) -> bool {
+    *value
 }
 
 /// What was measured with and on: its frame in the station's, or in the last

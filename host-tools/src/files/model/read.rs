@@ -36,6 +36,7 @@ impl Model {
         let base = robot.base.pose();
         let (frame_translation, frame_rotation) = frame_from_file(&part.frame, &base);
         let reader = Part { source, robot: &robot };
+        let not_measured = part.markers.iter().filter(|m| !m.measured);
         Ok(Self {
             corrections: part.corrections.iter().map(|c| correction(c.get_ref())).collect(),
             uncertainties: part.corrections.iter().filter_map(|c| sigma(c.get_ref())).collect(),
@@ -62,6 +63,7 @@ impl Model {
                 .iter()
                 .map(|m| (m.label.clone(), point_from_mm(m.xyz_mm)))
                 .collect(),
+            not_measured: not_measured.map(|m| m.label.clone()).collect(),
             instruments: part
                 .instruments
                 .iter()

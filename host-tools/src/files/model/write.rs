@@ -72,6 +72,7 @@ impl Model {
             stations: self.stations.iter().map(|s| station(s, &base)).collect(),
             markers: markers
                 .map(|(label, point)| MarkerFile {
+                    measured: !self.not_measured.contains(label),
                     label: label.clone(),
                     xyz_mm: point_to_mm(point),
                 })

@@ -1,0 +1,89 @@
+//! Which kind of measurement keeps the others from agreeing.
+
+use super::noise::Noise;
+use super::problem::{Problem, Scaling};
+use super::registration::register;
+use super::robust::{Flags, robust_fit};
+use super::unknowns::State;
+use crate::error::{Error, Kind};
+use crate::model::{KindId, Measurements, Robot};
+use crate::observations::KINDS;
+use crate::statistics::median;
+
+/// The error of a fit to data, naming the kind to blame, if one is.
+#[must_use]
+pub fn blamed(robot: &Robot, data: &Measurements, error: Error) -> Error {
+    let problem = Problem::new(data, robot, Scaling::Prior);
+    match register(data, &problem.nominal, robot.tool) {
+        Ok(start) => {
+            let problem = problem.about(&start);
+            named(&problem, &problem.counted(), &start, error)
+        }
+        Err(_) => error,
+    }
+}
+
+/// Standard deviation of a normalised residual below which rows agree.
+const AGREE: f64 = 3.0;
+
+/// The error of a fit, naming the kind without whose rows the others agree, if one is: the
+/// farthest off first, and of several that one without which they agree best.
+#[must_use]
+pub(super) fn named(problem: &Problem, rows: &[usize], start: &State, error: Error) -> Error {
+    if !matches!(error.kind(), Kind::NotConverged | Kind::Contradiction | Kind::Singular) {
+        return error;
+    }
+    let data = problem.data;
+    let mut kinds: Vec<KindId> = rows.iter().map(|row| data.rows[*row].kind).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    if kinds.len() < 2 {
+        return error;
+    }
+    let noise = Noise::default();
+    let problem = Problem { noise, scaling: Scaling::Prior, ..problem.clone() };
+    let unknowns = problem.unknowns.list().len();
+    let without = |kind: KindId| {
+        let others: Vec<usize> =
+            rows.iter().copied().filter(|row| data.rows[*row].kind != kind).collect();
+        // Few rows agree with anything.
+        let enough = problem.equations(&others) >= unknowns;
+        let fit = || robust_fit(&problem, &others, start, Flags::default());
+        let found = enough.then(fit)?.ok()?;
+        Some((found.scale, kind))
+    };
+    let far = misfits(&problem, rows, start, &kinds);
+    let mut order: Vec<usize> = (0..kinds.len()).collect();
+    order.sort_by(|a, b| far[*b].total_cmp(&far[*a]));
+    let mut best: Option<(f64, KindId)> = None;
+    for (scale, kind) in order.into_iter().filter_map(|k| without(kinds[k])) {
+        if best.is_none_or(|(least, _)| scale < least) {
+            best = Some((scale, kind));
+        }
+        // No need to look whether others do as well: a fit that fails is a long one.
+        if scale < AGREE {
+            break;
+        }
+    }
+    let Some((_, kind)) = best else { return error };
+    let known = KINDS[usize::from(kind.0)];
+    Error::data(
+        error.kind(),
+        format!(
+            "{}: the rows of kind {} contradict all others, which agree without them",
+            data.path.display(),
+            known.name()
+        ),
+        format!("check {}", known.check()),
+    )
+}
+
+/// How far off the rows of each kind are at a state, in the middle, in standard deviations.
+fn misfits(problem: &Problem, rows: &[usize], start: &State, kinds: &[KindId]) -> Vec<f64> {
+    let at = problem.linearise(start);
+    let of = |kind: &KindId| {
+        let own = rows.iter().filter(|row| problem.data.rows[**row].kind == *kind);
+        median(&own.map(|row| at.scaled_residual(*row).amax()).collect::<Vec<_>>())
+    };
+    kinds.iter().map(of).collect()
+}

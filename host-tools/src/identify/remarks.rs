@@ -1,0 +1,95 @@
+//! What looks wrong with measurements but may be meant.
+
+use super::noise::{Group, groups};
+use super::summary::Findings;
+use crate::observations::{KINDS, kind};
+
+/// Noise is stated within a factor of two at best, and what an arm has beyond geometry is
+/// some of its sigmas more; a kind that is ten times noisier than stated measured something
+/// else, or in another unit.
+const FAR: f64 = 10.0;
+/// The same beside a kind that is as good as stated, within [`CALM`]: the arm is then
+/// described to that, and a wrong zero of a draw wire has been seen at nine.
+const FAR_BESIDE: f64 = 6.0;
+const CALM: f64 = 3.0;
+
+/// A sentence each.
+#[must_use]
+pub fn of(found: &Findings) -> Vec<String> {
+    let data = found.problem.data;
+    let mut warnings = [found.robot.warnings.clone(), data.warnings.clone()].concat();
+    let again = data.rows.len() - data.distinct().len();
+    if again > 0 {
+        warnings.push(format!(
+            "{}: {again} rows repeat others in every cell and count once",
+            data.path.display()
+        ));
+    }
+    // Corners of one image are no repeats.
+    let points = data.rows.iter().filter(|row| kind(row).point(row).is_some()).count();
+    if 2 * data.poses < points && data.markers.len() * data.stations.len() == 1 {
+        warnings.push(format!(
+            "{}: {} rows but only {} distinct poses; repeats average noise, they do not identify",
+            data.path.display(),
+            data.rows.len(),
+            data.poses
+        ));
+    }
+    warnings.extend(noisy(found));
+    warnings.extend(of_two_stations(found));
+    warnings
+}
+
+/// Kinds that are far noisier than stated.
+fn noisy(found: &Findings) -> Vec<String> {
+    let (data, noise) = (found.problem.data, &found.problem.noise);
+    let groups = groups(data);
+    // Of one kind alone the fit scales its own.
+    let alone = groups.len() < 2;
+    let factor = |g: &Group| {
+        if alone { found.found.robust.scale } else { noise.of(g.kind, g.measure) }
+    };
+    let beside = groups.iter().any(|g| factor(g) < CALM);
+    let limit = if beside { FAR_BESIDE } else { FAR };
+    let far = groups.iter().filter(|g| factor(g) > limit);
+    let sentence = |g: &Group| {
+        let known = KINDS[usize::from(g.kind.0)];
+        format!(
+            "{}: rows of kind {} are {:.0} times as far off as their stated sigma ({}): check {}, \
+             and the unit of the sigma",
+            data.path.display(),
+            known.name(),
+            factor(g),
+            g.measure.unit(),
+            known.check()
+        )
+    };
+    far.map(sentence).collect()
+}
+
+/// Places that rows of several stations refer to: a station has a frame of its own, and in
+/// two frames one place is two.
+fn of_two_stations(found: &Findings) -> Vec<String> {
+    let (data, unknowns) = (found.problem.data, &found.problem.unknowns);
+    let mut out = Vec::new();
+    for (i, instrument) in data.instruments.iter().enumerate().filter(|(_, i)| !i.on_flange) {
+        let own = data.rows.iter().filter(|row| row.refers.contains(&i));
+        let mut stations: Vec<usize> = own.map(|row| row.station).collect();
+        stations.sort_unstable();
+        stations.dedup();
+        // Where nothing tells where the arm stands all stations are one.
+        stations.retain(|station| unknowns.station(*station).is_some());
+        if let [first, second, ..] = stations[..] {
+            let [first, second] = [first, second].map(|s| &data.stations[s]);
+            out.push(format!(
+                "{}: {} \"{}\" has rows of stations \"{first}\" and \"{second}\", each a frame of \
+                 its own: give them one station, or the {} two labels",
+                data.path.display(),
+                instrument.form.name(),
+                instrument.label,
+                instrument.form.name()
+            ));
+        }
+    }
+    out
+}
