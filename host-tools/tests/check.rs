@@ -111,7 +111,7 @@ fn parts() -> Vec<(u64, f64, Mistake)> {
         Mistake::Mirrored(2),
     ];
     let mut all = Vec::new();
-    for seed in [0, 1, 2, 3, 4, 5] {
+    for seed in [0, 3] {
         for part in [0.1, 0.2, 0.3, 0.4] {
             all.extend(mistakes.iter().map(|mistake| (seed, part, mistake.clone())));
         }

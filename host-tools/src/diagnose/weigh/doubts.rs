@@ -21,9 +21,6 @@ pub enum Doubt {
     Memory,
     /// The joint was measured at so few angles that any function of it fits.
     Levels,
-    /// Of what the model leaves, a larger part is alike in neighbours than this effect
-    /// has: it may be a part of what has no name.
-    Rest,
 }
 
 impl Doubt {
@@ -34,7 +31,6 @@ impl Doubt {
             Self::Halves => "the halves of the poses disagree",
             Self::Memory => "the joint depends on its last move in a way that has no name",
             Self::Levels => "at so few angles of the joint any function of them fits",
-            Self::Rest => "what is left without a name is larger",
         }
     }
 }

@@ -1,7 +1,5 @@
 //! A search's result judged: on poses held out, in both halves, against rivals.
 
-use std::collections::BTreeSet;
-
 use rayon::prelude::*;
 
 use super::answer::{Named, Weighed};
@@ -15,9 +13,8 @@ use super::sheet::ByCurves;
 use crate::diagnose::candidates::{Candidate, arm_terms};
 use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;
-use crate::diagnose::white;
 use crate::evidence::{self, Claim, Explanation, Gram, Subsets, explain};
-use crate::observations::{Reading, Residual};
+use crate::observations::Residual;
 
 /// The answer.
 #[must_use]
@@ -32,9 +29,6 @@ pub fn answer(
     let nested = nested(of, &entries, parts, grams);
     let claims = found.posterior.claims();
     let halves = halves::all(of, found.scale, parts, grams);
-    let rest = white::left(of.q.problem, &best).filter(|rest| rest.deviations > POLICY.white);
-    // In chi-square: what neighbours have in common of what is left.
-    let rest = rest.map_or(0.0, |rest| rest.correlation * equations(of, &best));
     let mut names = Vec::new();
     let mut nameless: Vec<(Nameless, f64)> = Vec::new();
     for (claim, probability) in claims {
@@ -53,15 +47,14 @@ pub fn answer(
                     half_gain,
                     doubt: (!replicated).then_some(Doubt::Halves),
                 };
-                names.push((named, candidate, chi_square(of, claim, found)));
+                names.push((named, candidate));
             }
             None => {}
         }
     }
-    let names = names.into_iter().map(|(named, candidate, size)| {
+    let names = names.into_iter().map(|(named, candidate)| {
         let other = || doubts::of(of.q.problem, &best.fit.kept, candidate, &nameless);
-        let less = (size < rest).then_some(Doubt::Rest);
-        Named { doubt: named.doubt.or_else(other).or(less), ..named }
+        Named { doubt: named.doubt.or_else(other), ..named }
     });
     let mut names: Vec<Named> = names.collect();
     names.sort_by(|a, b| b.probability.total_cmp(&a.probability));
@@ -78,23 +71,6 @@ pub fn answer(
         by_curves: ByCurves::default(),
         stages: Vec::new(),
     }
-}
-
-/// Chi-square that only a claim's effects take away from the best model.
-fn chi_square(of: &Explained, claim: Claim, found: &Explanation) -> f64 {
-    let members = found.best.members.iter().zip(&found.coefficients);
-    let own = members.filter(|(m, _)| Claim::from(&of.possible[**m].entry) == claim);
-    let square = |c: &evidence::Coefficient| (c.value / c.sigma).powi(2);
-    own.flat_map(|(_, coefficients)| coefficients).map(square).sum()
-}
-
-/// Equations of the kept rows, those of all readings of a pose counted once.
-fn equations(of: &Explained, best: &Node) -> f64 {
-    let rows = &of.q.problem.data.rows;
-    let mut seen = BTreeSet::new();
-    let first = |row: &&usize| seen.insert(Reading::of(rows, **row));
-    let firsts: Vec<usize> = best.fit.kept.iter().filter(first).copied().collect();
-    of.q.problem.equations(&firsts) as f64
 }
 
 /// Residuals of every row, predicted with all decided without its fold; the
