@@ -271,7 +271,8 @@ fn the_kind_to_blame_is_named() {
     let radians = |v: &mut [f64]| v.iter_mut().for_each(|v| *v = v.to_radians());
     let swapped = |v: &mut [f64]| v.swap(0, 1);
     let metres = |v: &mut [f64]| v[0] /= 1e3;
-    let cases: [(&str, &dyn Fn(&mut [f64]), &str); 3] = [
+    type Change<'a> = &'a dyn Fn(&mut [f64]);
+    let cases: [(&str, Change, &str); 3] = [
         ("inclination", &radians, "degrees"),
         ("inclination", &swapped, "swapped"),
         ("distance", &metres, "unit of distance_mm"),

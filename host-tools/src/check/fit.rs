@@ -119,7 +119,8 @@ impl<'a> Fitter<'a> {
             let (before, after) =
                 (self.at_scale(&now, now.spread), self.at_scale(&next, now.spread));
             // Not a number is no descent either.
-            if effort == Effort::Full && !(after <= before + AT_REST) {
+            let descends = after <= before + AT_REST;
+            if effort == Effort::Full && !descends {
                 if damping > 1e9 {
                     break;
                 }

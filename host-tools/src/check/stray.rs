@@ -2,7 +2,7 @@
 //! in common, and whether one mistake made in them alone explains them. A robust
 //! fit of the others looks sound however many there are.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::chains::Chains;
 use super::change::Change;
@@ -20,7 +20,8 @@ const LEAST: f64 = 2e-3;
 /// wrong targets) careful sessions have one in a hundred, poor ones one in thirty;
 /// half as many again beyond these.
 const MOST: f64 = 0.05;
-/// In a short file so many are single slips: the paper's 18 points have two.
+/// In a short file so many poses are single slips, read how often they may be: the
+/// paper's 18 points have two.
 const SLIPS: usize = 2;
 /// Rows from the first to the last of them are one block if so many of them are off:
 /// a wrong sense is not seen where the joint is near zero.
@@ -116,7 +117,8 @@ pub(super) fn rows(
     }
     let (count, of) = (astray.len(), seen.far.len());
     let others: Vec<f64> = seen.far.iter().copied().filter(|d| *d <= seen.limit).collect();
-    let many = count > SLIPS && count as f64 > MOST * of as f64;
+    let poses: BTreeSet<usize> = astray.iter().map(|i| data.rows[seen.rows[*i]].pose).collect();
+    let many = poses.len() > SLIPS && count as f64 > MOST * of as f64;
     let mut stray = Stray {
         rows: ranges(&astray.iter().map(|i| seen.rows[*i]).collect::<Vec<_>>()),
         count,
