@@ -7,6 +7,7 @@ use truearm::Pose;
 
 use super::chains::{Chains, PLAIN};
 pub(super) use super::judged::Fitted;
+use super::judged::{FREEDOM, Fitter};
 use super::scene::{Scene, Sight};
 use crate::identify::{State, Unknown, Unknowns, rigid_transform};
 use crate::model::arm::Derivatives;
@@ -15,8 +16,6 @@ use crate::statistics::median;
 /// Nominal parameters are held within so many tolerances (1 mm, 1 mrad): arms
 /// with three times the usual errors are sound.
 pub(super) const TOLERANCES: f64 = 3.0;
-/// Degrees of freedom of Student's t, by whose likelihood rows count.
-pub(super) const FREEDOM: f64 = 4.0;
 /// No step turns anything by more, rad: beyond, the linearisation says nothing.
 const LONGEST_TURN: f64 = 0.5;
 /// Standard deviation of what is not held: base m and rad, tool m.
@@ -89,15 +88,6 @@ fn free(scene: &Scene, unknowns: &Unknowns, effort: Effort) -> Vec<(usize, f64)>
         _ => None,
     };
     unknowns.list().iter().enumerate().filter_map(of).collect()
-}
-
-/// A scene being fitted.
-pub(super) struct Fitter<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) unknowns: Unknowns,
-    pub(super) free: Vec<(usize, f64)>,
-    pub(super) sigma: f64,
-    pub(super) extent: f64,
 }
 
 impl<'a> Fitter<'a> {
@@ -219,25 +209,6 @@ impl<'a> Fitter<'a> {
             }
         }
         (normal, right)
-    }
-
-    /// How far free unknowns are from where they are held: links from nominal,
-    /// tools from the stated one; a base from nowhere.
-    pub(super) fn held(&self, state: &State) -> Vec<f64> {
-        let (stations, link) = (state.bases.len(), self.unknowns.free());
-        let of = |(k, _): &(usize, f64)| match *k {
-            k if k >= link => {
-                let (i, p) = ((k - link) / 5, (k - link) % 5);
-                let (now, then) = (&state.links[i].parameters, &self.scene.links[i].parameters);
-                now.to_array()[p] - then.to_array()[p]
-            }
-            k if k >= 6 * stations => {
-                let m = k - 6 * stations;
-                state.markers[m / 3][m % 3] - self.scene.tool[m % 3]
-            }
-            _ => 0.0,
-        };
-        self.free.iter().map(of).collect()
     }
 }
 

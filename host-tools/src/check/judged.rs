@@ -1,9 +1,8 @@
 //! How well a state of the arm fits: what a fit lowers, and what is told of it.
 
 use super::chains::Chains;
-use super::fit::{FREEDOM, Fitter};
-use super::scene::Sight;
-use crate::identify::{State, Unknown};
+use super::scene::{Scene, Sight};
+use crate::identify::{State, Unknown, Unknowns};
 use crate::statistics::robust_distance_scale;
 
 /// No file is judged finer than this, m: gross mistakes are not of this size.
@@ -11,6 +10,8 @@ const FINEST: f64 = 5e-5;
 /// Beyond so many scales a row is no part of the misfit.
 pub(super) const GROSS: f64 = 10.0;
 
+/// Degrees of freedom of Student's t, by whose likelihood rows count.
+pub(super) const FREEDOM: f64 = 4.0;
 /// How well a hypothesis fits.
 #[derive(Debug, Clone)]
 pub(super) struct Fitted {
@@ -32,7 +33,35 @@ pub(super) struct Fitted {
     pub far: Vec<f64>,
 }
 
+/// A scene being fitted.
+pub(super) struct Fitter<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) unknowns: Unknowns,
+    pub(super) free: Vec<(usize, f64)>,
+    pub(super) sigma: f64,
+    pub(super) extent: f64,
+}
+
 impl Fitter<'_> {
+    /// How far free unknowns are from where they are held: links from nominal,
+    /// tools from the stated one; a base from nowhere.
+    pub(super) fn held(&self, state: &State) -> Vec<f64> {
+        let (stations, link) = (state.bases.len(), self.unknowns.free());
+        let of = |(k, _): &(usize, f64)| match *k {
+            k if k >= link => {
+                let (i, p) = ((k - link) / 5, (k - link) % 5);
+                let (now, then) = (&state.links[i].parameters, &self.scene.links[i].parameters);
+                now.to_array()[p] - then.to_array()[p]
+            }
+            k if k >= 6 * stations => {
+                let m = k - 6 * stations;
+                state.markers[m / 3][m % 3] - self.scene.tool[m % 3]
+            }
+            _ => 0.0,
+        };
+        self.free.iter().map(of).collect()
+    }
+
     pub(super) fn spread(&self, far: &[f64]) -> f64 {
         robust_distance_scale(far).max(self.sigma).max(FINEST)
     }

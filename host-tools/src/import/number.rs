@@ -1,5 +1,7 @@
 //! Numbers and times as they stand in tables.
 
+use crate::headings::{Quantity, Unit};
+
 /// A finite or infinite number with this decimal sign; separators of thousands
 /// only where a fraction shows that they are such.
 pub(super) fn number(text: &str, decimal: char) -> Option<f64> {
@@ -16,6 +18,15 @@ pub(super) fn number(text: &str, decimal: char) -> Option<f64> {
     let d = plain.replace(['d', 'D'], "e");
     let fortran = d.bytes().any(|b| b.is_ascii_digit()) && !plain.contains(['e', 'E']);
     plain.parse().ok().or_else(|| if fortran { d.parse().ok() } else { None })
+}
+
+/// A number and the unit behind it; `None` of everything else.
+pub(super) fn cut(cell: &str, decimal: char) -> Option<(String, Unit)> {
+    let last = cell.rfind(|c: char| c.is_ascii_digit())?;
+    let (bare, rest) = cell.split_at(last + 1);
+    let unit = Unit::of_word(rest.trim()).filter(|_| !rest.trim().is_empty())?;
+    let measures = [Quantity::Angle, Quantity::Length].contains(&unit.quantity());
+    (measures && number(bare, decimal).is_some()).then(|| (bare.to_owned(), unit))
 }
 
 /// `1,234.5` as `1234.5`: groups of three, and a fraction behind them.
@@ -128,5 +139,22 @@ mod tests {
             assert_eq!(plain(value, 7), text);
         }
         assert_eq!(plain(100.0, 0), "100");
+    }
+
+    #[test]
+    fn numbers_with_units() {
+        for (cell, decimal, expected) in [
+            ("12.3°", '.', Some(("12.3", Unit::Deg))),
+            ("5 mm", '.', Some(("5", Unit::Mm))),
+            ("-0,25 rad", ',', Some(("-0,25", Unit::Rad))),
+            ("12", '.', None),
+            ("J1", '.', None),
+            ("12°30'", '.', None),
+            ("3 kg", '.', None),
+            ("P7 mm", '.', None),
+        ] {
+            let expected = expected.map(|(bare, unit)| (bare.to_owned(), unit));
+            assert_eq!(cut(cell, decimal), expected, "{cell}");
+        }
     }
 }

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use super::number::number;
-use super::suffix;
+use super::number::{cut, number};
 use crate::error::{Error, Place, Result};
 
 /// One line as cells.
@@ -138,7 +137,7 @@ pub(super) fn sniff(
 /// Numbers among the cells, times their share; rows and cells of the commonest
 /// number of cells.
 fn worth(lines: &[Line], decimal: char) -> (f64, usize, usize) {
-    let counts = |c: &&String| number(c, decimal).is_some() || suffix::cut(c, decimal).is_some();
+    let counts = |c: &&String| number(c, decimal).is_some() || cut(c, decimal).is_some();
     let numbers = |line: &Line| line.cells.iter().filter(counts).count();
     let rows: Vec<(usize, usize)> =
         lines.iter().map(|l| (l.cells.len(), numbers(l))).filter(|(_, n)| *n >= 2).collect();

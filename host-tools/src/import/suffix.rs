@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::number::number;
+use super::number::cut;
 use super::sniff::Line;
 use crate::error::{Error, Place, Result};
-use crate::headings::{Heading, Quantity, Unit};
+use crate::headings::{Heading, Unit};
 
 /// Takes the units out of cells; of each column that has some, which.
 ///
@@ -34,15 +34,6 @@ pub(super) fn taken_out(
     Ok(units)
 }
 
-/// A number and the unit behind it; `None` of everything else.
-pub(super) fn cut(cell: &str, decimal: char) -> Option<(String, Unit)> {
-    let last = cell.rfind(|c: char| c.is_ascii_digit())?;
-    let (bare, rest) = cell.split_at(last + 1);
-    let unit = Unit::of_word(rest.trim()).filter(|_| !rest.trim().is_empty())?;
-    let measures = [Quantity::Angle, Quantity::Length].contains(&unit.quantity());
-    (measures && number(bare, decimal).is_some()).then(|| (bare.to_owned(), unit))
-}
-
 /// The units of cells as those of the columns.
 ///
 /// # Errors
@@ -60,26 +51,4 @@ pub(super) fn told(path: &Path, headings: &mut [Heading], units: &[Option<Unit>]
         heading.strange = None;
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_with_units() {
-        for (cell, decimal, expected) in [
-            ("12.3°", '.', Some(("12.3", Unit::Deg))),
-            ("5 mm", '.', Some(("5", Unit::Mm))),
-            ("-0,25 rad", ',', Some(("-0,25", Unit::Rad))),
-            ("12", '.', None),
-            ("J1", '.', None),
-            ("12°30'", '.', None),
-            ("3 kg", '.', None),
-            ("P7 mm", '.', None),
-        ] {
-            let expected = expected.map(|(bare, unit)| (bare.to_owned(), unit));
-            assert_eq!(cut(cell, decimal), expected, "{cell}");
-        }
-    }
 }

@@ -5,12 +5,14 @@ use nalgebra::Vector3;
 use truearm::JointKind;
 
 use super::clues::{Clues, Found, Place};
-use super::units::Told;
 use crate::headings::{Quantity, Unit};
 use crate::import::agreement;
 use crate::import::join::RowRef;
 use crate::model::Robot;
 use crate::units::{from_mm, joint_from_file};
+
+/// A unit and why.
+pub(super) type Told = (Unit, String);
 
 /// A reading is the arm's if distances agree as well as this (median of the
 /// logarithm: an eighth) and the other reading is off by twice as much at least.

@@ -2,13 +2,10 @@
 //! for, by the headings, by the nominal arm, by the size of the numbers.
 
 use super::clues::{Clues, Found, Place};
-use super::readings::{Readings, reach, within_reach};
+use super::readings::{Readings, Told, reach, within_reach};
 use crate::error::{Error, Result};
 use crate::headings::{Quantity, Unit};
 use crate::import::join::RowRef;
-
-/// A unit and why.
-pub(super) type Told = (Unit, String);
 
 /// A joint that was told in radians cannot go further than a turn and a bit.
 const TURN: f64 = 6.4;
