@@ -7,7 +7,7 @@
 //! `cargo run --example controller`
 
 use truearm::blob::{Acceptance, AcceptanceError};
-use truearm::compensate::{Status, TaskError};
+use truearm::compensate::{SettingError, Status, TaskError};
 use truearm::{Approach, Arm6, Compensator, Pose, Settings, State, Task, Tick};
 
 /// On a controller: the parameter slot of memory.x.
@@ -23,15 +23,33 @@ const STANDSTILL: f32 = 1e-3;
 
 type Joints = [f32; 6];
 
+/// Why the loop runs without compensation.
+#[derive(Debug)]
+enum Uncompensated {
+    Blob(AcceptanceError),
+    /// An encoder that gives no number, for instance.
+    Settings(SettingError),
+}
+
 /// Without valid parameters the loop runs on nominal kinematics, as before the
 /// calibration, and says why.
-fn load<'t>(slot: &'t [u8], start: &Joints) -> Result<Compensator<'t, f32, 6>, AcceptanceError> {
-    let parameters = Acceptance::of(ROBOT_ID, 6).check(slot)?.parameters()?;
+fn load<'t>(slot: &'t [u8], start: &Joints) -> Result<Compensator<'t, f32, 6>, Uncompensated> {
+    let blob = Acceptance::of(ROBOT_ID, 6).check(slot).map_err(Uncompensated::Blob)?;
+    let parameters = blob.parameters().map_err(|error| Uncompensated::Blob(error.into()))?;
     let arm = Arm6::new(&parameters).with_tool(Pose::translation(0.0, 0.0, 0.15));
     // Orientation that the data did not determine is not corrected.
     let task = if arm.orientation_identified() { Task::Pose } else { Task::Position };
     let settings = Settings { ramp_ticks: 500, ..Settings::new(task) };
-    Ok(Compensator::new(arm, settings, start).expect("settings above are valid"))
+    Compensator::new(arm, settings, start).map_err(Uncompensated::Settings)
+}
+
+impl core::fmt::Display for Uncompensated {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Blob(error) => error.fmt(f),
+            Self::Settings(error) => error.fmt(f),
+        }
+    }
 }
 
 /// The controller's knowledge of the arm, updated from its own motion.

@@ -6,7 +6,7 @@
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use truearm::ArmParameters6;
 use truearm::blob::{Acceptance, Blob, EncodeError, encode, encoded_len};
-use truearm::store::{GeometryError, NorSlots, Source, Store, StoreError};
+use truearm::store::{GeometryError, NorSlots, Settled, Source, Store, StoreError};
 
 static FIRST: &[u8] = include_bytes!("../tests/data/firmware/ur10.blob");
 /// As `truearm inspect` prints it.
@@ -73,6 +73,9 @@ fn power_up(flash: Flash) -> Result<(Store<NorSlots<Flash>>, Option<u32>), Geome
             println!("power-up: from slot {slot}; the other one: {rejected}");
         }
         Source::Nominal(states) => println!("power-up: nominal; {states:?}"),
+    }
+    if let Settled::Failed(error) = opened.settled {
+        println!("power-up: may be gone at the next, the slot cannot be written: {error:?}");
     }
     let sequence = opened.blob.map(|blob| blob.sequence());
     Ok((store, sequence))

@@ -6,7 +6,9 @@ use crate::arm::{Arm, State};
 use crate::parameters::Linearised;
 use crate::scalar::Scalar;
 
-/// One measured tool point.
+/// One measured tool point: the [`tool`](crate::ArmParameters::tool) of the parameters, which
+/// carried the reflector when the arm was calibrated. An arm that it is compared with is
+/// [`Arm::new`] of them; with a production tool the arm has another point.
 ///
 /// ```
 /// use truearm::{Arm6, blob::Blob, check_point::CheckPoint, nalgebra::Vector3};

@@ -52,8 +52,8 @@ impl<T: Scalar> RealPosition<T> {
         }
     }
 
-    /// The same, with how sure it is. A pose costs some hundred instructions, its
-    /// covariance some ten thousand: see [`Covariance::point_sigma`].
+    /// The same, with how sure it is. A pose costs about a thousand instructions, its
+    /// covariance tens of thousands: see [`Covariance::point_sigma`].
     ///
     /// # Errors
     /// The covariance is not that of this arm's parameters.

@@ -42,7 +42,7 @@
 //! * a bend of joints is added to the joint values before
 //!   ([`truearm::kinematics::Deflection::deflected`]);
 //! * the growth of links at one temperature is a chain with longer links;
-//! * a tilt of the base that changes from pose to pose is not covered.
+//! * a tilt of the base or of a joint's axis that changes from pose to pose is not covered.
 
 #![forbid(unsafe_code)]
 

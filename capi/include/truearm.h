@@ -292,7 +292,8 @@ typedef struct TruearmTick {
    */
   float position_error_m[3];
   /*
-   The same of the orientation, as a rotation vector, rad.
+   The same of the orientation, as a rotation vector, rad; to first order in
+   the angle.
    */
   float rotation_error_rad[3];
   /*

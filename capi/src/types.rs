@@ -132,7 +132,8 @@ pub struct TruearmTick {
     /// By how much the tool point misses its target at `joints`, m, where
     /// `has_error`.
     pub position_error_m: [f32; 3],
-    /// The same of the orientation, as a rotation vector, rad.
+    /// The same of the orientation, as a rotation vector, rad; to first order in
+    /// the angle.
     pub rotation_error_rad: [f32; 3],
     /// Damping near a singular pose, m^2; 0 away from them and where nothing
     /// was computed.

@@ -1,20 +1,20 @@
 //! What the fuzz targets do with their bytes.
 
-#[path = "../../tests/store/bench/mod.rs"]
-mod bench;
 #[cfg(feature = "readers")]
 mod readers;
+#[path = "../../tests/store/rig/mod.rs"]
+mod rig;
 
 use std::sync::LazyLock;
 
 use truearm::blob::{Blob, EncodeError, encode};
 use truearm::{Arm, ArmParameters};
 
-use bench::cells::{Cut, EepromPart, NorPart, Part, Tear};
-use bench::cuts::{Bench, Blobs, Start};
-use bench::samples;
 #[cfg(feature = "readers")]
 pub use readers::readers;
+use rig::cells::{Cut, EepromPart, NorPart, Part, Tear};
+use rig::cuts::{Bench, Blobs, Start};
+use rig::samples;
 
 /// Bytes that claim to be a blob: as they are, and with the checksum they need
 /// for the checks behind it to be reached.

@@ -33,4 +33,4 @@ pub mod tikhonov;
 pub mod units;
 pub mod verify;
 
-pub use error::{Error, Kind, Result};
+pub use error::{Error, ErrorKind, Result};

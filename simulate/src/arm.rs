@@ -6,7 +6,7 @@ use std::ops::{Deref, DerefMut};
 use nalgebra::{Rotation3, Vector3};
 
 use crate::body::{Body, Moment, Shape, apply};
-use crate::effects::{Defect, Kind};
+use crate::effects::{Defect, DefectKind};
 use crate::oracle::Matrix;
 
 /// A real arm: a body and what it does beyond rigid geometry.
@@ -39,14 +39,14 @@ impl Arm {
         let shape = self.at_rest(moment);
         let mut target = self.tool;
         for defect in &self.defects {
-            if let (Kind::ToolRemount { direction }, true) = (&defect.kind, moment.later) {
+            if let (DefectKind::ToolRemount { direction }, true) = (&defect.kind, moment.later) {
                 target += direction * defect.size;
             }
         }
         let frames = self.frames(&shape);
         let mut seen = apply(&self.station, &apply(&frames[frames.len() - 1], &target));
         for defect in &self.defects {
-            if let Kind::MeasurementDrift { shift, turn } = &defect.kind {
+            if let DefectKind::MeasurementDrift { shift, turn } = &defect.kind {
                 let way = defect.size * moment.time / 3600.0;
                 seen = Rotation3::from_scaled_axis(turn * (way / 6.0)) * seen + shift * way;
             }

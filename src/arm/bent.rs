@@ -44,7 +44,8 @@ impl<T: Scalar, const N: usize> Arm<'_, T, N> {
     #[inline]
     pub(crate) fn grow(&self, state: &State<T, N>, bent: &mut Bent<T, N>) {
         *bent = Bent::none();
-        bent.deflection.growth = self.folded.growth(state.temperature - self.reference_temperature);
+        let warmth = state.temperature - self.reference_temperature;
+        self.folded.grow(warmth, &mut bent.deflection);
     }
 
     /// What all terms do near joint values whose sines are known. `offset`, of

@@ -68,6 +68,8 @@ pub struct Arm<'t, T, const N: usize> {
     gravity: Option<GravityModel<T, N>>,
     reference_temperature: T,
     orientation_identified: bool,
+    /// Whether [`Self::with_tool`] gave the tool.
+    production_tool: bool,
 }
 
 impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
@@ -99,6 +101,7 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
             gravity,
             reference_temperature: p.reference_temperature,
             orientation_identified: p.orientation_identified,
+            production_tool: false,
         }
     }
 
@@ -108,8 +111,34 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         Self {
             nominal: self.nominal.with_tool(tool),
             real: self.real.with_tool(tool),
+            production_tool: true,
             ..self.clone()
         }
+    }
+
+    /// The arm of other parameters, as a re-identification gives them, with this one's
+    /// production tool; where none was given, with the tool of the parameters. A changed
+    /// [`Parameter::Tool`](crate::parameters::Parameter::Tool) is the measured point's: whether
+    /// the production tool moved with it the caller knows.
+    ///
+    /// ```
+    /// use truearm::{Arm6, Pose, blob::Blob, parameters::Parameter};
+    ///
+    /// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+    /// # let slot = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
+    /// let stored = Blob::check(slot)?.parameters::<f32, 6>()?;
+    /// let arm = Arm6::new(&stored).with_tool(Pose::translation(0.0, 0.0, 0.15));
+    /// let mut found = stored.clone();
+    /// Parameter::JointOffset(2).apply(&mut found, 1e-3);
+    /// let next = arm.with_parameters(&found);
+    /// assert_eq!(next.real().tool(), arm.real().tool());
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn with_parameters<'p>(&self, parameters: &ArmParameters<'p, T, N>) -> Arm<'p, T, N> {
+        let arm = Arm::new(parameters);
+        if self.production_tool { arm.with_tool(*self.real.tool()) } else { arm }
     }
 
     /// Id of the robot, see [`crate::blob::robot_id`].
@@ -152,6 +181,12 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     #[inline]
     pub(crate) fn bends(&self) -> bool {
         !(self.terms.is_empty() && self.curves.is_empty())
+    }
+
+    /// Whether all that a term depends on is a number in this state.
+    pub(crate) fn can_be_in(&self, state: &State<T, N>) -> bool {
+        let payload = self.gravity.is_none() || state.payload.is_finite();
+        payload && (!self.folded.needs_warmth() || state.temperature.is_finite())
     }
 
     /// The arm at its reference temperature, without payload, approach unknown:

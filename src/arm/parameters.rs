@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 
 use crate::effects::{Curves, MAX_TERMS, Masses, Term};
 use crate::kinematics::{Link, MdhParameters};
+use crate::scalar::Scalar;
 
 /// Most joints of an arm: what a blob has numbers for.
 pub const MAX_JOINTS: usize = 16;
@@ -49,19 +50,24 @@ pub struct ArmParameters<'t, T, const N: usize> {
     /// Smallest and largest joint values of the identification, rad or m.
     /// Poses outside are extrapolation.
     pub covered: [Option<[T; 2]>; N],
-    /// RMS position error before identification, m.
+    /// RMS position error before identification, m; 0 if unknown.
     pub rms_before: T,
-    /// Cross-validated RMS position error after identification, m.
+    /// Cross-validated RMS position error after identification, m; 0 if unknown.
     pub rms_after: T,
     /// Whether the data determined the orientation of the flange, or only
     /// points were measured and unseen directions are nominal.
     pub orientation_identified: bool,
 }
 
-impl<T, const N: usize> ArmParameters<'_, T, N> {
-    /// The sequence number of the set after this one; none after the last that can
-    /// be followed.
-    pub(crate) fn next_sequence(&self) -> Option<u32> {
-        self.sequence.checked_add(1).filter(|next| *next < u32::MAX)
+impl<T: Scalar, const N: usize> ArmParameters<'_, T, N> {
+    /// Becomes a set after this one, identified on the controller: of the next sequence
+    /// number, and nobody knows when, nor how well it would stand a cross-validation.
+    /// `None` after the last number that can be followed.
+    pub(crate) fn follow(&mut self) -> Option<()> {
+        self.sequence = self.sequence.checked_add(1).filter(|next| *next < u32::MAX)?;
+        self.created = 0;
+        self.rms_before = T::ZERO;
+        self.rms_after = T::ZERO;
+        Some(())
     }
 }

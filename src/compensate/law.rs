@@ -180,8 +180,9 @@ impl<T: Scalar, const N: usize> Law<T, N> {
 }
 
 /// From the real to the nominal tool, in the frame of the nominal one: of the
-/// point, and the rotation vector, to second order in the angle, or zero where
-/// only the position counts.
+/// point; and three entries of the rotation, which are its vector to first order in the
+/// angle, or zero where only the position counts. For errors that a law takes back,
+/// thousandths of a radian: from a right angle on they are too small, at half a turn none.
 #[inline(never)]
 fn error_in_tool<T: Scalar>(
     [x, y, p]: &[Vector3<T>; 3],

@@ -20,8 +20,8 @@
 //!   joints are scaled by one factor to stay within, so that what is applied is
 //!   a part of the way to the solution.
 //!
-//! What is **applied** goes to c by at most `max_change` a tick and stands there,
-//! exactly, within `ceil(max |c - applied| / max_change)` ticks of a standing
+//! What is **applied** goes to c by at most `max_change` a tick, but for a joint that a
+//! limit stops, which gives up at once what would take it beyond, and stands there, exactly, within `ceil(max |c - applied| / max_change)` ticks of a standing
 //! command after the ramp, and one more where the sum of the steps is rounded. On the
 //! way there, as after [`Compensator::set_arm`] or where a fast motion near a
 //! singular pose asks for more than `max_change` a tick, nothing is claimed but that.
@@ -96,8 +96,9 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         &self.arm
     }
 
-    /// Another arm, after a re-identification or with another tool. What is
-    /// applied goes over to its correction by at most `max_change` a tick.
+    /// Another arm, after a re-identification ([`Arm::with_parameters`], which keeps the
+    /// production tool) or with another tool. What is applied goes over to its correction
+    /// by at most `max_change` a tick.
     ///
     /// # Errors
     /// [`SettingError::OrientationNotIdentified`]; the arm is then the old one.
@@ -150,16 +151,19 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     pub fn correction(&self, command: &[T; N], state: &State<T, N>) -> Result<[T; N], Refusal> {
         let mut correction = Correction::none(self.settings.max_correction);
         self.law.correct(&self.arm, command, state, &mut correction);
-        if correction.is_finite() { Ok(correction.joints) } else { Err(refusal(command, state)) }
+        if correction.is_finite() { Ok(correction.joints) } else { Err(self.why(command, state)) }
     }
 
     /// By how much the tool misses where the nominal model has it at `command`,
-    /// with the arm at encoder readings `joints`, both rad or m, in this state.
+    /// with the arm at encoder readings `joints`, both rad or m, in this state. Wherever the
+    /// arm stands, also with its tool upside down: the rotation is exact for any angle.
     #[must_use]
     pub fn error(&self, command: &[T; N], joints: &[T; N], state: &State<T, N>) -> TaskError<T> {
-        let mut work = Correction::none(self.settings.max_correction);
-        work.target = self.arm.nominal().forward(command);
-        self.law.error(&self.arm, joints, state, &mut work).into()
+        let nominal = self.arm.nominal().forward(command);
+        let real = self.arm.real_pose_in(joints, state);
+        let position = nominal.translation - real.translation;
+        let rotation = nominal.compose(&real.inverse()).rotation_vector();
+        TaskError { position: position.into(), rotation: rotation.into() }
     }
 
     /// The same of the joints of this tick, by what the law has at hand; `None`
@@ -191,12 +195,22 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     #[cold]
     #[inline(never)]
     fn refuse(&mut self, command: &[T; N], state: &State<T, N>) -> Tick<T, N> {
-        let refusal = refusal(command, state);
+        let refusal = self.why(command, state);
         if matches!(refusal, Refusal::CommandNotFinite { .. }) {
             return self.hold(command);
         }
         let clamped = self.apply(command, false);
         Tick { clamped, ..self.report(Status::Refused(refusal)) }
+    }
+
+    /// Why no correction could be computed.
+    #[cold]
+    fn why(&self, command: &[T; N], state: &State<T, N>) -> Refusal {
+        if let Some(joint) = command.iter().position(|q| !q.is_finite()) {
+            return Refusal::CommandNotFinite { joint };
+        }
+        let known = self.arm.can_be_in(state);
+        if known { Refusal::OutOfRange } else { Refusal::StateNotFinite }
     }
 
     /// Moves what is applied towards the ramped correction, within all bounds;
@@ -270,16 +284,6 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
             orientation_identified: self.arm.orientation_identified(),
         }
     }
-}
-
-/// Why no correction could be computed.
-#[cold]
-fn refusal<T: Scalar, const N: usize>(command: &[T; N], state: &State<T, N>) -> Refusal {
-    if let Some(joint) = command.iter().position(|q| !q.is_finite()) {
-        return Refusal::CommandNotFinite { joint };
-    }
-    let known = finite(&[state.payload, state.temperature]);
-    if known { Refusal::OutOfRange } else { Refusal::StateNotFinite }
 }
 
 fn finite<T: Scalar, const M: usize>(values: &[T; M]) -> bool {

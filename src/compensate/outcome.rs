@@ -92,7 +92,7 @@ pub enum Refusal {
         /// Joint, counted from 0.
         joint: usize,
     },
-    /// The payload or the temperature is infinite or NaN.
+    /// The payload or the temperature is infinite or NaN, and a term depends on it.
     StateNotFinite,
     /// A result is not finite: a joint beyond the range of
     /// [`crate::Scalar::sin_cos`], or lengths beyond that of the number type.
@@ -130,13 +130,16 @@ pub enum Status {
 }
 
 /// By how much the tool misses: where the nominal model says it is, less where
-/// it is.
+/// it is; in the commanded frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TaskError<T> {
     /// Of the tool point, m.
     pub position: [T; 3],
-    /// Of the orientation, as a rotation vector, rad; to second order in the angle.
+    /// Of the orientation, as a rotation vector (axis times angle) of at most half a turn,
+    /// rad. What a tick has left is it to first order: its share wrong by about the angle
+    /// itself, a thousandth at a milliradian, and too small from a right angle on;
+    /// [`Compensator::error`](super::Compensator::error) is exact.
     pub rotation: [T; 3],
 }
 
@@ -149,6 +152,7 @@ impl<T: Scalar> From<Twist<T>> for TaskError<T> {
 /// What one tick did. What a tick had no need to compute is `None`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[must_use = "`joints` are what the arm is to be commanded to"]
 pub struct Tick<T, const N: usize> {
     /// Joints to command, rad or m: always finite.
     pub joints: [T; N],

@@ -13,7 +13,7 @@
 //! shift of one sigma in every coordinate. The thresholds are such that while
 //! nothing moves an alarm comes once in 100, 1,000 or 10,000 points on average
 //! (run lengths by the integral equation of Brook and Evans, Biometrika 59,
-//! 1972, 400 states); tests/drift.rs measures it. CUSUM rather than EWMA, because its last zero
+//! 1972, 400 states); tests/solve/drift.rs measures it. CUSUM rather than EWMA, because its last zero
 //! dates the change: from there on each point's equations are folded into the
 //! triangle of every group, and the group that explains most of the chi-square
 //! for its number of parameters is the suspect. Every group is fitted under its
@@ -85,7 +85,9 @@ pub struct Verdict<T> {
     pub level: T,
     /// Where it alarms.
     pub threshold: T,
-    /// Points since the sum was last zero: since the change, if there was one.
+    /// Points since the sum was last zero: since the change, if there was one. Once it has
+    /// alarmed it goes on from there: points that leave the sum at zero are not counted, and
+    /// do not begin anew.
     pub since: u32,
     /// Re-calibrate. Stays until [`DriftWatch::restart`].
     pub recalibrate: bool,
@@ -166,7 +168,7 @@ impl<T: Scalar, const N: usize> DriftWatch<T, N> {
         self.base = Triangle::new();
     }
 
-    /// Takes a point in the commanded frame. `baseline` is what measured less
+    /// Takes a point in the commanded frame, that of the arm's tool. `baseline` is what measured less
     /// predicted was right after calibration at the same joints, m, and takes
     /// out what the model never explained; zero if not known.
     ///
@@ -217,8 +219,7 @@ impl<T: Scalar, const N: usize> DriftWatch<T, N> {
         })
     }
 
-    /// What each group explains of the points since the sum was last zero; joints
-    /// first.
+    /// What each group explains of the points that [`Verdict::since`] counts; joints first.
     pub fn explanations(&self) -> impl Iterator<Item = Explanation<T>> {
         let offsets = self.offsets.iter().zip(0_u8..).map(|(triangle, joint)| {
             explanation(Group::JointOffset(joint), triangle, |[shift]| shift.abs())
@@ -230,7 +231,7 @@ impl<T: Scalar, const N: usize> DriftWatch<T, N> {
 
     /// The group that explains most for its size: chi-square less
     /// `degrees * ln(3 points)`, the Bayesian information criterion. `None`
-    /// while the sum is zero, or when no group pays for its parameters. An
+    /// while the sum is zero and it has not alarmed, or when no group pays for its parameters. An
     /// offset of the first joint moves the base and one of the last may move
     /// the tool: of equals the smaller group is named.
     #[must_use]

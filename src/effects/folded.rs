@@ -25,9 +25,15 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
         out
     }
 
-    /// Relative growth of every link at a temperature so far above the reference.
-    pub(crate) fn growth(&self, warmth: T) -> [T; N] {
-        self.growth.at(warmth)
+    /// Whether the temperature counts.
+    pub(crate) fn needs_warmth(&self) -> bool {
+        self.growth.any()
+    }
+
+    /// What terms do whatever the joints, at a temperature so far above the reference.
+    #[inline]
+    pub(crate) fn grow(&self, warmth: T, out: &mut Deflection<T, N>) {
+        self.growth.grow(warmth, out);
     }
 
     /// Adds the periodic terms at joint values `q` to what bends the `joints`;

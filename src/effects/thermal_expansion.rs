@@ -28,33 +28,46 @@ pub(super) fn basis<T: Scalar, const N: usize>(
 }
 
 pub(super) fn fold<T: Scalar, const N: usize>(term: &Term<T>, folded: &mut FoldedTerms<T, N>) {
-    let growth = &mut folded.growth.0;
+    let Growth { any, by_link } = &mut folded.growth;
     if term.joint == Term::<T>::ALL {
-        for growth in growth {
+        for growth in by_link {
             *growth += term.coefficient;
         }
-    } else if let Some(growth) = growth.get_mut(usize::from(term.joint)) {
+        *any = true;
+    } else if let Some(growth) = by_link.get_mut(usize::from(term.joint)) {
         *growth += term.coefficient;
+        *any = true;
     }
 }
 
-/// 1/K of each link.
+/// One product a link, if any grows: without a term the temperature is not looked at.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Growth<T, const N: usize>([T; N]);
+pub(super) struct Growth<T, const N: usize> {
+    any: bool,
+    /// 1/K.
+    by_link: [T; N],
+}
 
 impl<T: Scalar, const N: usize> Growth<T, N> {
     pub fn none() -> Self {
-        Self([T::ZERO; N])
+        Self { any: false, by_link: [T::ZERO; N] }
+    }
+
+    /// Whether any grows.
+    pub fn any(&self) -> bool {
+        self.any
     }
 
     /// Relative growth of every link at a temperature so far above the reference.
     #[inline]
-    pub fn at(&self, warmth: T) -> [T; N] {
-        self.0.map(|growth| growth * warmth)
+    pub fn grow(&self, warmth: T, out: &mut Deflection<T, N>) {
+        if self.any {
+            out.growth = self.by_link.map(|growth| growth * warmth);
+        }
     }
 
     #[inline]
     pub fn bend(&self, inputs: &TermInputs<T, N>, out: &mut Deflection<T, N>) {
-        out.growth = self.at(inputs.warmth);
+        self.grow(inputs.warmth, out);
     }
 }

@@ -116,7 +116,7 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     ///
     /// Runs from the tool to the base with two columns and a point, the third
     /// column by a cross product at the end: 39 operations and one sine-cosine
-    /// a joint, 650 instructions for six joints in `f32` on a Cortex-M4F (counted
+    /// a joint, 716 instructions for six joints in `f32` on a Cortex-M4F (counted
     /// by the image in tests/firmware). In `f32` within 1 um of `f64` for a 1 m
     /// arm and |q| <= 2 pi. NaN or out-of-range joint values
     /// give NaN, never a panic.

@@ -262,6 +262,20 @@ pub(crate) fn first_bad<T: Scalar, const N: usize, const P: usize>(
     })
 }
 
+/// The first whose scale is none: not positive, or finite for the place of a tracker,
+/// which has no prior.
+pub(crate) fn first_bad_scale<T: Scalar, const P: usize>(
+    parameters: &[Parameter; P],
+    scale: &[T; P],
+) -> Option<(usize, Parameter)> {
+    let mut all = parameters.iter().copied().zip(scale).enumerate();
+    let (index, (parameter, _)) = all.find(|(_, (parameter, scale))| {
+        let positive = **scale > T::ZERO;
+        !positive || (parameter.is_station() && scale.is_finite())
+    })?;
+    Some((index, parameter))
+}
+
 /// Which of a link's parameters the zero of the joint's encoder is.
 const fn offset_of(kind: JointKind) -> LinkParameter {
     match kind {

@@ -30,6 +30,14 @@ pub enum ReidentifyError {
         /// The parameter.
         parameter: Parameter,
     },
+    /// The scale of this parameter is not positive, or it is finite and the parameter one
+    /// of the tracker, whose place has no prior.
+    BadScale {
+        /// Its 0-based index in the list.
+        index: usize,
+        /// The parameter.
+        parameter: Parameter,
+    },
     /// The standard deviation is not a positive number.
     BadSigma,
     /// The points lie on a line, or are fewer than three, which leaves the tracker's place open.
@@ -59,6 +67,10 @@ impl core::fmt::Display for ReidentifyError {
                     "parameter {place}, {parameter}: not of this arm, or there twice, or without \
                      the five others of the tracker"
                 )
+            }
+            Self::BadScale { index, parameter } => {
+                let must = if parameter.is_station() { "infinite" } else { "positive" };
+                write!(f, "the scale of parameter {}, {parameter}, must be {must}", index + 1)
             }
             Self::BadSigma => f.write_str(BAD_SIGMA),
             Self::PointsOnALine => {

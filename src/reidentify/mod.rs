@@ -2,6 +2,10 @@
 //! parameters are fitted anew to about ten measured points, or some dozen touches of a
 //! plate or distances from an anchor ([`crate::measurement`]).
 //!
+//! All is measured at the [`tool`](crate::ArmParameters::tool) of the stored parameters, the
+//! point of the calibration; [`Arm::with_parameters`] makes of what is found the arm with the
+//! production tool.
+//!
 //! Gauss-Newton about the stored parameters. Each chosen [`Parameter`] has a prior:
 //! its `scale` is the standard deviation of how far it may have moved, so that
 //! lambda = 1 is the maximum a posteriori estimate and a direction that the
@@ -24,14 +28,15 @@ use nalgebra::Vector3;
 use crate::arm::{Arm, ArmParameters};
 use crate::kinematics::Pose;
 use crate::measurement::{Equations, Measurement, Unknowns};
-use crate::parameters::{Certainty, Parameter, apply, first_bad};
+use crate::parameters::{Certainty, Parameter, apply, first_bad, first_bad_scale};
 use crate::scalar::Scalar;
 use crate::solve::{SolveError, Triangle};
 
 /// Steps at most; three are usual.
 const MOST_STEPS: u8 = 10;
 
-/// What to identify anew, and how well it is measured.
+/// What to identify anew, and how well it is measured: at the `tool` of the stored
+/// parameters, not at a production tool.
 ///
 /// ```
 /// use truearm::parameters::Parameter;
@@ -61,7 +66,8 @@ pub struct Reidentify<T, const P: usize> {
     /// The parameters; each once. Those of a tracker's place all six or none; those of the
     /// place of a plane or an anchor before the arm's.
     pub parameters: [Parameter; P],
-    /// How far each may have moved, 1 sigma, in its unit; infinite for no prior.
+    /// How far each may have moved, 1 sigma, in its unit; infinite for no prior, as those
+    /// of a tracker's place must be.
     pub scale: [T; P],
     /// Standard deviation of a measured coordinate, height or distance, m.
     pub sigma: T,
@@ -71,7 +77,9 @@ pub struct Reidentify<T, const P: usize> {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reidentified<'t, T, const N: usize, const P: usize> {
-    /// To be stored: corrections and tool changed, `sequence` one higher.
+    /// To be stored: the chosen parameters changed, `sequence` one higher; `created`,
+    /// `rms_before` and `rms_after` are 0, unknown. `covered` is that of the stored set:
+    /// these measurements mend its identification and do not replace it.
     pub parameters: ArmParameters<'t, T, N>,
     /// From the commanded to the points' frame; the identity unless the
     /// tracker's place was unknown.
@@ -160,8 +168,7 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         if !(out.rms_before.is_finite() && out.rms_after.is_finite()) {
             return Err(SolveError::NotFinite.into());
         }
-        let next = stored.next_sequence();
-        out.parameters.sequence = next.ok_or(ReidentifyError::LastSequence)?;
+        out.parameters.follow().ok_or(ReidentifyError::LastSequence)?;
         Ok(out)
     }
 
@@ -175,6 +182,9 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         }
         if let Some((index, parameter)) = first_bad(&self.parameters, stored) {
             return Err(ReidentifyError::BadParameter { index, parameter });
+        }
+        if let Some((index, parameter)) = first_bad_scale(&self.parameters, &self.scale) {
+            return Err(ReidentifyError::BadScale { index, parameter });
         }
         let of_station = self.parameters.iter().filter(|p| p.is_station()).count();
         if of_station > 0 && of_station < Parameter::STATION.len() {

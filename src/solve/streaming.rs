@@ -12,7 +12,7 @@ const TENTH: f64 = 1.258_925_411_794_167_3;
 /// every k-th into one that only judges, so that lambda is never chosen by
 /// points that were fitted. The last 512 fitted points are kept in a triangle
 /// of their own and then folded in as one: `f32` would otherwise lose a factor
-/// of `sqrt(points)` (10,000 points of condition 1e3: see tests/streaming.rs).
+/// of `sqrt(points)` (10,000 points of condition 1e3: see tests/solve/streaming.rs).
 ///
 /// Memory and cost: see [`super::Memory`] and [`Triangle::push`].
 ///

@@ -23,7 +23,8 @@ impl<M: Medium> Store<M> {
     /// refuse (longer than the buffer, another robot's or layout...) is left
     /// alone, here and by `store`.
     ///
-    /// Reads each slot two to five times.
+    /// Reads each slot two to five times where readings agree; an unstable one up to
+    /// sixteen times, and once more as often where it is then to be used.
     ///
     /// # Errors
     /// [`GeometryError::Joints`], [`GeometryError::Buffer`],

@@ -16,6 +16,14 @@ pub enum StreamingError {
         /// The parameter.
         parameter: Parameter,
     },
+    /// The scale of this parameter is not positive, or it is infinite and one before it is
+    /// not.
+    BadScale {
+        /// Its 0-based index in the list.
+        index: usize,
+        /// The parameter.
+        parameter: Parameter,
+    },
     /// The standard deviation is not a positive number.
     BadSigma,
     /// The measurement cannot be taken.
@@ -48,6 +56,14 @@ impl core::fmt::Display for StreamingError {
             Self::BadParameter { index, parameter } => {
                 let place = index + 1;
                 write!(f, "parameter {place}, {parameter}: not of this arm, or there twice")
+            }
+            Self::BadScale { index, parameter } => {
+                let place = index + 1;
+                write!(
+                    f,
+                    "the scale of parameter {place}, {parameter}: not positive, or infinite \
+                     behind a finite one"
+                )
             }
             Self::BadSigma => f.write_str(BAD_SIGMA),
             Self::BadMeasurement(why) => write!(f, "the measurement is {why}"),

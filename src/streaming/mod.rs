@@ -13,7 +13,7 @@
 //! use truearm::check_point::CheckPoint;
 //! use truearm::parameters::Parameter;
 //! use truearm::streaming::{Lambda, Settings};
-//! use truearm::{Arm, ArmParameters, blob::Blob};
+//! use truearm::{Arm, ArmParameters, Pose, blob::Blob};
 //!
 //! # fn main() -> Result<(), Box<dyn core::error::Error>> {
 //! # let bytes = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
@@ -26,6 +26,7 @@
 //! let [x, y, z] = Parameter::TOOL;
 //! let offsets = [1, 2, 3, 4].map(Parameter::JointOffset);
 //! let chosen = [offsets[0], offsets[1], offsets[2], offsets[3], x, y, z];
+//! let running = Arm::new(&stored).with_tool(Pose::translation(0.0, 0.0, 0.15));
 //! let mut stream = Settings::new(&stored, chosen, 20e-6).start(&stored)?;
 //! for k in 0..40 {
 //!     let q = [0.3, -1.2, 1.4, -0.5, 0.8, 0.2].map(|q| q * (1.0 + 0.7 * (k as f32).sin()));
@@ -33,9 +34,9 @@
 //! }
 //! let found = stream.identified(Lambda::Prior)?;
 //! assert!((found.change[1] - 1e-3).abs() < 5e-5, "joint 3 slipped by 1 mrad");
-//! // To be stored, and driven with at once.
-//! let arm = Arm::new(&found.parameters);
-//! # let _ = arm;
+//! // To be stored, and driven with at once, by the production tool.
+//! let arm = running.with_parameters(&found.parameters);
+//! # assert_eq!(arm.real().tool(), running.real().tool());
 //! # Ok(())
 //! # }
 //! ```
@@ -46,11 +47,12 @@ pub use error::StreamingError;
 
 use crate::arm::{Arm, ArmParameters};
 use crate::measurement::{Equations, Measurement, Unknowns};
-use crate::parameters::{Certainty, Parameter, apply, first_bad};
+use crate::parameters::{Certainty, Parameter, apply, first_bad, first_bad_scale};
 use crate::scalar::Scalar;
 use crate::solve::{StreamingTikhonov, Triangle};
 
-/// What to identify, and how well it is measured.
+/// What to identify, and how well it is measured: at the `tool` of the stored parameters,
+/// not at a production tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings<T, const P: usize> {
@@ -62,7 +64,8 @@ pub struct Settings<T, const P: usize> {
     pub scale: [T; P],
     /// Standard deviation of a measured coordinate, height or distance, m.
     pub sigma: T,
-    /// Every so many measurements one only judges; none if 0.
+    /// Every so many measurements one only judges; none if 0, and then
+    /// [`Lambda::TwoStep`] has nothing to judge by.
     pub every: u32,
     /// Weight of all earlier measurements at each new one, above 0, at most 1: they fade
     /// with a time constant of `1 / (1 - forgetting)` measurements.
@@ -89,7 +92,8 @@ pub enum Lambda<T> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Identified<'t, T, const N: usize, const P: usize> {
     /// To be stored: the chosen parameters of the arm changed, `sequence` one higher than
-    /// stored.
+    /// stored; `created`, `rms_before` and `rms_after` are 0, unknown. `covered` is that of
+    /// the stored set.
     pub parameters: ArmParameters<'t, T, N>,
     /// By how much each parameter differs from the stored one, in its unit; of a plane or
     /// an anchor from where it is stated to be, see
@@ -152,7 +156,7 @@ impl<T: Scalar, const P: usize> Settings<T, P> {
     /// Begins, without points, at the stored parameters.
     ///
     /// # Errors
-    /// A parameter, sigma or forgetting factor that is none, by name.
+    /// A parameter, scale, sigma or forgetting factor that is none, by name.
     pub fn start<'t, const N: usize>(
         self,
         stored: &ArmParameters<'t, T, N>,
@@ -165,6 +169,9 @@ impl<T: Scalar, const P: usize> Settings<T, P> {
         if let Some((index, parameter)) = first_bad(&self.parameters, stored).or(of_station) {
             return Err(StreamingError::BadParameter { index, parameter });
         }
+        if let Some((index, parameter)) = self.first_bad_scale() {
+            return Err(StreamingError::BadScale { index, parameter });
+        }
         Ok(StreamingIdentification {
             settings: self,
             stored: stored.clone(),
@@ -174,6 +181,15 @@ impl<T: Scalar, const P: usize> Settings<T, P> {
             weights: [T::ZERO; 2],
             equations: 0,
         })
+    }
+
+    /// The first that no solve would take.
+    fn first_bad_scale(&self) -> Option<(usize, Parameter)> {
+        let mut pairs = self.scale.iter().zip(self.scale.iter().skip(1));
+        let late = pairs.position(|(before, scale)| before.is_finite() && !scale.is_finite());
+        let mut behind = self.parameters.iter().copied().enumerate().skip(1);
+        let late = late.and_then(|pair| behind.nth(pair));
+        first_bad_scale(&self.parameters, &self.scale).or(late)
     }
 }
 
@@ -243,8 +259,7 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
         let (rms_before, rms_after) = (rms(&[T::ZERO; P]), rms(&change));
         let mut parameters = self.stored.clone();
         apply(&mut parameters, &self.settings.parameters, &change);
-        let next = self.stored.next_sequence();
-        parameters.sequence = next.ok_or(StreamingError::LastSequence)?;
+        parameters.follow().ok_or(StreamingError::LastSequence)?;
         Ok(Identified {
             parameters,
             change,

@@ -4,9 +4,9 @@
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use truearm_host::identify::error_bars::{Covariances, FACTOR, spread};
-use truearm_host::identify::estimate::estimate;
-use truearm_host::identify::registration::register;
+use truearm_host::identify::certainty::error_bars::{Covariances, FACTOR, spread};
+use truearm_host::identify::fit::estimate::estimate;
+use truearm_host::identify::start::registration::register;
 use truearm_host::identify::{LambdaRule, Problem, Scaling};
 
 use crate::simulated::{Truth, UR10_LIKE, parse, robot};

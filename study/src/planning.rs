@@ -7,8 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use truearm_host::files::poses_csv;
 use truearm_host::identify::fit::{Freedom, fit};
 use truearm_host::identify::{Conditions, Predictor, Problem, Scaling};
-use truearm_host::model::{KindId, Measurements, Robot};
-use truearm_host::model::{Sight, Workspace};
+use truearm_host::model::{KindId, Measurements, Robot, Sight, Workspace};
 use truearm_host::plan::{PlanOptions, PosePlan, plan};
 use truearm_simulate::{csv, robots};
 

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
-use truearm_host::identify::error_bars::FACTOR;
+use truearm_host::identify::certainty::error_bars::FACTOR;
 use truearm_host::identify::{LambdaRule, Options, identify};
 use truearm_study::coverage::{Cell, Tally, identified_once};
 use truearm_study::simulated::{Truth, UR10_LIKE, robot};

@@ -69,7 +69,7 @@ pub fn term(effect: Effect, joint: u8, order: f32, coefficient: f32) -> Term<f32
     Term { effect, joint, source: 0, component: 0, order, coefficient }
 }
 
-/// Three joints, one of them prismatic, with everything; `tests/golden.rs` has
+/// Three joints, one of them prismatic, with everything; `tests/blob/golden.rs` has
 /// the values.
 pub fn parameters() -> ArmParameters<'static, f32, 3> {
     let bytes = include_bytes!("../data/golden/layout-3-full.blob");

@@ -4,7 +4,9 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::compensate::{Refusal, SettingError, Status};
-use truearm::{Approach, Arm, ArmParameters, Compensator, Scalar, Settings, State, Task, Tick};
+use truearm::{
+    Approach, Arm, ArmParameters, Compensator, Curves, Pose, Scalar, Settings, State, Task, Tick,
+};
 
 use super::arms::{Terms, UR10, UR10_TERMS, anywhere, miss, parameters, rail, shipped, state};
 use super::common::ur10;
@@ -193,6 +195,10 @@ fn what_is_reported_is_the_error_of_the_joints_returned() {
             let exact = compensator.error(&q, &tick.joints, &state());
             let pairs = left.position.iter().zip(exact.position);
             assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12));
+            // To first order in the angle.
+            let angle = nalgebra::Vector3::from(exact.rotation).norm();
+            let pairs = left.rotation.iter().zip(exact.rotation);
+            assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < angle * angle + 1e-12));
             counts[1] += 1;
         }
     }
@@ -200,11 +206,47 @@ fn what_is_reported_is_the_error_of_the_joints_returned() {
     assert!(counts.iter().all(|count| *count > 20));
 }
 
+/// The rotation that is named takes the real tool into the nominal one, however far off
+/// it is: with the wrist turned by a right angle, and upside down.
+fn error_is_the_whole_rotation<T: Scalar, const N: usize>(p: &ArmParameters<T, N>, exact: f64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let compensator = compensator(p, Settings::new(Task::Pose));
+    let arm = compensator.arm();
+    let mut largest = 0.0_f64;
+    for turn in [0.0, 1e-4, 1.0, -1.57, 3.13, 3.2, 6.0].repeat(40) {
+        let command = anywhere(&mut rng, arm);
+        let mut joints = command;
+        joints[N - 1] += T::from_f64(turn);
+        let error = compensator.error(&command, &joints, &state());
+        let rotation = nalgebra::Vector3::from(error.rotation);
+        let none = nalgebra::Vector3::from([T::ZERO; 3]);
+        let back = Pose::from_rotation_vector(none, rotation);
+        let (real, nominal) =
+            (arm.real_pose_in(&joints, &state()), arm.nominal().forward(&command));
+        let off = back.compose(&real).rotation - nominal.rotation;
+        assert!(off.iter().all(|e| e.to_f64().abs() < exact), "{turn}: {off}");
+        let off = nominal.translation - real.translation - nalgebra::Vector3::from(error.position);
+        assert!(off.iter().all(|e| e.to_f64().abs() < exact), "{turn}: {off}");
+        let angle = rotation.map(T::to_f64).norm();
+        assert!(angle < core::f64::consts::PI + exact);
+        largest = largest.max(angle);
+    }
+    assert!(largest > 3.1, "{largest}");
+}
+
+#[test]
+fn an_error_of_any_angle_is_the_whole_rotation() {
+    error_is_the_whole_rotation(&shipped::<f64>(UR10_TERMS), 1e-9);
+    error_is_the_whole_rotation(&shipped::<f32>(UR10), 3e-6);
+    error_is_the_whole_rotation(&parameters::<f64, 7>(&rail(), 5e-4, Terms::All), 1e-9);
+}
+
 #[test]
 fn a_tick_changes_no_correction_by_more_than_its_bound() {
     let mut rng = ChaCha8Rng::seed_from_u64(10);
     let mut compensator = compensator(&arm(), Settings::new(Task::Pose));
     let mut last = ([0.0; 6], [0.0; 6]);
+    let mut counts = [0; 2];
     for tick in 0..20_000 {
         if tick % 500 == 0 {
             // Another tool, other limits: what was allowed may be outside now.
@@ -218,14 +260,19 @@ fn a_tick_changes_no_correction_by_more_than_its_bound() {
         let q: [f64; 6] =
             core::array::from_fn(|i| last.0[i] + rng.random_range(-2e-3..0.5e-3 + 1.5e-3));
         let tick = compensator.tick(&q, &state());
-        for ((joint, q), (before, was)) in tick.joints.iter().zip(q).zip(last.1.iter().zip(last.0))
-        {
+        let joints = tick.joints.iter().zip(q).zip(last.1.iter().zip(last.0));
+        for (i, ((joint, q), (before, was))) in joints.enumerate() {
             // A joint that a limit stops moves less than its command.
             let moved = joint - before;
             assert!(moved.abs() <= (q - was).abs() + 1.000_001e-3, "{moved} {}", q - was);
+            let stopped = tick.clamped.limit.contains(i);
+            counts[usize::from(stopped)] += 1;
+            let changed = moved - (q - was);
+            assert!(stopped || changed.abs() <= 1.000_001e-3, "{changed}");
         }
         last = (q, tick.joints);
     }
+    assert!(counts.iter().all(|count| *count > 1000), "{counts:?}");
 }
 
 #[test]
@@ -366,6 +413,46 @@ fn bad_input_is_an_error_value_and_the_arm_goes_back_without_a_step() {
     assert_eq!(tick.status, Status::Refused(Refusal::StateNotFinite));
     assert_eq!(tick.joints, command, "a step of the correction is allowed here");
     assert_eq!(compensator.tick(&command, &state()).status, Status::On);
+}
+
+/// A thermometer or a scale that is dead stops the arms that need it and no other.
+#[test]
+fn what_no_term_depends_on_is_not_looked_at() {
+    let all = parameters::<f32, 6>(&ur10(), 5e-4, Terms::All);
+    let command = [0.1, -1.2, 1.6, -1.2, -1.57, 0.0];
+    let beyond_the_sine = [1e5, -1.2, 1.6, -1.2, -1.57, 0.0];
+    let dead = |value| {
+        let warm = State { temperature: value, ..state() };
+        [(warm, false), (State { payload: value, ..state() }, true)]
+    };
+    let mut counts = [0; 2];
+    for term in all.terms.iter().map(Some).chain([None]) {
+        let terms = term.copied().into_iter().collect();
+        let p = ArmParameters { terms, curves: Curves::NONE, ..all.clone() };
+        for (bad, of_payload) in [f32::NAN, f32::INFINITY].into_iter().flat_map(dead) {
+            let mut compensator = compensator(&p, at_once(Task::Pose));
+            let good = compensator.tick(&command, &state());
+            let tick = compensator.tick(&command, &bad);
+            let needed = term.is_some_and(|term| {
+                if of_payload { term.needs_load() } else { term.effect.needs_warmth() }
+            });
+            counts[usize::from(needed)] += 1;
+            let pose = compensator.arm().real_pose_in(&command, &bad);
+            if needed {
+                assert_eq!(tick.status, Status::Refused(Refusal::StateNotFinite), "{term:?}");
+                assert_eq!(compensator.correction(&command, &bad), Err(Refusal::StateNotFinite));
+            } else {
+                assert_eq!(tick, good, "{term:?}");
+                assert_eq!(pose, compensator.arm().real_pose_in(&command, &state()));
+                // Nor is it to blame for anything.
+                assert_eq!(
+                    compensator.correction(&beyond_the_sine, &bad),
+                    Err(Refusal::OutOfRange)
+                );
+            }
+        }
+    }
+    assert_eq!(counts, [24, 8]);
 }
 
 /// Any number, the extreme ones often.

@@ -9,8 +9,8 @@ use truearm::store::{
     WriteError,
 };
 
-use super::bench::cells::{Cells, Cut, NorPart, Part, Shared, Tear};
-use super::bench::samples::{full, seal, short};
+use super::rig::cells::{Cells, Cut, NorPart, Part, Shared, Tear};
+use super::rig::samples::{full, seal, short};
 use super::rules::{Error, Flash, SLOT, flash, mine, open, source, store};
 
 /// The full blob with some bytes changed and the checksum mended.

@@ -10,8 +10,8 @@ use proptest::prelude::*;
 use truearm::blob::{Acceptance, Blob};
 use truearm::store::{Medium, Settled, Slot, Store, StoreError, WriteError};
 
-use super::bench::cells::{Cells, Cut, EepromPart, NorPart, Part, Shared, Tear};
-use super::bench::samples::{mine, seal, short};
+use super::rig::cells::{Cells, Cut, EepromPart, NorPart, Part, Shared, Tear};
+use super::rig::samples::{mine, seal, short};
 
 /// A firmware: what it accepts and how long its buffer is.
 #[derive(Debug, Clone, Copy)]

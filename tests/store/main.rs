@@ -1,12 +1,12 @@
 //! The store: whatever the power does, one good blob is found.
 
-mod bench;
 mod contract;
 mod histories;
+mod rig;
 mod rules;
 
-use bench::cells::{Cut, EepromPart, NorPart, Part, Tear};
-use bench::cuts::{Bench, Blobs, Start, Tally};
+use rig::cells::{Cut, EepromPart, NorPart, Part, Tear};
+use rig::cuts::{Bench, Blobs, Start, Tally};
 
 /// Every first cut, and some second ones after each.
 fn cut<P: Part>(blobs: fn(u32) -> Blobs, seconds: usize) {

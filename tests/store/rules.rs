@@ -10,8 +10,8 @@ use truearm::store::{
     StoreError, Stored,
 };
 
-use super::bench::cells::{Cells, Nor, NorPart, Part, Shared};
-use super::bench::samples::{self, full};
+use super::rig::cells::{Cells, Nor, NorPart, Part, Shared};
+use super::rig::samples::{self, full};
 
 pub type Flash = NorPart<8, 512>;
 pub type Error = NorFlashErrorKind;

@@ -3,17 +3,17 @@
 
 #[path = "../common/arms.rs"]
 mod arms;
-mod bench;
 #[path = "../common/mod.rs"]
 mod common;
+mod rig;
 
 use arms::{joints, stored, vector};
-use bench::{Bench, Face, Thing, anywhere, normal};
 use common::ur10;
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rig::{Bench, Face, Thing, anywhere, normal};
 use truearm::check_point::CheckPoint;
 use truearm::measurement::{Anchor, Measurement, MeasurementError, Plane, PlaneError, Reading};
 use truearm::parameters::{Axis, Parameter, apply};

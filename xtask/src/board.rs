@@ -22,7 +22,8 @@ const PAGE: usize = 32;
 /// Bytes of a slot, as the image has them.
 pub const SLOT: u32 = 4096;
 
-const LIMIT: Duration = Duration::from_secs(60);
+/// Of what hangs; an image takes seconds, and a minute on a machine that is busy.
+const LIMIT: Duration = Duration::from_secs(600);
 
 /// A board, switched off.
 pub struct Board {

@@ -8,7 +8,7 @@ use crate::image::{
 };
 use crate::run::{Result, call, step};
 use crate::vectors::{self, Files};
-use crate::{budgets, m7, proof, qemu, refusals, reidentify, sigma, tools, touches};
+use crate::{budgets, image_refusals, m7, proof, qemu, reidentify, sigma, tools, touches};
 
 pub fn run(blob: Option<&Path>) -> Result {
     tools::ensure()?;
@@ -19,7 +19,7 @@ pub fn run(blob: Option<&Path>) -> Result {
     };
     run_all(&files)?;
     step("in f64 on a Cortex-M7", m7::check)?;
-    step("slot B and refusals", || refusals::check(&command(&files)?))
+    step("slot B and refusals", || image_refusals::check(&command(&files)?))
 }
 
 /// Every image that prints what it costs, held against the budgets.

@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use crate::run::{Result, shown};
 
-const LIMIT: Duration = Duration::from_secs(60);
+/// Of what hangs; an image takes seconds, and a minute on a machine that is busy.
+const LIMIT: Duration = Duration::from_secs(600);
 
 /// How an image ended.
 pub struct Ended {

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that is tested, on the host and under QEMU.
 
 use crate::run::{Result, call, cargo, root, step};
-use crate::{c, demo, embassy, firmware, line, log, store, tools};
+use crate::{c, demo, embassy, end_to_end, firmware, log, store, tools};
 
 pub fn run() -> Result {
     tools::ensure()?;
@@ -10,7 +10,7 @@ pub fn run() -> Result {
     step("defmt log", log::check)?;
     step("control loop under embassy", embassy::check)?;
     c::run()?;
-    line::run()?;
+    end_to_end::run()?;
     store::run()?;
     step("an arm that mends itself", demo::check)?;
     eprintln!(

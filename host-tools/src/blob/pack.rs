@@ -5,10 +5,9 @@ use truearm::blob::{self, DecodeError, EncodeError, Flaw, Key, Record};
 use truearm::effects::{MAX_TERMS, Masses, Term};
 use truearm::{ArmParameters, Curves};
 
-use crate::error::{Error, Kind, Result};
-use crate::model::ModelTerm;
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::arm::{fixed, with_joints};
-use crate::model::{JointTables, Model, Placement, Robot};
+use crate::model::{JointTables, Model, ModelTerm, Placement, Robot};
 
 /// What the user may choose.
 #[derive(Debug, Clone, Copy, Default)]
@@ -48,7 +47,7 @@ pub fn pack_with(model: &Model, options: &PackOptions) -> Result<Vec<u8>> {
     let terms: Vec<_> = arm_terms(model).collect();
     let terms = heapless::Vec::from_slice(&terms).map_err(|_| {
         Error::data(
-            Kind::TooManyTerms,
+            ErrorKind::TooManyTerms,
             format!(
                 "{}: {} terms of the arm where a controller takes {MAX_TERMS}",
                 model.robot.path.display(),
@@ -85,7 +84,7 @@ pub fn pack_with(model: &Model, options: &PackOptions) -> Result<Vec<u8>> {
             EncodeError::LastSequence => "give a lower --sequence",
             _ => "corrections of this size point to a wrong nominal geometry or a wrong unit",
         };
-        Error::data(Kind::Refused, format!("{}: {e}", model.robot.path.display()), help)
+        Error::data(ErrorKind::Refused, format!("{}: {e}", model.robot.path.display()), help)
     })?;
     bytes.truncate(size);
     Ok(bytes)
@@ -96,14 +95,14 @@ fn factor(model: &Model, terms: usize) -> Result<&[f32]> {
     let path = model.robot.path.display();
     if model.changed {
         return Err(Error::data(
-            Kind::NoCovariance,
+            ErrorKind::NoCovariance,
             format!("{path}: [covariance] is not that of these corrections and terms"),
             "they were changed by hand: identify again, or pack without --covariance",
         ));
     }
     let factor = model.covariance.as_deref().ok_or_else(|| {
         Error::data(
-            Kind::NoCovariance,
+            ErrorKind::NoCovariance,
             format!("{path}: no [covariance]"),
             "identify again with this version, or pack without --covariance",
         )
@@ -111,7 +110,7 @@ fn factor(model: &Model, terms: usize) -> Result<&[f32]> {
     let needed = blob::factor_len(model.robot.joints.len(), terms);
     if factor.len() != needed {
         return Err(Error::data(
-            Kind::NoCovariance,
+            ErrorKind::NoCovariance,
             format!(
                 "{path}: [covariance] has {} numbers where joints and terms need {needed}",
                 factor.len()
@@ -188,7 +187,7 @@ fn created(model: &Model) -> Result<u32> {
         .and_then(|d| u32::try_from(d.as_secs()).ok());
     seconds.ok_or_else(|| {
         Error::data(
-            Kind::Refused,
+            ErrorKind::Refused,
             format!("{}: creation time \"{text}\"", model.robot.path.display()),
             "give a sequence number with --sequence",
         )

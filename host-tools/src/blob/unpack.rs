@@ -6,10 +6,11 @@ use nalgebra::Vector3;
 use truearm::ArmParameters;
 use truearm::blob::{Blob, robot_id};
 
-use crate::error::{Error, Kind, Result};
-use crate::model::ModelTerm;
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::arm::with_joints;
-use crate::model::{ErrorCurve, Joint, LinkMass, LinkPrior, Model, Placement, Provenance, Robot};
+use crate::model::{
+    ErrorCurve, Joint, LinkMass, LinkPrior, Model, ModelTerm, Placement, Provenance, Robot,
+};
 
 /// Sigma of a measurement when nothing is known, m, as for a robot.toml that
 /// does not give it.
@@ -30,14 +31,14 @@ pub struct Name {
 /// Why a controller would refuse the blob, or a name that is not its robot's.
 pub fn unpack(bytes: &[u8], path: &Path, name: Option<Name>) -> Result<Model> {
     let blob = Blob::check(bytes).map_err(|e| {
-        Error::data(Kind::Refused, format!("{}: {e}", path.display()), "see `truearm inspect`")
+        Error::data(ErrorKind::Refused, format!("{}: {e}", path.display()), "see `truearm inspect`")
     })?;
     let id = blob.robot_id();
     if let Some(Name { name, serial }) = &name
         && robot_id(name, serial) != id
     {
         return Err(Error::data(
-            Kind::OtherArm,
+            ErrorKind::OtherArm,
             format!(
                 "{}: robot id {id:#018x} is not that of \"{name}\" \"{serial}\"",
                 path.display()
@@ -50,7 +51,7 @@ pub fn unpack(bytes: &[u8], path: &Path, name: Option<Name>) -> Result<Model> {
         p.map(|p| model(&p, path, name))
     });
     let mut model = parameters.map_err(|e| {
-        Error::data(Kind::Refused, format!("{}: {e}", path.display()), "see `truearm inspect`")
+        Error::data(ErrorKind::Refused, format!("{}: {e}", path.display()), "see `truearm inspect`")
     })?;
     model.covariance = blob.covariance().map(|covariance| covariance.factor().collect());
     Ok(model)

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use truearm::LinkParameter;
 
-use super::change::Change;
+use super::mistake::Mistake;
 use super::scene::Scene;
 use super::search::{Found, Search};
 use crate::model::arm::RowInputs;
@@ -22,9 +22,9 @@ pub(super) fn by_base_or_tool(search: &Search, nothing: &Found, ranked: &[Found]
             && (f.fitted.prior - nothing.fitted.prior).abs() < 1e-2
     };
     let words = |f: &Found| match f.changes.as_slice() {
-        [Change::Sense(joint)] => Some(format!("sense of joint {}", joint + 1)),
-        [Change::Hand] => Some("handedness of the tracker".to_owned()),
-        [Change::Order(order)] => {
+        [Mistake::Sense(joint)] => Some(format!("sense of joint {}", joint + 1)),
+        [Mistake::Hand] => Some("handedness of the tracker".to_owned()),
+        [Mistake::Order(order)] => {
             let order: Vec<_> = order.iter().map(|j| (j + 1).to_string()).collect();
             Some(format!("order of the joints, {}", order.join(" ")))
         }

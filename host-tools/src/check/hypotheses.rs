@@ -4,38 +4,38 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use truearm::{JointKind, Link, LinkParameter};
 
-use super::change::{AngleUnit, Change, Convention, LengthUnit, New};
+use super::mistake::{AngleUnit, Convention, LengthUnit, Mistake, New};
 
 /// Every single mistake that an arm of these links can have.
-pub(super) fn all(links: &[Link<f64>]) -> Vec<Change> {
-    let mut all = vec![Change::Step(-1), Change::Step(1), Change::Hand];
+pub(super) fn all(links: &[Link<f64>]) -> Vec<Mistake> {
+    let mut all = vec![Mistake::Step(-1), Mistake::Step(1), Mistake::Hand];
     let has = |kind| links.iter().any(|link| link.kind == kind);
     if has(JointKind::Revolute) {
-        all.extend([AngleUnit::Radian, AngleUnit::DegreeTwice].map(Change::JointUnit));
+        all.extend([AngleUnit::Radian, AngleUnit::DegreeTwice].map(Mistake::JointUnit));
     }
     let lengths = [LengthUnit::Metre, LengthUnit::Inch, LengthUnit::Centimetre];
     if has(JointKind::Prismatic) {
-        all.extend(lengths.map(Change::SlideUnit));
+        all.extend(lengths.map(Mistake::SlideUnit));
     }
-    all.extend(lengths.map(Change::PointUnit));
-    all.push(Change::PointUnit(LengthUnit::Micrometre));
-    all.extend(lengths.map(Change::RobotUnit));
-    all.push(Change::Convention(Convention::Standard));
+    all.extend(lengths.map(Mistake::PointUnit));
+    all.push(Mistake::PointUnit(LengthUnit::Micrometre));
+    all.extend(lengths.map(Mistake::RobotUnit));
+    all.push(Mistake::Convention(Convention::Standard));
     all.extend(
         [0.0, FRAC_PI_2, -FRAC_PI_2]
-            .map(|alpha| Change::Convention(Convention::Shifted(alpha, 0.0))),
+            .map(|alpha| Mistake::Convention(Convention::Shifted(alpha, 0.0))),
     );
-    all.extend(orders(links.len()).into_iter().map(Change::Order));
+    all.extend(orders(links.len()).into_iter().map(Mistake::Order));
     for (joint, link) in links.iter().enumerate() {
-        all.push(Change::Sense(joint));
+        all.push(Mistake::Sense(joint));
         all.extend(values(joint, link));
     }
     all
 }
 
 /// Numbers of a link: signs, and starts from where a fit finds any other value.
-fn values(joint: usize, link: &Link<f64>) -> Vec<Change> {
-    let at = |parameter, new| Change::Value(joint, parameter, new);
+fn values(joint: usize, link: &Link<f64>) -> Vec<Mistake> {
+    let at = |parameter, new| Mistake::Value(joint, parameter, new);
     let mut all = vec![at(LinkParameter::Alpha, New::About(0.0))];
     // A sign of alpha is a half turn or none.
     all.extend([FRAC_PI_2, -FRAC_PI_2, PI].map(|a| at(LinkParameter::Alpha, New::About(a))));
@@ -93,13 +93,13 @@ fn orders(n: usize) -> Vec<Vec<usize>> {
 
 /// What a fitted number was probably meant to be: values that a slip of the
 /// hand turns into the stated one.
-pub(super) fn plain(joint: usize, parameter: LinkParameter, stated: f64, by: f64) -> Vec<Change> {
-    let at = |new| Change::Value(joint, parameter, new);
+pub(super) fn plain(joint: usize, parameter: LinkParameter, stated: f64, by: f64) -> Vec<Mistake> {
+    let at = |new| Mistake::Value(joint, parameter, new);
     if parameter.is_length() {
         let factors = [10.0, 0.1, 100.0, 0.01, 1e3, 1e-3, 25.4, 1.0 / 25.4, 0.0];
         let mut all = vec![at(New::Negative)];
         all.extend(factors.map(|factor| at(New::Times(factor))));
-        all.retain(|c| matches!(c, Change::Value(_, _, new) if (new.of(stated) - stated - by).abs() < NEAR));
+        all.retain(|c| matches!(c, Mistake::Value(_, _, new) if (new.of(stated) - stated - by).abs() < NEAR));
         return all;
     }
     let quarter = (by / FRAC_PI_2).round() * FRAC_PI_2;

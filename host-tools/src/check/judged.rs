@@ -19,6 +19,8 @@ pub(super) struct Fitted {
     pub state: State,
     /// Robust standard deviation of a coordinate, m.
     pub spread: f64,
+    /// Least standard deviation that is stated of a coordinate, m.
+    pub sigma: f64,
     /// Root mean square of the distances without gross rows, m.
     pub rms: f64,
     /// Root mean square distance of the points from their middle, m.
@@ -89,6 +91,7 @@ impl Fitter<'_> {
         Fitted {
             state: state.clone(),
             spread,
+            sigma: self.sigma,
             extent: self.extent,
             rms: (squares / f64::max(count, 1.0)).sqrt(),
             misfit: if misfit.is_finite() { misfit } else { f64::INFINITY },

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 use truearm::JointKind;
 
-use super::change::{Change, Convention};
+use super::mistake::{Convention, Mistake};
 use super::words::tidy;
 use super::{Finding, undone};
 use crate::error::Result;
@@ -35,7 +35,7 @@ pub fn mend(
 ) -> Result<Mended> {
     let (of_data, of_robot): (Vec<_>, Vec<_>) =
         finding.changes.iter().zip(&finding.said).partition(|(change, _)| change.of_data());
-    let remarks = |said: &[(&Change, &super::Said)]| {
+    let remarks = |said: &[(&Mistake, &super::Said)]| {
         said.iter().map(|(_, said)| format!("{MENDED}{said}; mended\n")).collect::<String>()
     };
     let mut texts = Mended { robot: robot_text.to_owned(), measurements: data_text.to_owned() };
@@ -43,7 +43,7 @@ pub fn mend(
         texts.robot = remarks(&of_robot) + &robot_mended(robot, robot_text, finding)?;
     }
     if !of_data.is_empty() {
-        let mut ordered: Vec<&Change> = of_data.iter().map(|(change, _)| *change).collect();
+        let mut ordered: Vec<&Mistake> = of_data.iter().map(|(change, _)| *change).collect();
         ordered.sort_by_key(|change| change.rank());
         let mut edit = CsvEdit::new(&data.path, data_text)?;
         let rows: Vec<usize> = match finding.only_rows() {
@@ -58,7 +58,7 @@ pub fn mend(
     Ok(texts)
 }
 
-impl Change {
+impl Mistake {
     /// Whether measurements.csv is mended; else robot.toml is.
     pub(super) fn of_data(&self) -> bool {
         !matches!(self, Self::Convention(_) | Self::RobotUnit(_) | Self::Value(..))
@@ -66,7 +66,7 @@ impl Change {
 }
 
 /// A change of all these rows; steps are of all rows of a file.
-fn rows_mended(edit: &mut CsvEdit, robot: &Robot, change: &Change, rows: &[usize]) {
+fn rows_mended(edit: &mut CsvEdit, robot: &Robot, change: &Mistake, rows: &[usize]) {
     let kinds: Vec<JointKind> = robot.joints.iter().map(|j| j.link.kind).collect();
     let joints: Vec<Option<usize>> = kinds
         .iter()
@@ -80,29 +80,31 @@ fn rows_mended(edit: &mut CsvEdit, robot: &Robot, change: &Change, rows: &[usize
     };
     let points = || ["x_mm", "y_mm", "z_mm"];
     match change {
-        Change::Step(step) => stepped(edit, *step, joints.iter().chain(&sides).flatten()),
-        Change::JointUnit(unit) => scaled(edit, rows, of_kind(JointKind::Revolute), unit.degrees()),
-        Change::SlideUnit(unit) => {
+        Mistake::Step(step) => stepped(edit, *step, joints.iter().chain(&sides).flatten()),
+        Mistake::JointUnit(unit) => {
+            scaled(edit, rows, of_kind(JointKind::Revolute), unit.degrees())
+        }
+        Mistake::SlideUnit(unit) => {
             scaled(edit, rows, of_kind(JointKind::Prismatic), unit.millimetres());
         }
-        Change::PointUnit(unit) => {
+        Mistake::PointUnit(unit) => {
             let columns: Vec<usize> = points().iter().filter_map(|c| edit.column(c)).collect();
             scaled(edit, rows, columns.into_iter(), unit.millimetres());
         }
         // With the points their orientation is seen in a mirror.
-        Change::Hand => {
+        Mistake::Hand => {
             let columns: Vec<usize> =
                 ["z_mm", "qx", "qy"].iter().filter_map(|c| edit.column(c)).collect();
             negated(edit, rows, columns);
         }
-        Change::Order(order) => {
+        Mistake::Order(order) => {
             permuted(edit, rows, &joints, order);
             permuted(edit, rows, &sides, order);
         }
-        Change::Sense(joint) => {
+        Mistake::Sense(joint) => {
             negated(edit, rows, [joints[*joint], sides[*joint]].into_iter().flatten());
         }
-        Change::Convention(_) | Change::RobotUnit(_) | Change::Value(..) => {}
+        Mistake::Convention(_) | Mistake::RobotUnit(_) | Mistake::Value(..) => {}
     }
 }
 
@@ -201,7 +203,7 @@ fn robot_mended(robot: &Robot, text: &str, finding: &Finding) -> Result<String> 
 /// what was seen that tells.
 fn tool_mended(stated: &Robot, now: &Robot, finding: &Finding) -> Vector3<f64> {
     let scale = finding.changes.iter().find_map(|c| match c {
-        Change::RobotUnit(unit) => Some(unit.millimetres()),
+        Mistake::RobotUnit(unit) => Some(unit.millimetres()),
         _ => None,
     });
     match scale {
@@ -215,8 +217,8 @@ fn tool_mended(stated: &Robot, now: &Robot, finding: &Finding) -> Vector3<f64> {
 }
 
 /// How the target's frame is turned once the last alpha belongs to the tool.
-fn turned_tool(robot: &Robot, change: &Change) -> Option<[f64; 3]> {
-    let Change::Convention(Convention::Standard) = change else { return None };
+fn turned_tool(robot: &Robot, change: &Mistake) -> Option<[f64; 3]> {
+    let Mistake::Convention(Convention::Standard) = change else { return None };
     let alpha = robot.joints.last()?.link.parameters.alpha;
     if alpha == 0.0 {
         return None;

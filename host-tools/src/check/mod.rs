@@ -1,7 +1,7 @@
 //! Gross mistakes between a robot file and its measurements, found and named:
 //! senses, zeros, orders, units, conventions, signs, hands, rows out of step.
 //!
-//! Each hypothesis undoes one mistake ([`Change`]), is registered and fitted
+//! Each hypothesis undoes one mistake ([`Mistake`]), is registered and fitted
 //! shortly with the links held near nominal and the noise unknown; the most
 //! probable one wins if it is more probable than that nothing is wrong. Where one
 //! does not do, pairs are tried. What base or tool absorb cannot be seen and is
@@ -9,11 +9,11 @@
 
 mod absorbed;
 mod chains;
-mod change;
 mod fit;
 mod hypotheses;
 mod judged;
 pub mod mend;
+mod mistake;
 mod part;
 mod sample;
 mod scene;
@@ -21,7 +21,7 @@ mod search;
 mod stray;
 mod words;
 
-pub use change::{AngleUnit, Change, Convention, LengthUnit, New};
+pub use mistake::{AngleUnit, Convention, LengthUnit, Mistake, New};
 pub use stray::Stray;
 pub use words::Said;
 
@@ -41,8 +41,11 @@ const AS_GOOD: f64 = 6.0;
 /// A fit that leaves less, m, and corrects by less, tolerances, asks for no
 /// second mistake.
 const GOOD: (f64, f64) = (2e-3, 12.0);
-/// A misfit beyond makes no sense, m: no arm and no effect is that far off.
+/// A misfit beyond makes no sense, m: no arm and no effect is that far off...
 const SENSELESS: f64 = 0.02;
+/// ...nor so far where a coordinate is known so many times better: half of the rows may be
+/// another arm's, or another target's, and the fit then lies between the two.
+const FAR_FOR_THE_NOISE: (f64, f64) = (5e-3, 50.0);
 /// The same over how far the points are spread: an explanation must explain
 /// them, not make the arm small.
 const EXPLAINED: f64 = 0.05;
@@ -72,7 +75,7 @@ pub struct Finding {
     /// Whether anything is wrong.
     pub verdict: Verdict,
     /// What undoes it.
-    pub changes: Vec<Change>,
+    pub changes: Vec<Mistake>,
     /// The same in words.
     pub said: Vec<Said>,
     /// Others that undo it as well: the data cannot tell them from these.
@@ -112,7 +115,7 @@ impl Finding {
     /// had, so that centres of mass may be elsewhere.
     #[must_use]
     pub fn moves_frames(&self) -> bool {
-        let turns = |c: &Change| matches!(c, Change::Convention(_) | Change::Value(..));
+        let turns = |c: &Mistake| matches!(c, Mistake::Convention(_) | Mistake::Value(..));
         self.changes.iter().any(turns)
     }
 }
@@ -152,7 +155,7 @@ pub fn check(robot: &Robot, data: &Measurements) -> Finding {
         _ => Verdict::Mendable,
     };
     let absorbed = absorbed::by_base_or_tool(&search, &nothing, &ranked);
-    let said = |changes: &[Change]| words::said(robot, &sample.kinds, changes);
+    let said = |changes: &[Mistake]| words::said(robot, &sample.kinds, changes);
     let understood = verdict == Verdict::Mendable;
     let others = if understood { others(&best, &ranked) } else { Others::default() };
     let equivalent = others.equivalent.iter().map(|f| said(&f.changes)).collect();
@@ -233,7 +236,7 @@ fn others<'a>(best: &Found, ranked: &'a [Found]) -> Others<'a> {
         a.changes.len() == b.changes.len()
             && a.changes.iter().all(|a| {
                 b.changes.iter().any(|b| match (a, b) {
-                    (Change::Value(..), Change::Value(..)) => a.same_place(b),
+                    (Mistake::Value(..), Mistake::Value(..)) => a.same_place(b),
                     _ => a == b,
                 })
             })
@@ -269,11 +272,13 @@ fn explains(found: &Found) -> bool {
 }
 
 fn senseless(found: &Found) -> bool {
-    found.fitted.rms > SENSELESS || found.fitted.correction > UNBELIEVABLE
+    let (least, sigmas) = FAR_FOR_THE_NOISE;
+    let most = (sigmas * found.fitted.sigma).clamp(least, SENSELESS);
+    found.fitted.rms > most || found.fitted.correction > UNBELIEVABLE
 }
 
 /// Robot and rows with the mistakes undone.
-fn undone(robot: &Robot, changes: &[Change]) -> Robot {
+fn undone(robot: &Robot, changes: &[Mistake]) -> Robot {
     let nothing =
         Sample { kinds: Vec::new(), stations: 0, markers: 0, sigma: 0.0, rows: Vec::new() };
     let scene = Scene::new(&robot.nominal(), robot.tool, &nothing, changes);

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::chains::Chains;
-use super::change::Change;
+use super::mistake::Mistake;
 use super::sample::Sample;
 use super::scene::{Scene, Sight};
 use super::search::{Found, Search};
@@ -19,7 +19,7 @@ const MOST_TRIED: usize = 60;
 
 /// What may have been otherwise in a block of rows.
 struct Cause {
-    change: Option<Change>,
+    change: Option<Mistake>,
     /// The tracker or the arm's foot stood elsewhere as well.
     moved: bool,
     /// How far the block's rows are off then, m.
@@ -47,7 +47,7 @@ impl Cause {
         };
         let said = words::said(robot, &search.sample.kinds, std::slice::from_ref(change));
         // Which axis has the wrong sign, a base of its own leaves open.
-        let more = if self.moved && *change != Change::Hand { elsewhere } else { "" };
+        let more = if self.moved && *change != Mistake::Hand { elsewhere } else { "" };
         let and = if more.is_empty() { "" } else { ", and " };
         format!("in rows {rows}: {}{and}{more}", said[0])
     }
@@ -69,7 +69,7 @@ impl Stray {
         let part = seen.sample.only(&some);
         let others = (0..seen.far.len()).filter(|i| !block.contains(i));
         let known: Vec<usize> = others.map(|i| seen.sample.rows[i].station).collect();
-        let changes = hypotheses::all(search.links).into_iter().filter(Change::of_data).map(Some);
+        let changes = hypotheses::all(search.links).into_iter().filter(Mistake::of_data).map(Some);
         let causes = std::iter::once(None).chain(changes).flat_map(|change| {
             [false, true].map(|moved| {
                 let far = left(search, found, &part, change.as_ref(), (moved, &known));
@@ -87,7 +87,7 @@ impl Stray {
         self.left = rms(&near);
         self.explained = Some(cause.words(&ranges(&rows), robot, search));
         // Where the tracker moved as well, mended rows would lack a station.
-        let whole = |c: &Change| !cause.moved && !matches!(c, Change::Step(_));
+        let whole = |c: &Mistake| !cause.moved && !matches!(c, Mistake::Step(_));
         self.change = cause.change.clone().filter(whole);
         self.block = rows;
     }
@@ -99,10 +99,10 @@ fn left(
     search: &Search,
     found: &Found,
     part: &Sample,
-    change: Option<&Change>,
+    change: Option<&Mistake>,
     (moved, known): (bool, &[usize]),
 ) -> Option<Vec<f64>> {
-    let changes: Vec<Change> = change.into_iter().cloned().collect();
+    let changes: Vec<Mistake> = change.into_iter().cloned().collect();
     let scene = Scene::new(search.links, search.tool, part, &changes);
     let chains = Chains::new(&found.fitted.state);
     let mut far = Vec::new();
@@ -143,7 +143,7 @@ pub(super) fn finding(
     nothing: &Found,
     stray: Stray,
 ) -> Finding {
-    let changes: Vec<Change> = stray.change.iter().cloned().collect();
+    let changes: Vec<Mistake> = stray.change.iter().cloned().collect();
     let mut said = words::said(robot, &search.sample.kinds, &changes);
     said.iter_mut().for_each(|said| said.rows = Some(ranges(&stray.block)));
     let (all, part) = (stray.of as f64, stray.block.len() as f64);

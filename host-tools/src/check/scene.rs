@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use truearm::{JointKind, Link, LinkParameter};
 
-use super::change::{Change, Convention, New};
+use super::mistake::{Convention, Mistake, New};
 use super::sample::Sample;
 use crate::units::{joint_from_file, joint_to_file};
 
@@ -37,9 +37,9 @@ impl Scene {
         links: &[Link<f64>],
         tool: Vector3<f64>,
         sample: &Sample,
-        changes: &[Change],
+        changes: &[Mistake],
     ) -> Self {
-        let step = |c: &Change| if let Change::Step(step) = c { *step } else { 0 };
+        let step = |c: &Mistake| if let Mistake::Step(step) = c { *step } else { 0 };
         let step: isize = changes.iter().map(step).sum();
         let sights = sample.rows.iter().map(|row| Sight {
             q: row.q[(1 + step.clamp(-1, 1)) as usize].clone(),
@@ -55,27 +55,27 @@ impl Scene {
             scale: 1.0,
         };
         // In the order of the list, whatever order they were found in.
-        let mut ordered: Vec<&Change> = changes.iter().collect();
+        let mut ordered: Vec<&Mistake> = changes.iter().collect();
         ordered.sort_by_key(|change| change.rank());
         ordered.iter().for_each(|change| scene.undo(change, &sample.kinds));
         scene
     }
 
-    fn undo(&mut self, change: &Change, kinds: &[JointKind]) {
+    fn undo(&mut self, change: &Mistake, kinds: &[JointKind]) {
         match change {
-            Change::Step(_) => {}
-            Change::JointUnit(unit) => {
+            Mistake::Step(_) => {}
+            Mistake::JointUnit(unit) => {
                 self.scale_joints(kinds, JointKind::Revolute, unit.degrees())
             }
-            Change::SlideUnit(unit) => {
+            Mistake::SlideUnit(unit) => {
                 self.scale_joints(kinds, JointKind::Prismatic, unit.millimetres());
             }
-            Change::PointUnit(unit) => {
+            Mistake::PointUnit(unit) => {
                 self.scale *= unit.millimetres();
                 self.sights.iter_mut().for_each(|s| s.point *= unit.millimetres());
             }
-            Change::Hand => self.sights.iter_mut().for_each(|s| s.point.z = -s.point.z),
-            Change::Order(order) => {
+            Mistake::Hand => self.sights.iter_mut().for_each(|s| s.point.z = -s.point.z),
+            Mistake::Order(order) => {
                 for sight in &mut self.sights {
                     // What the columns say, whatever joint they are of.
                     let files: Vec<f64> =
@@ -85,20 +85,20 @@ impl Scene {
                     sight.q = moved.collect();
                 }
             }
-            Change::Sense(joint) => self.sights.iter_mut().for_each(|s| s.q[*joint] *= -1.0),
-            Change::Convention(to) => {
+            Mistake::Sense(joint) => self.sights.iter_mut().for_each(|s| s.q[*joint] *= -1.0),
+            Mistake::Convention(to) => {
                 convert(&mut self.links, &mut self.tool, *to);
                 if matches!(to, Convention::Shifted(..)) {
                     self.fitted.push((self.links.len() - 1, LinkParameter::A));
                 }
             }
-            Change::RobotUnit(unit) => {
+            Mistake::RobotUnit(unit) => {
                 for link in &mut self.links {
                     link.parameters.a *= unit.millimetres();
                     link.parameters.d *= unit.millimetres();
                 }
             }
-            Change::Value(joint, parameter, new) => {
+            Mistake::Value(joint, parameter, new) => {
                 let value = value_mut(&mut self.links[*joint], *parameter);
                 *value = new.of(*value);
                 if matches!(new, New::About(_)) {

@@ -5,9 +5,9 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use truearm::{Link, LinkParameter};
 
-use super::change::{Change, Convention, New};
 use super::fit::{Effort, Fitted, fit, fit_from};
 use super::hypotheses::{all, plain};
+use super::mistake::{Convention, Mistake, New};
 use super::sample::Sample;
 use super::scene::Scene;
 
@@ -36,7 +36,7 @@ pub(super) struct Search<'a> {
 /// Mistakes and how well the rest fits without them.
 #[derive(Debug, Clone)]
 pub(super) struct Found {
-    pub changes: Vec<Change>,
+    pub changes: Vec<Mistake>,
     pub fitted: Fitted,
     /// Negative logarithm of how probable it is, nats.
     pub cost: f64,
@@ -64,7 +64,7 @@ impl Search<'_> {
     /// Single mistakes, the most probable first.
     pub fn one(&self) -> Vec<Found> {
         let few = self.sample.thinned(ROWS_OF_ONE);
-        let tried: Vec<Vec<Change>> = all(self.links).into_iter().map(|c| vec![c]).collect();
+        let tried: Vec<Vec<Mistake>> = all(self.links).into_iter().map(|c| vec![c]).collect();
         let mut full = best_of_each(self.screened(tried, &few, Effort::Screen), FITTED_IN_FULL);
         // A number that is off by a little only, a fit finds from where it is.
         full.extend(self.numbers().map(|number| vec![number]));
@@ -92,20 +92,20 @@ impl Search<'_> {
     }
 
     /// Every number of a link that is not nought by definition, about where it is.
-    fn numbers(&self) -> impl Iterator<Item = Change> {
+    fn numbers(&self) -> impl Iterator<Item = Mistake> {
         let of = [LinkParameter::Alpha, LinkParameter::A, LinkParameter::Theta, LinkParameter::D];
         let joints = 0..self.links.len();
-        joints.flat_map(move |j| of.map(|p| Change::Value(j, p, New::About(0.0))))
+        joints.flat_map(move |j| of.map(|p| Mistake::Value(j, p, New::About(0.0))))
     }
 
-    fn screened(&self, tried: Vec<Vec<Change>>, rows: &Sample, effort: Effort) -> Vec<Found> {
+    fn screened(&self, tried: Vec<Vec<Mistake>>, rows: &Sample, effort: Effort) -> Vec<Found> {
         let each = tried.into_par_iter().map(|changes| self.tried(changes, rows, effort));
         let mut found: Vec<Found> = each.collect();
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         found
     }
 
-    fn in_full(&self, tried: Vec<Vec<Change>>) -> Vec<Found> {
+    fn in_full(&self, tried: Vec<Vec<Mistake>>) -> Vec<Found> {
         let mut found: Vec<Found> = tried.into_par_iter().map(|c| self.plainest(c)).collect();
         found.retain(|found| self.gross(&found.changes));
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -113,41 +113,41 @@ impl Search<'_> {
     }
 
     /// A fit, and the numbers that it found in place of their starts.
-    fn tried(&self, changes: Vec<Change>, rows: &Sample, effort: Effort) -> Found {
+    fn tried(&self, changes: Vec<Mistake>, rows: &Sample, effort: Effort) -> Found {
         let scene = Scene::new(self.links, self.tool, rows, &changes);
         let fitted = fit(&scene, rows.stations, rows.markers, rows.sigma, effort);
         let step = |joint: usize, p: LinkParameter| {
             let at = |links: &[Link<f64>]| links[joint].parameters.to_array()[place(p)];
             at(&fitted.state.links) - at(&scene.links)
         };
-        let moved = |change: Change| match change {
-            Change::Value(joint, p, New::About(by)) => {
+        let moved = |change: Mistake| match change {
+            Mistake::Value(joint, p, New::About(by)) => {
                 let mut by = by + step(joint, p);
                 if !p.is_length() {
                     by = (by + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
                         - std::f64::consts::PI;
                 }
-                Change::Value(joint, p, New::About(by))
+                Mistake::Value(joint, p, New::About(by))
             }
-            Change::Convention(Convention::Shifted(alpha, a)) => {
+            Mistake::Convention(Convention::Shifted(alpha, a)) => {
                 let a = a + step(self.links.len() - 1, LinkParameter::A);
-                Change::Convention(Convention::Shifted(alpha, a))
+                Mistake::Convention(Convention::Shifted(alpha, a))
             }
             other => other,
         };
-        let changes: Vec<Change> = changes.into_iter().map(moved).collect();
-        let price: f64 = changes.iter().map(Change::price).sum();
+        let changes: Vec<Mistake> = changes.into_iter().map(moved).collect();
+        let price: f64 = changes.iter().map(Mistake::price).sum();
         Found { changes, cost: self.cost(rows, &fitted) + price, fitted }
     }
 
     /// The full fit of these mistakes, or of the same with a plain value in
     /// place of a fitted one, whichever is more probable.
-    fn plainest(&self, changes: Vec<Change>) -> Found {
+    fn plainest(&self, changes: Vec<Mistake>) -> Found {
         let mut best = self.tried(changes, self.sample, Effort::Full);
-        best.changes.iter_mut().for_each(Change::round);
+        best.changes.iter_mut().for_each(Mistake::round);
         for k in 0..best.changes.len() {
-            let Change::Value(joint, p, New::About(by)) = best.changes[k] else { continue };
-            let others: Vec<Change> =
+            let Mistake::Value(joint, p, New::About(by)) = best.changes[k] else { continue };
+            let others: Vec<Mistake> =
                 best.changes.iter().filter(|c| **c != best.changes[k]).cloned().collect();
             let before = Scene::new(self.links, self.tool, self.sample, &others);
             let stated = before.links[joint].parameters.to_array()[place(p)];
@@ -164,11 +164,11 @@ impl Search<'_> {
     }
 
     /// Whether each of the changes is of a size that no arm is off by itself.
-    fn gross(&self, changes: &[Change]) -> bool {
+    fn gross(&self, changes: &[Mistake]) -> bool {
         changes.iter().all(|change| {
-            let Change::Value(joint, p, _) = change else { return true };
-            let others: Vec<Change> = changes.iter().filter(|c| *c != change).cloned().collect();
-            let value = |changes: &[Change]| {
+            let Mistake::Value(joint, p, _) = change else { return true };
+            let others: Vec<Mistake> = changes.iter().filter(|c| *c != change).cloned().collect();
+            let value = |changes: &[Mistake]| {
                 let scene = Scene::new(self.links, self.tool, self.sample, changes);
                 scene.links[*joint].parameters.to_array()[place(*p)]
             };
@@ -183,15 +183,15 @@ fn place(parameter: LinkParameter) -> usize {
 }
 
 /// The first so many, of every number only the best start.
-fn best_of_each(found: Vec<Found>, most: usize) -> Vec<Vec<Change>> {
-    let mut kept: Vec<Vec<Change>> = Vec::new();
+fn best_of_each(found: Vec<Found>, most: usize) -> Vec<Vec<Mistake>> {
+    let mut kept: Vec<Vec<Mistake>> = Vec::new();
     for found in found {
         if kept.len() == most {
             break;
         }
-        let alike = |other: &Vec<Change>| {
+        let alike = |other: &Vec<Mistake>| {
             other.iter().zip(&found.changes).all(|(a, b)| match (a, b) {
-                (Change::Value(i, p, New::About(_)), Change::Value(j, q, New::About(_))) => {
+                (Mistake::Value(i, p, New::About(_)), Mistake::Value(j, q, New::About(_))) => {
                     i == j && p == q
                 }
                 _ => a == b,

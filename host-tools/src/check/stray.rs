@@ -5,8 +5,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::chains::Chains;
-use super::change::Change;
 use super::judged::GROSS;
+use super::mistake::Mistake;
 use super::sample::Sample;
 use super::scene::{Scene, Sight};
 use super::search::{Found, Search};
@@ -52,7 +52,7 @@ pub struct Stray {
     pub explained: Option<String>,
     /// The same, as what undoes it; none of a tracker that was moved.
     #[serde(skip)]
-    pub change: Option<Change>,
+    pub change: Option<Mistake>,
     /// The rows of that mistake, counted from 0.
     #[serde(skip)]
     pub block: Vec<usize>,

@@ -2,7 +2,7 @@
 
 use truearm::{JointKind, LinkParameter};
 
-use super::change::{Change, Convention};
+use super::mistake::{Convention, Mistake};
 use super::sample::Sample;
 use super::scene::Scene;
 use crate::model::Robot;
@@ -54,15 +54,15 @@ impl std::fmt::Display for Said {
 }
 
 /// Mistakes of a robot and its measurements in words.
-pub(super) fn said(robot: &Robot, kinds: &[JointKind], changes: &[Change]) -> Vec<Said> {
+pub(super) fn said(robot: &Robot, kinds: &[JointKind], changes: &[Mistake]) -> Vec<Said> {
     let nothing =
         Sample { kinds: kinds.to_vec(), stations: 0, markers: 0, sigma: 0.0, rows: Vec::new() };
     let links =
-        |changes: &[Change]| Scene::new(&robot.nominal(), robot.tool, &nothing, changes).links;
-    let of = |change: &Change| match change {
-        Change::Value(joint, p, _) => {
-            let others: Vec<Change> = changes.iter().filter(|c| *c != change).cloned().collect();
-            let value = |changes: &[Change]| {
+        |changes: &[Mistake]| Scene::new(&robot.nominal(), robot.tool, &nothing, changes).links;
+    let of = |change: &Mistake| match change {
+        Mistake::Value(joint, p, _) => {
+            let others: Vec<Mistake> = changes.iter().filter(|c| *c != change).cloned().collect();
+            let value = |changes: &[Mistake]| {
                 let [alpha, a, theta, d, _] = links(changes)[*joint].parameters.to_array();
                 let value = match p {
                     LinkParameter::Alpha => alpha,
@@ -88,7 +88,7 @@ pub(super) fn said(robot: &Robot, kinds: &[JointKind], changes: &[Change]) -> Ve
 }
 
 /// Of changes whose words need no number of the robot.
-fn of_files(change: &Change, kinds: &[JointKind]) -> Said {
+fn of_files(change: &Mistake, kinds: &[JointKind]) -> Said {
     let whole = |what, from: &str, to: &str| Said {
         what,
         joint: None,
@@ -97,16 +97,16 @@ fn of_files(change: &Change, kinds: &[JointKind]) -> Said {
         rows: None,
     };
     match change {
-        Change::Step(step) => {
+        Mistake::Step(step) => {
             let to = if *step < 0 { "before" } else { "after" };
             whole("row-step", "the same row", &format!("the joints stand in the row {to}"))
         }
-        Change::JointUnit(unit) => whole("joint-unit", unit.name(), "deg"),
-        Change::SlideUnit(unit) => whole("slide-unit", unit.name(), "mm"),
-        Change::PointUnit(unit) => whole("point-unit", unit.name(), "mm"),
-        Change::RobotUnit(unit) => whole("robot-unit", unit.name(), "mm"),
-        Change::Hand => whole("tracker-handedness", "left", "right"),
-        Change::Order(order) => {
+        Mistake::JointUnit(unit) => whole("joint-unit", unit.name(), "deg"),
+        Mistake::SlideUnit(unit) => whole("slide-unit", unit.name(), "mm"),
+        Mistake::PointUnit(unit) => whole("point-unit", unit.name(), "mm"),
+        Mistake::RobotUnit(unit) => whole("robot-unit", unit.name(), "mm"),
+        Mistake::Hand => whole("tracker-handedness", "left", "right"),
+        Mistake::Order(order) => {
             let list = |of: &mut dyn Iterator<Item = usize>| {
                 of.map(|j| (j + 1).to_string()).collect::<Vec<_>>().join(" ")
             };
@@ -115,7 +115,7 @@ fn of_files(change: &Change, kinds: &[JointKind]) -> Said {
             let to = list(&mut (0..order.len()).map(column));
             whole("joint-order", &list(&mut (0..order.len())), &to)
         }
-        Change::Sense(joint) => {
+        Mistake::Sense(joint) => {
             let unit = joint_unit(kinds[*joint]);
             Said {
                 what: "joint-sense",
@@ -125,13 +125,13 @@ fn of_files(change: &Change, kinds: &[JointKind]) -> Said {
                 rows: None,
             }
         }
-        Change::Convention(Convention::Standard) => {
+        Mistake::Convention(Convention::Standard) => {
             whole("dh-convention", "standard DH", "modified DH")
         }
-        Change::Convention(Convention::Shifted(..)) => {
+        Mistake::Convention(Convention::Shifted(..)) => {
             whole("dh-convention", "modified DH, shifted by a row", "modified DH")
         }
-        Change::Value(..) => unreachable!("a number of the robot"),
+        Mistake::Value(..) => unreachable!("a number of the robot"),
     }
 }
 

@@ -9,9 +9,9 @@ use truearm_host::methods::Comparison;
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::report::{CheckReport, to_json};
 use truearm_host::units::to_mm;
-use truearm_host::{Error, Kind, Result};
+use truearm_host::{Error, ErrorKind, Result};
 
-use super::{End, Said, own, warn, words};
+use super::{End, Said, overwrite, warn, words};
 
 /// Find gross mistakes between robot and measurements: senses, zeros, orders,
 /// units, conventions. Exit status 3: found, 4: they disagree and nothing says why.
@@ -37,7 +37,7 @@ const FILES: [&str; 2] = ["robot.toml", "measurements.csv"];
 
 impl Check {
     pub fn run(self) -> Result<Said> {
-        own::folder_apart(self.fix.as_deref(), &FILES, [&self.robot, &self.data])?;
+        overwrite::folder_apart(self.fix.as_deref(), &FILES, [&self.robot, &self.data])?;
         let texts = [read_text(&self.robot)?, read_text(&self.data)?];
         let robot = Robot::parse(&self.robot, &texts[0])?;
         let data = Measurements::of_file(&self.data, &texts[1], &robot)?;
@@ -97,7 +97,11 @@ impl Check {
     /// Mended files carry no digest, as people go on with them: what may be written
     /// over is that very text, or one that begins as a mended one does.
     fn spared(&self, path: &Path, text: &str) -> Result<()> {
-        let Some(stood) = std::fs::read(path).ok().filter(|_| !self.force) else { return Ok(()) };
+        let file = std::fs::metadata(path).is_ok_and(|m| m.is_file());
+        if self.force || !file {
+            return Ok(());
+        }
+        let stood = std::fs::read(path).map_err(|e| Error::io(path, e))?;
         let first = text.lines().next().filter(|line| line.starts_with(MENDED));
         let alike = first.is_some_and(|line| stood.starts_with(line.as_bytes()));
         if alike || stood == text.as_bytes() { Ok(()) } else { Err(foreign(path)) }
@@ -119,7 +123,7 @@ const SENSELESS_MM: f64 = 20.0;
 /// come first: what looked wrong there may be why.
 pub fn explained(error: Error, robot: &Robot, data: &Measurements) -> Error {
     warn(&[robot.warnings.as_slice(), &data.warnings].concat());
-    let kinds = [Kind::NotConverged, Kind::Contradiction, Kind::Singular];
+    let kinds = [ErrorKind::NotConverged, ErrorKind::Contradiction, ErrorKind::Singular];
     if !kinds.contains(&error.kind()) {
         return error;
     }

@@ -12,7 +12,7 @@ use truearm_host::report::{CompareReport, to_json};
 use super::check::{Ended, explained, remark};
 use super::evaluate::Frames as Anew;
 use super::page::write_page;
-use super::{Said, own, read_both, warn, words};
+use super::{Said, overwrite, read_both, warn, words};
 
 /// The paper's methods side by side: errors, reduction, time, size of the corrections.
 #[derive(Args)]
@@ -47,7 +47,7 @@ const FILES: [&str; 4] = ["compare.json", "errors.svg", "methods.svg", "report.h
 impl Compare {
     pub fn run(self) -> Result<Said> {
         let inputs = [&self.robot, &self.data].into_iter().chain(&self.validate);
-        own::folder_apart(self.out.as_deref(), &FILES, inputs)?;
+        overwrite::folder_apart(self.out.as_deref(), &FILES, inputs)?;
         let (robot, data) = read_both(&self.robot, &self.data)?;
         let data = points_only(&data, "compare")?;
         let other =
@@ -65,7 +65,7 @@ impl Compare {
         let mut wrote = String::new();
         if let Some(folder) = &self.out {
             let [report, rows, methods, page] = FILES.map(|name| folder.join(name));
-            own::pictures(&report, &[rows, methods, page.clone()], self.force)?;
+            overwrite::pictures(&report, &[rows, methods, page.clone()], self.force)?;
             write(&report, json.as_bytes())?;
             write_page(&page, &compared(&found), true)?;
             let files = folder.join(format!("{{{}}}", FILES.join(",")));

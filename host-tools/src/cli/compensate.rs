@@ -6,11 +6,13 @@ use truearm_host::blob::notes;
 use truearm_host::files::Wanted;
 use truearm_host::model::{Model, Path};
 use truearm_host::paths::write::{Move, Template, Timing, ros2, urscript};
-use truearm_host::paths::{CompensateOptions, Compensated, compensate, compensated_csv, unknown};
+use truearm_host::paths::{
+    CompensateOptions, Compensated, compensate, compensated_csv, missing_inputs,
+};
 use truearm_host::report::{CompensateReport, to_json};
 use truearm_host::{Error, Result};
 
-use super::{End, Said, arm_file, own, warn, words};
+use super::{End, Said, arm_file, overwrite, warn, words};
 
 /// Correct a path for a robot whose controller cannot be changed: joints at which
 /// the real tool is where the path wants it. Exit status 3: rows that the model
@@ -128,8 +130,8 @@ impl Compensate {
         };
         let inputs: Vec<&std::path::Path> =
             [&self.model, &self.path].into_iter().chain(&self.template).map(|p| &**p).collect();
-        own::write_like(&self.out, &text, &inputs, self.force)?;
-        let mut warnings = [path.data.warnings.clone(), unknown(&model, &path)].concat();
+        overwrite::write_like(&self.out, &text, &inputs, self.force)?;
+        let mut warnings = [path.data.warnings.clone(), missing_inputs(&model, &path)].concat();
         if found.chosen {
             warnings.push(arm_file::CHOSEN.to_owned());
         }

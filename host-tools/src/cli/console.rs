@@ -1,4 +1,4 @@
-//! What a verb says when it is done, and the exit status.
+//! What a verb says when it is done.
 //!
 //! Files are written first; then everything for standard output goes there at
 //! once. Whoever reads it may stop reading: that is no error. A full disk is.
@@ -9,21 +9,10 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
-use truearm_host::error::Excerpt;
-use truearm_host::{Error, Kind, Result};
+use truearm_host::{Error, Result};
 
-/// The table of exit statuses, the same for all verbs.
-pub const TABLE: &str = "\
-Exit status:
-  0  done and good
-  1  error
-  2  wrong usage
-  3  found wrong: verify, an error beyond the tolerance; check, a mistake and what undoes it;
-     ik and compensate, rows that the arm does not reach or the model does not cover
-  4  cannot be decided: verify, the tolerance is within the uncertainty; check, nothing
-     explains the disagreement, or there are fewer than 6 poses
-     or 8 points";
+use super::exit_status::{self, End};
+use super::shown::Shown;
 
 /// Whether nothing is said but errors: set once, before the verb runs.
 static QUIET: AtomicBool = AtomicBool::new(false);
@@ -41,18 +30,6 @@ fn quiet() -> bool {
 pub fn took(time: Duration) {
     let version = env!("CARGO_PKG_VERSION");
     let _ = writeln!(io::stderr(), "truearm {version}: {:.2} s", time.as_secs_f64());
-}
-
-/// How a verb ended.
-pub enum End {
-    /// Done and good.
-    Good,
-    /// Done, but not what was asked for.
-    Failed(Error),
-    /// What was judged is wrong.
-    Wrong,
-    /// What was judged is neither proven good nor wrong.
-    Undecided,
 }
 
 /// What a verb has to say.
@@ -92,10 +69,10 @@ pub fn finish(done: Result<Said>) -> ExitCode {
         Ok(said.end)
     });
     match end {
-        Ok(End::Good) => ExitCode::SUCCESS,
-        Ok(End::Wrong) => ExitCode::from(3),
-        Ok(End::Undecided) => ExitCode::from(4),
         Ok(End::Failed(error)) | Err(error) => failed(error),
+        Ok(End::Good) => ExitCode::from(exit_status::GOOD),
+        Ok(End::Wrong) => ExitCode::from(exit_status::WRONG),
+        Ok(End::Undecided) => ExitCode::from(exit_status::UNDECIDED),
     }
 }
 
@@ -109,69 +86,10 @@ pub fn usage(error: &clap::Error) -> ExitCode {
 }
 
 fn failed(error: Error) -> ExitCode {
-    let status = if error.kind() == Kind::Usage { 2 } else { 1 };
+    let status = exit_status::of(&error);
     let report = miette::Report::new(Shown::new(error));
     let _ = writeln!(io::stderr(), "Error: {report:?}");
     ExitCode::from(status)
-}
-
-/// An error with what to do and, where it is in a file, the place in its text.
-#[derive(Debug)]
-struct Shown {
-    error: Error,
-    source: Option<NamedSource<String>>,
-}
-
-impl Shown {
-    fn new(error: Error) -> Self {
-        let source = match &error {
-            Error::File { path, excerpt: Some(excerpt), .. } if shown(excerpt) => {
-                Some(NamedSource::new(path.display().to_string(), excerpt.text.clone()))
-            }
-            _ => None,
-        };
-        Self { error, source }
-    }
-}
-
-/// Longer lines are no help, and nothing draws them soon.
-const LONGEST_LINE: usize = 2000;
-
-/// Whether what is wrong can be shown in its place: among lines that can be read.
-fn shown(excerpt: &Excerpt) -> bool {
-    let Excerpt { text, span } = excerpt;
-    let before = text.get(..span.start).unwrap_or("").rsplit('\n').take(2);
-    let behind = text.get(span.start..).unwrap_or("");
-    let lines = behind.get(..span.len()).unwrap_or("").matches('\n').count();
-    before.chain(behind.split('\n').take(lines + 2)).all(|line| line.len() < LONGEST_LINE / 2)
-}
-
-impl std::fmt::Display for Shown {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.error.fmt(f)
-    }
-}
-
-impl std::error::Error for Shown {}
-
-impl Diagnostic for Shown {
-    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
-        let help = self.error.help();
-        (!help.is_empty()).then(|| Box::new(help) as _)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source.as_ref().map(|source| source as _)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let (Error::File { excerpt: Some(excerpt), .. }, Some(_)) = (&self.error, &self.source)
-        else {
-            return None;
-        };
-        let span = excerpt.span.clone();
-        Some(Box::new(std::iter::once(LabeledSpan::new(None, span.start, span.len()))))
-    }
 }
 
 fn printed(result: io::Result<()>) -> Result<()> {

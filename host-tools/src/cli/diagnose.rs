@@ -11,7 +11,7 @@ use super::check::{Ended, explained, remark};
 use super::page::next_line;
 use super::progress::Bar;
 use super::rows::{apart, residuals};
-use super::{Said, deliver, own, read_all, warn, words};
+use super::{Said, deliver, overwrite, read_all, warn, words};
 
 /// Find where model and measurement disagree, name the missing effect, add it,
 /// and show the gap shrink on poses that were not fitted.
@@ -56,7 +56,7 @@ impl Diagnose {
     pub fn run(self) -> Result<Said> {
         let files: Vec<&PathBuf> = self.data.iter().chain(&self.more).collect();
         let inputs = std::iter::once(&self.robot).chain(files.iter().copied()).chain(&self.holdout);
-        own::folder_apart(self.out.as_deref(), &own::MODEL_FOLDER, inputs)?;
+        overwrite::folder_apart(self.out.as_deref(), &overwrite::MODEL_FOLDER, inputs)?;
         let (robot, data) = read_all(&self.robot, &files)?;
         let holdout = self.holdout.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         if let Some(holdout) = &holdout {

@@ -10,7 +10,7 @@ use truearm_host::report::{ExportReport, to_json};
 use truearm_host::units::to_mm;
 use truearm_host::{Error, Result};
 
-use super::{Said, own, warn};
+use super::{Said, overwrite, warn};
 
 /// Write the identified geometry as URDF, calibration file, table or JSON.
 #[derive(Args)]
@@ -72,7 +72,7 @@ impl Export {
             files.push((path, report()));
         }
         let inputs = std::iter::once(&self.model).chain(&self.like).map(PathBuf::as_path);
-        own::apart(files.iter().map(|(path, _)| path.as_path()), inputs)?;
+        overwrite::apart(files.iter().map(|(path, _)| path.as_path()), inputs)?;
         // None is written where one may not be.
         for (path, _) in &files {
             overwritable(path, self.force)?;

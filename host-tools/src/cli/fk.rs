@@ -5,10 +5,10 @@ use truearm_host::Result;
 use truearm_host::evaluate::not_covered;
 use truearm_host::files::Wanted;
 use truearm_host::model::{Model, Path};
-use truearm_host::paths::{Forward, View, forward_csv, unknown};
+use truearm_host::paths::{Forward, View, forward_csv, missing_inputs};
 use truearm_host::report::{FkReport, to_json};
 
-use super::{Said, own, warn, words};
+use super::{Said, overwrite, warn, words};
 
 /// Where the tool is at given joints: the pose of [tool] in the coordinates of
 /// [base], the real arm's by default.
@@ -54,10 +54,10 @@ impl Fk {
         let poses = forward.all(&path.data);
         let inputs = [self.model.as_path(), &self.rows];
         let table = forward_csv(&path, &model.robot, &poses)?;
-        own::write_like(&self.out, &table, &inputs, self.force)?;
+        overwrite::write_like(&self.out, &table, &inputs, self.force)?;
         let mut warnings = [model.robot.warnings.clone(), path.data.warnings.clone()].concat();
         if !self.nominal {
-            warnings.extend(unknown(&model, &path));
+            warnings.extend(missing_inputs(&model, &path));
             if model.covered.iter().any(Option::is_some) {
                 warnings.extend(words::not_covered(&not_covered(&model, &path.data)));
             }

@@ -12,7 +12,7 @@ use truearm_host::{Error, Result};
 
 use super::progress::Bar;
 use super::rows::residuals;
-use super::{Said, deliver, own, warn, words};
+use super::{Said, deliver, overwrite, warn, words};
 
 /// Identify many arms of one type: which differ, what they share, and how far off the next is.
 #[derive(Args)]
@@ -116,7 +116,7 @@ impl Fleet {
         }
         let inputs: Vec<PathBuf> =
             folders.iter().flat_map(|folder| [folder.join(ROBOT), folder.join(DATA)]).collect();
-        own::folder_apart(Some(out), &[ROBOT, REPORT], &inputs)?;
+        overwrite::folder_apart(Some(out), &[ROBOT, REPORT], &inputs)?;
         for name in [ROBOT, REPORT] {
             overwritable(&out.join(name), self.force)?;
         }

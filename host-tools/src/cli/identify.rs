@@ -13,7 +13,7 @@ use super::check::{Ended, explained, remark};
 use super::evaluate::Frames;
 use super::progress::Bar;
 use super::rows::{apart, residuals};
-use super::{Said, deliver, own, read_all, warn, words};
+use super::{Said, deliver, overwrite, read_all, warn, words};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
 #[derive(Args)]
@@ -69,7 +69,7 @@ impl Identify {
         let options = self.options()?;
         let files = self.data.iter().chain(&self.more);
         let inputs = std::iter::once(&self.robot).chain(files).chain(&self.validate);
-        own::folder_apart(self.out.as_deref(), &own::MODEL_FOLDER, inputs)?;
+        overwrite::folder_apart(self.out.as_deref(), &overwrite::MODEL_FOLDER, inputs)?;
         let files: Vec<&PathBuf> = self.data.iter().chain(&self.more).collect();
         let (robot, data) = read_all(&self.robot, &files)?;
         let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;

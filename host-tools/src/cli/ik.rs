@@ -7,7 +7,7 @@ use truearm_host::model::{Model, Path};
 use truearm_host::paths::{Forward, Inverse, View, inverse_csv};
 use truearm_host::report::{IkReport, to_json};
 
-use super::{End, Said, arm_file, own, warn, words};
+use super::{End, Said, arm_file, overwrite, warn, words};
 
 /// The joints for poses of the tool, each row from the row before, and where that
 /// leads nowhere from elsewhere, within the joint limits. Exit status 3: some row
@@ -52,7 +52,7 @@ impl Ik {
         let found = inverse.follow(&path.data, &path.targets, start.as_deref());
         let inputs = [self.model.as_path(), &self.rows];
         let table = inverse_csv(&path, &model.robot, &found.rows)?;
-        own::write_like(&self.out, &table, &inputs, self.force)?;
+        overwrite::write_like(&self.out, &table, &inputs, self.force)?;
         let mut warnings = [model.robot.warnings.clone(), path.data.warnings.clone()].concat();
         if found.chosen {
             warnings.push(arm_file::CHOSEN.to_owned());

@@ -9,7 +9,7 @@ use truearm_host::model::Robot;
 use truearm_host::report::{ImportReport, to_json};
 use truearm_host::{Error, Result};
 
-use super::{Said, own, warn, words};
+use super::{Said, overwrite, warn, words};
 
 /// Turn measurement files as they come (CSV, TSV, columns, .xlsx, .ods; any
 /// encoding, decimal commas) into measurements.csv, and write import.toml beside
@@ -122,13 +122,14 @@ impl Import {
         let outputs = [self.out.as_path()].into_iter();
         let outputs = outputs.chain((self.config.is_none()).then_some(config));
         let inputs = self.files.iter().chain(&self.robot).chain(&self.config);
-        own::apart(outputs, inputs.map(PathBuf::as_path))?;
+        overwrite::apart(outputs, inputs.map(PathBuf::as_path))?;
         overwritable_like(&self.out, csv, self.force)?;
-        let same = std::fs::read(&self.out).is_ok_and(|old| old == csv.as_bytes());
-        if self.force || same || config.is_file() || !self.out.is_file() {
+        // A device may never end.
+        if self.force || config.is_file() || !self.out.is_file() {
             return Ok(());
         }
-        Err(foreign(&self.out))
+        let same = std::fs::read(&self.out).is_ok_and(|old| old == csv.as_bytes());
+        if same { Ok(()) } else { Err(foreign(&self.out)) }
     }
 
     /// An import.toml that somebody edited is not written over.

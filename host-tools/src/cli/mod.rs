@@ -9,6 +9,7 @@ mod console;
 mod diagnose;
 mod diff;
 mod evaluate;
+mod exit_status;
 mod export;
 mod fk;
 mod fleet;
@@ -18,13 +19,14 @@ mod import;
 mod inspect;
 mod man;
 mod markdown;
-mod own;
+mod overwrite;
 mod pack;
 mod page;
 mod plan;
 mod progress;
 mod robot;
 mod rows;
+mod shown;
 mod unpack;
 mod verify;
 mod words;
@@ -41,13 +43,14 @@ use truearm_host::files::write;
 use truearm_host::model::{Measurements, Model, Robot};
 use truearm_host::page::Page;
 use truearm_host::report::to_json;
-use truearm_host::{Error, Kind, Result};
+use truearm_host::{Error, ErrorKind, Result};
 
-use console::{End, Said, warn};
+use console::{Said, warn};
+use exit_status::End;
 
 /// Identify the true geometry of a robot arm from tracker measurements.
 #[derive(Parser)]
-#[command(name = "truearm", version, arg_required_else_help = true, after_help = console::TABLE)]
+#[command(name = "truearm", version, arg_required_else_help = true, after_help = exit_status::TABLE)]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,
@@ -168,7 +171,11 @@ fn read_blob(path: &Path) -> Result<Vec<u8>> {
 }
 
 fn refused(path: &Path, bytes: &[u8], refusal: &AcceptanceError) -> Error {
-    Error::data(Kind::Refused, format!("{}: {refusal}", path.display()), explain(bytes, refusal))
+    Error::data(
+        ErrorKind::Refused,
+        format!("{}: {refusal}", path.display()),
+        explain(bytes, refusal),
+    )
 }
 
 /// Writes the files of a folder, the page and its figures among them, and says the report as JSON or in words.
@@ -185,7 +192,7 @@ fn deliver(
     let mut wrote = String::new();
     if let Some(folder) = folder {
         let text = model.to_sound_toml()?;
-        own::in_folder(folder, model, force)?;
+        overwrite::in_folder(folder, model, force)?;
         write(&folder.join("model.toml"), text.as_bytes())?;
         write(&folder.join("report.json"), json.as_bytes())?;
         write(&folder.join("residuals.csv"), residuals().as_bytes())?;

@@ -7,9 +7,9 @@ use truearm_host::blob::{PackOptions, contents, notes, pack_with};
 use truearm_host::files::{read_key, write};
 use truearm_host::model::Model;
 use truearm_host::report::{PackReport, to_json};
-use truearm_host::{Error, Kind, Result};
+use truearm_host::{Error, ErrorKind, Result};
 
-use super::{Said, own, refused};
+use super::{Said, overwrite, refused};
 
 /// Pack a model into a parameter blob for the controller.
 #[derive(Args)]
@@ -102,7 +102,7 @@ fn family(text: &str) -> std::result::Result<u32, String> {
 impl Pack {
     pub fn run(self) -> Result<Said> {
         let inputs = [&self.model, &self.memory].into_iter().chain(&self.key);
-        own::apart([self.out.as_path()], inputs.map(PathBuf::as_path))?;
+        overwrite::apart([self.out.as_path()], inputs.map(PathBuf::as_path))?;
         let model = self.of_tool(Model::read(&self.model)?)?;
         let key = self.key.as_deref().map(read_key).transpose()?;
         let options = PackOptions { sequence: self.sequence, covariance: self.covariance, key };
@@ -110,7 +110,7 @@ impl Pack {
         let slot = self.region(bytes.len())?;
         let encoded = self.encoded(&bytes, slot.as_ref())?;
         if self.format() == Format::Bin {
-            own::blob_file(&self.out, &model, self.force)?;
+            overwrite::blob_file(&self.out, &model, self.force)?;
         }
         write(&self.out, &encoded)?;
         let remarks = remarks(&model);
@@ -138,7 +138,7 @@ impl Pack {
             let own = model.with_tool(marker)?;
             return match self.covariance && !known {
                 true => Err(Error::data(
-                    Kind::NoCovariance,
+                    ErrorKind::NoCovariance,
                     format!("{}: [covariance] is of another marker", self.model.display()),
                     "leave out --covariance, or --marker",
                 )),
@@ -174,7 +174,7 @@ impl Pack {
         let region = regions.find(&self.memory, name)?;
         if size > region.length as usize {
             return Err(Error::data(
-                Kind::NoSlot,
+                ErrorKind::NoSlot,
                 format!("{size} bytes of parameters, {name} has {}", region.length),
                 "make the slot larger in the linker script, or pack without --covariance",
             ));
@@ -186,7 +186,7 @@ impl Pack {
         let blob = Blob::check(bytes).map_err(|e| refused(Path::new(""), bytes, &e.into()))?;
         let slot = slot.ok_or_else(|| {
             Error::data(
-                Kind::NoSlot,
+                ErrorKind::NoSlot,
                 "ihex, uf2 and elf carry an address",
                 "say for which slot with --slot a or --slot b",
             )

@@ -9,12 +9,12 @@ use truearm_host::page::{Page, Planned, after_measuring, planned, separated};
 use truearm_host::plan::{Explained, PlanOptions, discriminate, plan};
 use truearm_host::report::{PlanReport, SeparatedAlternative, SeparationReport, to_json};
 use truearm_host::units::MICRO;
-use truearm_host::{Error, Kind, Result};
+use truearm_host::{Error, ErrorKind, Result};
 
 use super::page::write_page;
 use super::progress::Bar;
 use super::workspace::Where;
-use super::{End, Said, own, warn, words};
+use super::{End, Said, overwrite, warn, words};
 
 /// Choose the poses to measure before an identification, or to tell two
 /// explanations of `diagnose` apart.
@@ -101,7 +101,7 @@ impl Plan {
         };
         let end = match (found.reached, self.target_um) {
             (Some(false), Some(target)) => End::Failed(Error::data(
-                Kind::GoalMissed,
+                ErrorKind::GoalMissed,
                 format!(
                     "with {} poses the worst tool point is {:.1} um, not {target} um",
                     self.poses,
@@ -137,10 +137,10 @@ impl Plan {
         let inputs = [&self.robot].into_iter().chain(&self.discriminate);
         let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
         if let Some(page) = &self.html {
-            own::apart([page.as_path()], inputs.iter().copied())?;
-            own::page_file(page, self.force)?;
+            overwrite::apart([page.as_path()], inputs.iter().copied())?;
+            overwrite::page_file(page, self.force)?;
         }
-        own::write_like(&self.out, poses, &inputs, self.force)
+        overwrite::write_like(&self.out, poses, &inputs, self.force)
     }
 
     fn separate(&self, robot: &Robot, path: &Path, workspace: &Workspace) -> Result<Said> {

@@ -11,7 +11,7 @@ use truearm_host::model::Robot;
 use truearm_host::units::MILLI;
 use truearm_host::{Error, Result};
 
-use super::{Said, own, warn};
+use super::{Said, overwrite, warn};
 
 /// Make a robot.toml: of a URDF, a Denavit-Hartenberg table or a data sheet.
 #[derive(Args)]
@@ -99,7 +99,7 @@ impl MakeRobot {
             return Ok(made.text.into());
         };
         let table = self.source.dh.iter().flat_map(|dh| dh.get(1)).map(Path::new);
-        own::apart([out.as_path()], self.source.urdf.as_deref().into_iter().chain(table))?;
+        overwrite::apart([out.as_path()], self.source.urdf.as_deref().into_iter().chain(table))?;
         overwritable(out, self.force)?;
         write(out, signed(Comment::Hash, &made.text).as_bytes())?;
         warn(&made.warnings);

@@ -7,7 +7,7 @@ use truearm_host::blob::{Name, contents, not_carried, unpack};
 use truearm_host::files::write;
 use truearm_host::report::{UnpackReport, to_json};
 
-use super::{Said, own, read_blob, refused};
+use super::{Said, overwrite, read_blob, refused};
 
 /// Make a model.toml of a parameter blob; packing it gives the same bytes.
 #[derive(Args)]
@@ -33,11 +33,11 @@ pub struct Unpack {
 
 impl Unpack {
     pub fn run(self) -> Result<Said> {
-        own::apart([self.out.as_path()], [self.blob.as_path()])?;
+        overwrite::apart([self.out.as_path()], [self.blob.as_path()])?;
         let bytes = read_blob(&self.blob)?;
         let name = self.name.map(|name| Name { name, serial: self.serial });
         let model = unpack(&bytes, &self.blob, name)?;
-        own::model_file(&self.out, &model, self.force)?;
+        overwrite::model_file(&self.out, &model, self.force)?;
         write(&self.out, model.to_sound_toml()?.as_bytes())?;
         if self.json {
             let blob = Blob::check(&bytes).map_err(|e| refused(&self.blob, &bytes, &e.into()))?;

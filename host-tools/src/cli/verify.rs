@@ -7,13 +7,12 @@ use truearm_host::observations::kind;
 use truearm_host::page::verified;
 use truearm_host::report::{VerifyReport, to_json};
 use truearm_host::units::to_mm;
-use truearm_host::verify::{Conformity, STANDARD_REPEATS};
-use truearm_host::verify::{Verification, test_poses, verify};
+use truearm_host::verify::{Conformity, STANDARD_REPEATS, Verification, test_poses, verify};
 use truearm_host::{Error, Result};
 
 use super::page::write_page;
 use super::workspace::Where;
-use super::{End, Said, own, session, warn, words};
+use super::{End, Said, overwrite, session, warn, words};
 
 /// Verify the compensated arm on measured points: ISO 9283 accuracy and
 /// repeatability, pass or fail. Exit status 3: fail, 4: neither is proven.
@@ -79,7 +78,7 @@ const FILES: [&str; 3] = ["report.json", "errors.csv", "report.html"];
 impl Verify {
     pub fn run(self) -> Result<Said> {
         let tolerances = self.tolerances()?;
-        own::folder_apart(self.out.as_deref(), &FILES, self.inputs())?;
+        overwrite::folder_apart(self.out.as_deref(), &FILES, self.inputs())?;
         let model = Model::read(&self.model)?;
         let mut text = match &self.test_poses {
             Some(path) => self.propose(&model, path)?,
@@ -118,7 +117,7 @@ impl Verify {
         text += &if self.json { json.clone() } else { words::verification(&report) };
         if let Some(folder) = &self.out {
             let [to_report, to_errors, to_page] = FILES.map(|name| folder.join(name));
-            own::page_file(&to_page, self.force)?;
+            overwrite::page_file(&to_page, self.force)?;
             let errors = errors(&data.data, &report.after);
             overwritable(&to_report, self.force)?;
             overwritable_like(&to_errors, &errors, self.force)?;
@@ -164,7 +163,7 @@ impl Verify {
         let used = session(&self.apart_from, &robot)?;
         let poses = test_poses(model, &workspace, used.as_ref(), self.poses, self.seed)?;
         let inputs: Vec<&Path> = self.inputs().map(PathBuf::as_path).collect();
-        own::write_like(path, &poses_csv(&robot, "cmd", &poses, &[]), &inputs, self.force)?;
+        overwrite::write_like(path, &poses_csv(&robot, "cmd", &poses, &[]), &inputs, self.force)?;
         let said = format!("wrote {} test poses to {}\n", poses.len(), path.display());
         Ok(if self.json { String::new() } else { said })
     }

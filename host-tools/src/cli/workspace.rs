@@ -1,7 +1,6 @@
 use clap::Args;
 use nalgebra::Vector3;
-use truearm_host::model::Robot;
-use truearm_host::model::{Sight, Workspace};
+use truearm_host::model::{Robot, Sight, Workspace};
 use truearm_host::units::joint_from_file;
 use truearm_host::{Error, Result};
 

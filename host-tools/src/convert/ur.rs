@@ -4,7 +4,7 @@
 use truearm::{JointKind, Pose};
 
 use super::Identified;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::{Placement, Robot};
 use crate::units::to_mm;
 
@@ -51,7 +51,7 @@ fn check(robot: &Robot) -> Result<()> {
         let help = "this file is only for Universal Robots' arms in their own joint frames, as of \
                     `truearm robot --preset ur10e` or --urdf with --base-link base_link_inertia; for \
                     others use --urdf";
-        Err(Error::data(Kind::Refused, message, help))
+        Err(Error::data(ErrorKind::Refused, message, help))
     };
     if robot.joints.len() != LINKS.len() {
         return fail(format!("{} joints where a UR has 6", robot.joints.len()));

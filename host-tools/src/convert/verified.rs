@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use truearm::{JointKind, Pose};
 
 use super::frames::angle_between;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::Robot;
 
 /// Poses at which two descriptions of an arm are compared, beside zero.
@@ -45,7 +45,7 @@ pub fn verified(
         let good = apart <= TOLERANCE && turned <= TOLERANCE;
         if !good {
             return Err(Error::data(
-                Kind::Refused,
+                ErrorKind::Refused,
                 format!("the arm that was made is {apart:.1e} m and {turned:.1e} rad off at {q:?}"),
                 "nothing is written; this is an error of truearm, please report it with the file",
             ));

@@ -2,19 +2,21 @@
 
 use super::node::Node;
 use super::question::Question;
-use crate::error::{Kind, Result};
-use crate::identify::robust::Crowd;
-use crate::identify::{Noise, Problem, State, components};
+use crate::error::{ErrorKind, Result};
+use crate::identify::fit::robust::Crowd;
+use crate::identify::{Noise, Problem, State, noise_estimate};
 
 /// By how much each kind is noisier than stated, from a state; where many rows
 /// contradict the others they are what is shown, and nothing is known of the noise.
 ///
 /// # Errors
-/// As for [`components::noise`].
+/// As for [`noise_estimate::noise`].
 pub fn noise(problem: &Problem, rows: &[usize], state: &State, crowd: Crowd) -> Result<Noise> {
     let problem = problem.with_terms(state.terms.len());
-    match components::noise(&problem, rows, state) {
-        Err(e) if crowd == Crowd::Described && e.kind() == Kind::Contradiction => Ok(problem.noise),
+    match noise_estimate::noise(&problem, rows, state) {
+        Err(e) if crowd == Crowd::Described && e.kind() == ErrorKind::Contradiction => {
+            Ok(problem.noise)
+        }
         found => found,
     }
 }
@@ -26,7 +28,7 @@ const WEIGHS_OTHERWISE: f64 = 1.25;
 /// what geometry alone leaves is no noise, and weighs the kind that shows it least.
 ///
 /// # Errors
-/// As for [`components::noise`].
+/// As for [`noise_estimate::noise`].
 pub fn heard_anew(q: &Question, best: &Node) -> Result<Option<Noise>> {
     let found = noise(q.problem, q.rows, &best.fit.fit.state, q.flags.crowd)?;
     let ratios = found.over(&q.problem.noise, q.problem.data);

@@ -4,13 +4,13 @@
 //! ([`weigh`]) -> *show* the gap shrink on held-out poses -> verdict on what is
 //! left.
 
-mod answer;
 pub mod candidates;
 mod chi_square;
 mod kinds;
 pub mod moments;
 mod node;
 mod outcome;
+mod pipeline;
 pub mod policy;
 pub mod question;
 mod remarks;
@@ -24,22 +24,23 @@ pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Ve
 pub use tell::{instead, place};
 pub use weigh::Doubt;
 
-use crate::error::{Error, Kind, Result};
-use crate::identify::estimate::Estimate;
-use crate::identify::registration::register;
-use crate::identify::robust::{Crowd, Flags};
+use crate::error::{Error, ErrorKind, Result};
+use crate::identify::fit::estimate::Estimate;
+use crate::identify::fit::folds;
+use crate::identify::fit::robust::{Crowd, Flags};
+use crate::identify::start::registration::register;
 use crate::identify::typical::as_measured;
 use crate::identify::{
-    Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, blamed, enough, folds,
+    Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, blamed, enough,
     nominal_state,
 };
 use crate::model::{ErrorCurve, Measurements, Model, Robot};
 use crate::observations::{Residual, kind};
 use crate::statistics::Stats;
-use answer::answered;
 use candidates::Candidate;
 use moments::Moments;
 use node::Node;
+use pipeline::answered;
 use policy::POLICY;
 use question::Question;
 use show::{HeldOut, Show};
@@ -95,7 +96,7 @@ pub fn diagnose(
     }
     let with = |crowd| diagnosed(robot, data, holdout, options, crowd, progress);
     let done = match with(Crowd::Refused) {
-        Err(error) if error.kind() == Kind::Contradiction => with(Crowd::Described),
+        Err(error) if error.kind() == ErrorKind::Contradiction => with(Crowd::Described),
         done => done,
     };
     done.map_err(|error| blamed(robot, data, error))
@@ -181,7 +182,7 @@ fn same_torques(robot: &Robot, data: &Measurements, holdout: &Measurements) -> R
         return Ok(());
     }
     Err(Error::data(
-        Kind::NoTorques,
+        ErrorKind::NoTorques,
         format!("{}: no columns torque1_nm.., which the other file has", alone.path.display()),
         "springs that one file's torques show say nothing of rows without: give both files the \
          columns, or the robot gravity and [[links]]",

@@ -105,8 +105,8 @@ impl Moments {
     /// How the moments bend the springs of a state; `None` where it has none.
     #[must_use]
     pub fn bending(&self, state: &State) -> Option<Bending> {
-        let linear = |t: &Term<f64>| bends(t.effect.name()) && t.coefficient != 0.0;
-        let springs: Vec<_> = state.terms.iter().filter_map(of_arm).filter(linear).collect();
+        let spring = |t: &Term<f64>| is_spring(t.effect.name()) && t.coefficient != 0.0;
+        let springs: Vec<_> = state.terms.iter().filter_map(of_arm).filter(spring).collect();
         if springs.is_empty() {
             return None;
         }
@@ -116,15 +116,33 @@ impl Moments {
             Surroundings::new(&self.with(&units))
         };
         let loads = (0..self.found.len()).map(more).collect();
-        Some(Bending { springs, loads, found: self.found.clone() })
+        let (found, assumed) = (self.found.clone(), self.assumed);
+        Some(Bending { springs, loads, found, assumed })
     }
 
-    /// With what was found in units, nothing where no spring bends; whether any
-    /// moved by a tenth of its unit.
-    pub fn find(&mut self, found: &[f64]) -> bool {
-        let found = if found.is_empty() { vec![0.0; self.found.len()] } else { found.to_vec() };
-        let old = std::mem::replace(&mut self.found, found);
-        old.iter().zip(&self.found).any(|(old, new)| (old - new).abs() > 0.1)
+    /// With what was found in units, nothing where no spring bends.
+    pub fn find(&mut self, found: Vec<f64>) {
+        self.found = if found.is_empty() { vec![0.0; self.found.len()] } else { found };
+    }
+
+    /// These, and a share of what others have found beyond.
+    #[must_use]
+    pub fn towards(&self, others: &Self, share: f64) -> Self {
+        let between = |(own, other): (&f64, &f64)| own + share * (other - own);
+        let found = self.found.iter().zip(&others.found).map(between).collect();
+        Self { found, ..self.clone() }
+    }
+
+    /// Sum of squares of what was found, in units.
+    #[must_use]
+    pub fn norm_squared(&self) -> f64 {
+        self.found.iter().map(|m| m * m).sum()
+    }
+
+    /// Whether any is other than these by a tenth of its unit.
+    #[must_use]
+    pub fn moved_from(&self, others: &Self) -> bool {
+        self.found.iter().zip(&others.found).any(|(a, b)| (a - b).abs() > 0.1)
     }
 }
 
@@ -135,9 +153,10 @@ const FARTHEST: f64 = 0.5;
 /// The same loads by links whose centres of mass are near their joints. Mass that
 /// is added on a joint's axis is fixed in the link before it, and is taken back from
 /// the moments of all links before; on the first axis it does nothing but press on
-/// the base. A joint that slides feels every mass: there nothing is changed.
+/// the base, or on the rail that it stands on. Another joint that slides feels every mass
+/// behind it: there nothing is changed.
 fn within_reach(mut robot: Robot) -> Robot {
-    if robot.joints.iter().any(|j| j.link.kind == JointKind::Prismatic) {
+    if robot.joints.iter().skip(1).any(|j| j.link.kind == JointKind::Prismatic) {
         return robot;
     }
     for k in (0..robot.links.len()).rev() {
@@ -163,6 +182,12 @@ pub fn bends(name: &str) -> bool {
     linear.iter().any(|e| e.name() == name)
 }
 
+/// The same, or one that stiffens: it bends with the moments, if not in proportion.
+#[must_use]
+pub fn is_spring(name: &str) -> bool {
+    bends(name) || name == Effect::JointStiffening.name()
+}
+
 /// How a state's springs bend with the moments.
 pub struct Bending {
     springs: Vec<Term<f64>>,
@@ -170,9 +195,25 @@ pub struct Bending {
     loads: Vec<Surroundings>,
     /// What the state has, in units.
     found: Vec<f64>,
+    assumed: bool,
 }
 
 impl Bending {
+    /// Whether masses were only assumed.
+    #[must_use]
+    pub fn is_assumed(&self) -> bool {
+        self.assumed
+    }
+
+    /// How each spring moves the target of a row, m.
+    #[must_use]
+    pub fn actions(&self, problem: &Problem, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
+        let (row, here) = (&problem.data.rows[index], &problem.conditions.rows[index]);
+        let of =
+            |term: &Term<f64>| d.column(term, here, &row.q, &problem.nominal) * term.coefficient;
+        self.springs.iter().map(of).collect()
+    }
+
     /// What the state has of each moment, in units.
     #[must_use]
     pub fn found(&self) -> &[f64] {
@@ -204,6 +245,23 @@ fn of_arm(term: &ModelTerm) -> Option<Term<f64>> {
 mod tests {
     use super::*;
     use crate::model::Row;
+
+    /// On a rail, too: the same torques in all joints that turn.
+    #[test]
+    fn loads_stay_on_a_rail() {
+        let text = include_str!("../../../tests/data/ur10-ipa/robot.toml");
+        let mut robot = Robot::parse("robot.toml".as_ref(), text).unwrap();
+        robot.joints[0].link.kind = JointKind::Prismatic;
+        robot.links[3].com = Vector3::new(31.0, 2.0, 0.0);
+        let near = within_reach(robot.clone());
+        assert!(near.links.iter().all(|l| l.com.norm() <= FARTHEST * (1.0 + 1e-12)));
+        let [far, near] = [robot, near].map(|robot| Surroundings::new(&robot));
+        for k in 0..30 {
+            let q: Vec<f64> = (0..6).map(|j| (k * (j + 3)) as f64 % 5.0 - 2.5).collect();
+            let [a, b] = [&far, &near].map(|of| of.inputs(&Row::at(q.clone()), &q).torque);
+            assert!(a.iter().zip(&b).skip(1).all(|(a, b)| (a - b).abs() < 1e-9), "{k}");
+        }
+    }
 
     /// The same torques in every joint, and the same overturning moment but for a
     /// constant, by links whose centres are near.

@@ -5,7 +5,7 @@ use super::policy::POLICY;
 use super::question::Question;
 use crate::effects;
 use crate::error::Result;
-use crate::identify::robust::{RobustFit, robust_fit, robust_fit_near};
+use crate::identify::fit::robust::{RobustFit, robust_fit, robust_fit_near};
 use crate::identify::{Conditions, Problem, State};
 use crate::model::ModelTerm;
 

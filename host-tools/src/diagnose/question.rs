@@ -3,8 +3,8 @@
 use super::candidates::Candidate;
 use super::moments::Moments;
 use crate::identify::Problem;
-use crate::identify::folds::Fold;
-use crate::identify::robust::Flags;
+use crate::identify::fit::folds::Fold;
+use crate::identify::fit::robust::Flags;
 
 /// What is asked.
 #[derive(Clone, Copy)]

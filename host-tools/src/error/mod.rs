@@ -14,7 +14,7 @@ pub use words::{count, listed};
 /// Kinds of errors. The words are beside it and may change; the kind does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub enum Kind {
+pub enum ErrorKind {
     /// A file that could not be read or written.
     Io,
     /// Something wrong in a file the user wrote.
@@ -80,10 +80,10 @@ impl Label {
 
     /// The kind of error where it is not known.
     #[must_use]
-    pub fn unknown(self) -> Kind {
+    pub fn unknown(self) -> ErrorKind {
         match self {
-            Self::Station => Kind::UnknownStation,
-            Self::Marker => Kind::UnknownMarker,
+            Self::Station => ErrorKind::UnknownStation,
+            Self::Marker => ErrorKind::UnknownMarker,
         }
     }
 }
@@ -127,7 +127,7 @@ pub enum Error {
     #[error("{message}")]
     Data {
         /// Which kind.
-        kind: Kind,
+        kind: ErrorKind,
         /// What is wrong.
         message: String,
         /// What to do about it.
@@ -164,7 +164,7 @@ impl Error {
     }
 
     /// Of the data as a whole.
-    pub fn data(kind: Kind, message: impl Into<String>, help: impl Into<String>) -> Self {
+    pub fn data(kind: ErrorKind, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::Data { kind, message: shortened(message.into()), help: shortened(help.into()) }
     }
 
@@ -183,7 +183,7 @@ impl Error {
     #[must_use]
     pub fn contradiction(rows: usize, of: usize) -> Self {
         Self::data(
-            Kind::Contradiction,
+            ErrorKind::Contradiction,
             format!("{rows} of {of} rows contradict the rest"),
             "so many are no outliers: check joint senses, units and the nominal geometry; \
              `truearm diagnose` shows which rows they are",
@@ -194,7 +194,7 @@ impl Error {
     #[must_use]
     pub fn not_finite(what: &str, value: f64) -> Self {
         Self::data(
-            Kind::NotFinite,
+            ErrorKind::NotFinite,
             format!("{what} is {value}: nothing is written"),
             "a value of the robot, the model or the rows is too large to compute with, or too few \
              directions are known: `truearm check` looks for such",
@@ -203,11 +203,11 @@ impl Error {
 
     /// Which kind of error it is.
     #[must_use]
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ErrorKind {
         match self {
-            Self::Io { .. } => Kind::Io,
-            Self::File { .. } => Kind::File,
-            Self::Usage { .. } => Kind::Usage,
+            Self::Io { .. } => ErrorKind::Io,
+            Self::File { .. } => ErrorKind::File,
+            Self::Usage { .. } => ErrorKind::Usage,
             Self::Data { kind, .. } => *kind,
         }
     }

@@ -6,9 +6,9 @@ use nalgebra::Vector3;
 use truearm::{Link, Pose};
 
 use super::{Reregister, own_evidence, residuals};
-use crate::error::{Error, Kind, Label, Result};
+use crate::error::{Error, ErrorKind, Label, Result};
 use crate::identify::fit::{Freedom, fit};
-use crate::identify::registration::register;
+use crate::identify::start::registration::register;
 use crate::identify::{Conditions, Predictor, Problem, Scaling, State, rigid_transform};
 use crate::model::{Instrument, Measurements, Model, ModelTerm};
 use crate::observations::{kind, measuring};
@@ -92,7 +92,7 @@ pub fn known_instruments(
         known.iter().find(same).or(stated).cloned().ok_or_else(|| {
             let (what, label) = (wanted.form.name(), &wanted.label);
             Error::data(
-                Kind::UnknownMarker,
+                ErrorKind::UnknownMarker,
                 format!("{}: {what} \"{label}\" is unknown to the model", data.path.display()),
                 help,
             )
@@ -140,7 +140,7 @@ pub(super) fn with_bases(
         let to: Vec<_> = rows.iter().map(|i| data.rows[*i].measured.point()).collect();
         let fail = || {
             Error::data(
-                Kind::FrameUndetermined,
+                ErrorKind::FrameUndetermined,
                 format!("station \"{label}\": {} rows do not fix a tracker frame", rows.len()),
                 "measure at least three points that are not on a line",
             )

@@ -7,8 +7,8 @@ mod frames;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::error::{Error, Kind, Result};
-use crate::identify::components::{KindScore, scores};
+use crate::error::{Error, ErrorKind, Result};
+use crate::identify::noise_estimate::{KindScore, scores};
 use crate::identify::{Conditions, Predictor, State, View};
 use crate::model::{Measurements, Model};
 use crate::observations::Residual;
@@ -87,7 +87,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
     let kept: Vec<_> =
         (0..residuals.len()).filter(|i| !left_out.contains(i)).map(|i| residuals[i]).collect();
     if residuals.iter().all(|r| r.is_empty()) {
-        return Err(Error::data(Kind::NoRows, "no rows to score", "give a file with rows"));
+        return Err(Error::data(ErrorKind::NoRows, "no rows to score", "give a file with rows"));
     }
     let stats = |r: &[Residual]| {
         Stats::of(&r.iter().copied().filter(Residual::is_length).collect::<Vec<_>>())

@@ -34,6 +34,7 @@
 mod addition;
 mod aliases;
 mod candidate;
+mod coefficients;
 mod curve;
 mod gram;
 pub mod lines;
@@ -47,19 +48,18 @@ mod subset;
 pub mod tails;
 #[cfg(test)]
 mod tests;
-mod told;
 mod triangular;
 
 use nalgebra::DVector;
 
 pub use aliases::Aliases;
 pub use candidate::Candidate;
+pub use coefficients::Coefficient;
 pub use gram::{Geometry, Gram, Projected};
 pub use noise::NU;
 pub use posterior::{Claim, Posterior};
 pub use search::{Effort, WINDOW};
 pub use subset::{Subset, Subsets};
-pub use told::Coefficient;
 
 use search::Search;
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use super::source::Source;
-use crate::error::{Error, Kind, Place, Result};
+use crate::error::{Error, ErrorKind, Place, Result};
 
 /// A CSV file whose cells can be changed.
 pub struct CsvEdit<'a> {
@@ -111,7 +111,7 @@ impl<'a> CsvEdit<'a> {
 /// A text to be edited is not what was read from the file.
 pub(crate) fn not_that_text(path: &Path) -> Error {
     let message = format!("{}: not the text that was read", path.display());
-    Error::data(Kind::File, message, "the file changed in between: try again")
+    Error::data(ErrorKind::File, message, "the file changed in between: try again")
 }
 
 /// `[[joints]]`, or `joints = [{..}]`.

@@ -3,6 +3,7 @@
 
 mod columns;
 mod commanded;
+mod comment;
 mod covariance;
 mod digest;
 mod edit;
@@ -20,6 +21,7 @@ mod robot;
 mod signed;
 mod source;
 
+pub(crate) use comment::on_one_line;
 pub use edit::CsvEdit;
 pub(crate) use edit::{not_that_text, tables};
 pub use key::read_key;

@@ -14,7 +14,7 @@ use against::Against;
 pub use learn::Learned;
 use learn::learn;
 
-use crate::identify::error_bars::FACTOR;
+use crate::identify::certainty::error_bars::FACTOR;
 use crate::identify::typical::of_type;
 use crate::identify::{Identification, Unknown};
 use crate::model::Robot;

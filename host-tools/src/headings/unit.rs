@@ -60,13 +60,15 @@ pub enum Unit {
     Kg,
     /// Grams.
     G,
+    /// Pounds.
+    Lb,
     /// None.
     Plain,
 }
 
 /// Unit, how truearm writes it, how others do, and how many of the file's unit
 /// (degrees, mm, s, kg) one of it is.
-const UNITS: [(Unit, Quantity, &[&str], f64); 21] = [
+const UNITS: [(Unit, Quantity, &[&str], f64); 22] = [
     (Unit::Deg, Quantity::Angle, &["deg", "degree", "degrees", "°", "grad", "º"], 1.0),
     (Unit::Rad, Quantity::Angle, &["rad", "radian", "radians", "rads"], crate::units::DEGREES),
     (Unit::Mrad, Quantity::Angle, &["mrad"], crate::units::DEGREES * 1e-3),
@@ -87,6 +89,7 @@ const UNITS: [(Unit, Quantity, &[&str], f64); 21] = [
     (Unit::F, Quantity::Temperature, &["f", "°f", "degf", "fahrenheit"], 5.0 / 9.0),
     (Unit::Kg, Quantity::Mass, &["kg"], 1.0),
     (Unit::G, Quantity::Mass, &["g", "gram", "grams"], 1e-3),
+    (Unit::Lb, Quantity::Mass, &["lb", "lbs", "pound", "pounds"], 0.453_592_37),
     (Unit::Plain, Quantity::Plain, &["-", "none", "n/a"], 1.0),
 ];
 

@@ -1,11 +1,10 @@
 //! Which kind of measurement keeps the others from agreeing.
 
-use super::noise::Noise;
 use super::problem::{Problem, Scaling};
-use super::registration::register;
-use super::robust::{Flags, robust_fit};
-use super::unknowns::State;
-use crate::error::{Error, Kind};
+use crate::error::{Error, ErrorKind};
+use crate::identify::fit::robust::{Flags, robust_fit};
+use crate::identify::problem::{Noise, State};
+use crate::identify::start::registration::register;
 use crate::model::{KindId, Measurements, Robot};
 use crate::observations::KINDS;
 use crate::statistics::median;
@@ -30,7 +29,10 @@ const AGREE: f64 = 3.0;
 /// farthest off first, and of several that one without which they agree best.
 #[must_use]
 pub(super) fn named(problem: &Problem, rows: &[usize], start: &State, error: Error) -> Error {
-    if !matches!(error.kind(), Kind::NotConverged | Kind::Contradiction | Kind::Singular) {
+    if !matches!(
+        error.kind(),
+        ErrorKind::NotConverged | ErrorKind::Contradiction | ErrorKind::Singular
+    ) {
         return error;
     }
     let data = problem.data;

@@ -4,15 +4,14 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::estimate::{Estimate, decided};
 use super::fit::{Fit, Freedom, safe};
-use super::folds::Fold;
-use super::lambda::{LambdaRule, lambda_of};
-use super::linearised::Linearised;
 use super::problem::{Problem, Scaling};
-use super::robust::{Flags, RobustFit, robust_fit_near, settle};
-use super::unknowns::State;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
+use crate::identify::fit::estimate::{Estimate, decided};
+use crate::identify::fit::folds::Fold;
+use crate::identify::fit::robust::{Flags, RobustFit, robust_fit_near, settle};
+use crate::identify::fit::{LambdaRule, lambda_of};
+use crate::identify::problem::{Linearised, State};
 use crate::model::Row;
 use crate::observations::Residual;
 use crate::tikhonov::Normal;
@@ -137,7 +136,7 @@ impl<'a> Parts<'a> {
 
 /// Sums that rounding has left indefinite.
 fn indefinite() -> Error {
-    Error::data(Kind::NotConverged, "the sums of a fold are indefinite", "measure more poses")
+    Error::data(ErrorKind::NotConverged, "the sums of a fold are indefinite", "measure more poses")
 }
 
 /// Measured minus predicted for every row, predicted from the other folds with
@@ -145,7 +144,7 @@ fn indefinite() -> Error {
 /// for a row whose station or marker the other folds do not determine.
 ///
 /// # Errors
-/// As for [`estimate`](super::estimate::estimate).
+/// As for [`estimate`](crate::identify::fit::estimate::estimate).
 pub fn cross_validate(
     problem: &Problem,
     rule: LambdaRule,

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::error_bars::Uncertainty;
 use super::{LCurvePoint, LambdaChoice};
+use crate::identify::certainty::error_bars::Uncertainty;
 use crate::statistics::Stats;
 
 /// A flagged row of the measurements.

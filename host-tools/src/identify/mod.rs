@@ -3,62 +3,42 @@
 //! registration (first guesses) -> robust fit (flags) -> lambda -> fit ->
 //! cross-validation -> report. Nothing here reads or writes a file.
 
-pub mod accumulate;
 mod blame;
-pub mod components;
-mod conditions;
+pub mod certainty;
 pub mod cross_validation;
-mod damped;
-pub mod error_bars;
-pub mod estimate;
 mod figures;
 pub mod fit;
-pub mod folds;
-mod guess;
-mod l_curve;
-mod lambda;
-mod linearised;
-mod motion;
-mod noise;
-mod predictor;
-mod problem;
-pub mod redundancy;
-pub mod registration;
+pub mod noise_estimate;
+pub mod problem;
 mod remarks;
-mod rigid;
-pub mod robust;
-pub mod scale;
+pub mod start;
 mod summary;
-mod suspects;
 #[cfg(test)]
 mod tests;
-mod tool;
 pub mod typical;
-pub mod uncertainty;
-mod unknowns;
 
 pub use blame::blamed;
-pub use conditions::{Conditions, Surroundings};
 pub use figures::{AllRows, Condition, Figures, FlaggedRow, KindFigures};
-pub use l_curve::{LCurvePoint, l_curve};
-pub use lambda::{LambdaChoice, LambdaRule, choose};
-pub use linearised::{Equations, Linearised};
-pub use motion::Beside;
-pub(crate) use noise::{Group, groups};
-pub use noise::{Noise, in_deviations};
-pub use predictor::{Model as Predictor, View, measurement_column};
-pub use problem::{Problem, Scaling, link_corrections};
-pub use rigid::rigid_transform;
+pub use fit::{LCurvePoint, LambdaChoice, LambdaRule, choose, l_curve};
+pub use problem::{
+    Beside, Conditions, Equations, Layout, Linearised, Noise, Predictor, Problem, Scaling, State,
+    Surroundings, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unknown, Unknowns, View, in_deviations,
+    link_corrections, measurement_column,
+};
+pub(crate) use problem::{Group, groups};
+pub use start::rigid_transform;
 pub use summary::Findings;
-pub use unknowns::{Layout, State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unknown, Unknowns};
 
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::{KindId, Measurements, Model, Robot, Row};
 use crate::observations::{Residual, kind, measuring};
 use crate::tikhonov::Normal;
+use certainty::scale;
 use cross_validation::cross_validate;
-use estimate::estimate;
+use fit::estimate::estimate;
+use fit::folds;
 use fit::{Freedom, fit};
+use start::registration;
 
 /// What the user may choose.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -126,7 +106,7 @@ pub fn identify(
     let mut problem = problem.about(&start);
     let rows = problem.counted();
     let blamed = |problem: &Problem, e: Error| blame::named(problem, &rows, &start, e);
-    let noise = components::noise(&problem, &rows, &start);
+    let noise = noise_estimate::noise(&problem, &rows, &start);
     problem.noise = noise.map_err(|e| blamed(&problem, e))?;
     let rule = in_force(options.rule, &problem, &start);
     let folds = folds::random(data, &rows, folds::SEED);
@@ -140,7 +120,7 @@ pub fn identify(
 
     let found = estimate(&problem, rule, &rows, &start, true);
     let found = found.map_err(|e| blamed(&problem, e))?;
-    components::none_is_lost(data, &rows, &found.robust.outliers)?;
+    noise_estimate::none_is_lost(data, &rows, &found.robust.outliers)?;
     tick();
     let held_out = cross_validate(&problem, rule, &folds, &found, &tick)?;
     let blocked = match &blocks {
@@ -199,7 +179,7 @@ pub(crate) fn enough(problem: &Problem, options: &Options) -> Result<()> {
     let data = problem.data;
     if data.poses == 1 {
         return Err(Error::data(
-            Kind::TooFewPoses,
+            ErrorKind::TooFewPoses,
             format!("{}: all rows have the same joint values", data.path.display()),
             "measure different poses; column q1_deg.. is the encoder reading of each",
         ));
@@ -218,7 +198,7 @@ pub(crate) fn enough(problem: &Problem, options: &Options) -> Result<()> {
     let unknowns = problem.unknowns.list().len();
     if equations < unknowns && !options.allow_few_poses {
         return Err(Error::data(
-            Kind::TooFewPoses,
+            ErrorKind::TooFewPoses,
             format!(
                 "{}: {points} distinct points give {equations} equations for {unknowns} unknowns",
                 data.path.display(),

@@ -1,7 +1,8 @@
 //! What looks wrong with measurements but may be meant.
 
-use super::noise::{Group, groups};
-use super::summary::Findings;
+use super::problem::Problem;
+use crate::identify::problem::{Group, groups};
+use crate::model::Robot;
 use crate::observations::{KINDS, kind};
 
 /// Noise is stated within a factor of two at best, and what an arm has beyond geometry is
@@ -13,11 +14,11 @@ const FAR: f64 = 10.0;
 const FAR_BESIDE: f64 = 6.0;
 const CALM: f64 = 3.0;
 
-/// A sentence each.
+/// A sentence each; `scale` is that of the fit's residuals over their standard deviations.
 #[must_use]
-pub fn of(found: &Findings) -> Vec<String> {
-    let data = found.problem.data;
-    let mut warnings = [found.robot.warnings.clone(), data.warnings.clone()].concat();
+pub fn of(robot: &Robot, problem: &Problem, scale: f64) -> Vec<String> {
+    let data = problem.data;
+    let mut warnings = [robot.warnings.clone(), data.warnings.clone()].concat();
     let again = data.rows.len() - data.distinct().len();
     if again > 0 {
         warnings.push(format!(
@@ -35,28 +36,31 @@ pub fn of(found: &Findings) -> Vec<String> {
             data.poses
         ));
     }
-    warnings.extend(noisy(found));
-    warnings.extend(of_two_stations(found));
+    warnings.extend(noisy(problem, scale));
+    warnings.extend(of_two_stations(problem));
     warnings
 }
 
 /// Kinds that are far noisier than stated.
-fn noisy(found: &Findings) -> Vec<String> {
-    let (data, noise) = (found.problem.data, &found.problem.noise);
+fn noisy(problem: &Problem, scale: f64) -> Vec<String> {
+    let (data, noise) = (problem.data, &problem.noise);
     let groups = groups(data);
     // Of one kind alone the fit scales its own.
     let alone = groups.len() < 2;
-    let factor = |g: &Group| {
-        if alone { found.found.robust.scale } else { noise.of(g.kind, g.measure) }
-    };
+    let factor = |g: &Group| if alone { scale } else { noise.of(g.kind, g.measure) };
     let beside = groups.iter().any(|g| factor(g) < CALM);
     let limit = if beside { FAR_BESIDE } else { FAR };
     let far = groups.iter().filter(|g| factor(g) > limit);
     let sentence = |g: &Group| {
         let known = KINDS[usize::from(g.kind.0)];
+        // Nothing beside it says whether the instrument is wrong or the arm.
+        let arm = match alone {
+            true => "the arm does what this model lacks (`truearm diagnose` looks for it), or ",
+            false => "",
+        };
         format!(
-            "{}: rows of kind {} are {:.0} times as far off as their stated sigma ({}): check {}, \
-             and the unit of the sigma",
+            "{}: rows of kind {} are {:.0} times as far off as their stated sigma ({}): {arm}check \
+             {}, and the unit of the sigma",
             data.path.display(),
             known.name(),
             factor(g),
@@ -69,8 +73,8 @@ fn noisy(found: &Findings) -> Vec<String> {
 
 /// Places that rows of several stations refer to: a station has a frame of its own, and in
 /// two frames one place is two.
-fn of_two_stations(found: &Findings) -> Vec<String> {
-    let (data, unknowns) = (found.problem.data, &found.problem.unknowns);
+fn of_two_stations(problem: &Problem) -> Vec<String> {
+    let (data, unknowns) = (problem.data, &problem.unknowns);
     let mut out = Vec::new();
     for (i, instrument) in data.instruments.iter().enumerate().filter(|(_, i)| !i.on_flange) {
         let own = data.rows.iter().filter(|row| row.refers.contains(&i));

@@ -4,16 +4,18 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use truearm::{MdhParameters, Pose};
 
-use super::error_bars::{Covariances, spread, uncertainty};
-use super::estimate::Estimate;
 use super::figures::{AllRows, Figures, FlaggedRow};
-use super::l_curve::l_curve;
 use super::problem::link_corrections;
-use super::uncertainty::{factor, instruments, of_arm};
 use super::{
-    Identification, LambdaRule, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE, components,
-    redundancy, remarks, rigid_transform, robust, scale, tool,
+    Identification, LambdaRule, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE,
+    noise_estimate, remarks, rigid_transform,
 };
+use crate::identify::certainty::covariance::{factor, instruments, of_arm};
+use crate::identify::certainty::error_bars::{Covariances, spread, uncertainty};
+use crate::identify::certainty::{redundancy, scale};
+use crate::identify::fit::estimate::Estimate;
+use crate::identify::fit::{l_curve, robust};
+use crate::identify::start::tool;
 use crate::model::arm::chain;
 use crate::model::{ErrorCurve, Measurements, Model, Provenance, Robot};
 use crate::observations::{Residual, kind};
@@ -107,10 +109,10 @@ impl Findings<'_> {
             unidentifiable: redundancy.redundant,
             weakly_determined: redundancy.weak,
             uncertainty: uncertainty(problem, found, &self.covariances()),
-            kinds: components::figures(problem, results),
-            left_open: components::left_open(data),
+            kinds: noise_estimate::figures(problem, results),
+            left_open: noise_estimate::left_open(data),
             orientation_identified: orientation_identified(problem, found, &self.covariances()),
-            warnings: remarks::of(self),
+            warnings: remarks::of(robot, problem, found.robust.scale),
         }
     }
 

@@ -4,10 +4,10 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::cross_validation::Parts;
-use super::estimate::{Estimate, decided, estimate};
-use super::folds;
-use super::robust::{Flags, RobustFit, from_all, robust_fit, robust_fit_near};
 use super::{LambdaRule, Problem, Scaling, State};
+use crate::identify::fit::estimate::{Estimate, decided, estimate};
+use crate::identify::fit::folds;
+use crate::identify::fit::robust::{Flags, RobustFit, from_all, robust_fit, robust_fit_near};
 use crate::model::{Measurements, Robot};
 use crate::observations::measuring;
 use crate::observations::tests::{cell, read, robot, start};

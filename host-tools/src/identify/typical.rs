@@ -7,11 +7,12 @@ use std::borrow::Cow;
 use nalgebra::DVector;
 use truearm::LinkParameter;
 
-use super::estimate::estimate;
 use super::problem::{Problem, Scaling};
-use super::unknowns::Unknown;
-use super::{LambdaRule, components, registration};
+use super::start::registration;
+use super::{LambdaRule, noise_estimate};
 use crate::error::Result;
+use crate::identify::fit::estimate::estimate;
+use crate::identify::problem::Unknown;
 use crate::model::{Joint, Measurements, Robot};
 use crate::tikhonov::{Factorised, Normal};
 
@@ -90,7 +91,7 @@ fn links(robot: &Robot, data: &Measurements) -> Result<Normal> {
     let start = registration::register(data, &problem.nominal, robot.tool)?;
     let mut problem = problem.about(&start);
     let rows = problem.counted();
-    problem.noise = components::noise(&problem, &rows, &start)?;
+    problem.noise = noise_estimate::noise(&problem, &rows, &start)?;
     let found = estimate(&problem, LambdaRule::default(), &rows, &start, false)?;
     let triangle = problem.linearise(&found.fit.state).triangle(&found.robust.kept, None);
     Ok(Factorised::new(&triangle, problem.unknowns.free()).penalised())

@@ -7,9 +7,10 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Place, Result};
+use crate::files::on_one_line;
 use crate::headings::Unit;
 
-use super::own::own;
+use super::native::own;
 
 /// The schema of the file.
 const SCHEMA: &str = "truearm-import-config-1";
@@ -169,7 +170,7 @@ impl Config {
         let mut line = |what: String| text += &(what + "\n");
         line(format!("schema = \"{SCHEMA}\""));
         if self.files.len() > 1 {
-            line(format!("# {}", one_line(&self.join_because)));
+            line(format!("# {}", on_one_line(&self.join_because)));
             match &self.join {
                 Join::Order => line("join = \"order\"".to_owned()),
                 Join::Stack => line("join = \"stack\"".to_owned()),
@@ -181,7 +182,7 @@ impl Config {
         }
         for (file, evidence) in self.files.iter().zip(&self.evidence) {
             line("\n[[files]]".to_owned());
-            evidence.iter().for_each(|why| line(format!("# {}", one_line(why))));
+            evidence.iter().for_each(|why| line(format!("# {}", on_one_line(why))));
             line(toml::to_string(file).unwrap_or_default().trim_end().to_owned());
         }
         text += "\n[columns]\n";
@@ -190,8 +191,12 @@ impl Config {
             let unit = if pick.unit == Unit::Plain { "" } else { pick.unit.word() };
             let what: Vec<&str> =
                 [called.as_str(), unit].into_iter().filter(|w| !w.is_empty()).collect();
-            let _ =
-                writeln!(text, "# {to}: {}, because {}", what.join(", "), one_line(&pick.because));
+            let _ = writeln!(
+                text,
+                "# {to}: {}, because {}",
+                what.join(", "),
+                on_one_line(&pick.because)
+            );
             let file = if self.files.len() > 1 {
                 format!("file = {}, ", pick.file + 1)
             } else {
@@ -227,12 +232,8 @@ pub(super) fn called(pick: &Pick) -> String {
     if pick.name.is_empty() {
         format!("column {number}")
     } else {
-        format!("column {number} \"{}\"", pick.name)
+        format!("column {number} \"{}\"", on_one_line(&pick.name))
     }
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// The names of measurements.csv beyond joints, in the order of its columns.

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::config::{Config, Join, Pick};
 use super::join::RowRef;
+use super::native::{Own, has_point, own};
 use super::number::{plain, seconds};
-use super::own::{Own, has_point, own};
 use super::table::Table;
 use super::turn::{Form, quaternion};
 use crate::error::{Error, Result};

@@ -6,7 +6,6 @@
 //! its evidence, and what cannot be told is an error that names the flag.
 
 mod agreement;
-mod book;
 mod config;
 mod convert;
 mod decode;
@@ -14,11 +13,12 @@ mod fixed;
 mod guess;
 mod join;
 mod layout;
+mod native;
 mod number;
 mod options;
-mod own;
 mod record;
 mod sniff;
+mod spreadsheet;
 mod suffix;
 mod table;
 mod turn;

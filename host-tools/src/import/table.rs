@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::config::FileConfig;
 use super::number::number;
 use super::sniff::{Dialect, Line, sniff};
-use super::{book, decode, fixed, layout, suffix};
+use super::{decode, fixed, layout, spreadsheet, suffix};
 use crate::error::{Error, Place, Result, listed};
 use crate::headings::Heading;
 
@@ -36,8 +36,9 @@ impl Table {
         let mut settled = FileConfig { file: path.display().to_string(), ..asked.clone() };
         let mut evidence = Vec::new();
         let (lines, dialect, layout, units);
-        if book::is_book(&bytes) {
-            let (mut found, sheet, because) = book::read(path, &bytes, asked.sheet.as_deref())?;
+        if spreadsheet::is_book(&bytes) {
+            let (mut found, sheet, because) =
+                spreadsheet::read(path, &bytes, asked.sheet.as_deref())?;
             evidence.push(format!("sheet \"{sheet}\": {because}"));
             settled.sheet = Some(sheet);
             let decimal = asked.decimal.as_deref().map(Dialect::decimal_of).transpose()?;

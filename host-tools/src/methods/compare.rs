@@ -9,11 +9,12 @@ use serde::Serialize;
 use super::{Frames, Method, Task};
 use crate::error::Result;
 use crate::evaluate::{Reregister, residuals, state_on};
-use crate::identify::registration::register;
-use crate::identify::robust::{Flags, robust_fit};
+use crate::identify::certainty::redundancy;
+use crate::identify::fit::robust::{Flags, robust_fit};
+use crate::identify::start::registration::register;
 use crate::identify::{
     Condition, Conditions, Options, Problem, Scaling, State, enough, link_corrections,
-    nominal_state, redundancy,
+    nominal_state,
 };
 use crate::model::{Measurements, Model, Robot};
 use crate::observations::Residual;

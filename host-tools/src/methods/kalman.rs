@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Method, Solution, Task};
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::identify::{State, Unknown};
 
 /// EKF over the parameters, which do not move in time. The prior is the
@@ -65,7 +65,7 @@ impl Method for Kalman {
             let pht = &p * h.transpose();
             let inverse = (&h * &pht + &noise).try_inverse().ok_or_else(|| {
                 Error::data(
-                    Kind::Singular,
+                    ErrorKind::Singular,
                     "the innovation covariance is singular",
                     "give a sigma above zero",
                 )

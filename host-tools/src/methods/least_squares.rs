@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Method, Solution, Task};
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 
 /// LSM by the pseudo-inverse: `x = U^+ S`, singular values below rounding
 /// (`max(m, n) eps sigma_1`, as pinv of Matlab and numpy) counting as zero.
@@ -20,7 +20,7 @@ pub(super) fn pseudo_inverse(u: DMatrix<f64>, s: &DVector<f64>) -> Result<DVecto
     let size = u.nrows().max(u.ncols()) as f64;
     let svd = u.svd(true, true);
     let zero = size * f64::EPSILON * svd.singular_values.max();
-    svd.solve(s, zero).map_err(|e| Error::data(Kind::Singular, e, "check the measurements"))
+    svd.solve(s, zero).map_err(|e| Error::data(ErrorKind::Singular, e, "check the measurements"))
 }
 
 impl Method for PseudoInverse {
@@ -52,7 +52,7 @@ impl Method for NormalEquations {
         let (u, s) = task.system(task.start());
         let step = u.tr_mul(&u).lu().solve(&u.tr_mul(&s)).ok_or_else(|| {
             Error::data(
-                Kind::Singular,
+                ErrorKind::Singular,
                 "the normal equations are singular",
                 "use a regularised method",
             )

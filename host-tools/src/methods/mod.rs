@@ -21,7 +21,7 @@ pub use rpim::{Printed, PrintedRpim, Rpim};
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::identify::{Linearised, Problem, Scaling, State, Unknown};
 
 /// Which unknowns the classical methods move.
@@ -126,7 +126,7 @@ impl<'a> Task<'a> {
     pub fn stepped(&self, state: &State, step: &DVector<f64>) -> Result<State> {
         if !step.iter().all(|x| x.abs() < 1e6) {
             return Err(Error::data(
-                Kind::Singular,
+                ErrorKind::Singular,
                 "the step is not finite or kilometres long",
                 "the problem is singular: use a regularised method",
             ));

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::least_squares::pseudo_inverse;
 use super::{Method, Solution, Task};
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::identify::Unknown;
 use crate::tikhonov::NOISE;
 
@@ -150,7 +150,7 @@ impl Method for LevenbergMarquardt {
                 *mu *= 10.0;
                 if !mu.is_finite() {
                     return Err(Error::data(
-                        Kind::NotConverged,
+                        ErrorKind::NotConverged,
                         "no damping lowers the cost",
                         "check the data",
                     ));

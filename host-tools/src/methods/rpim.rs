@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::{Method, Solution, Task};
 use crate::error::Result;
-use crate::identify::estimate::regularised;
+use crate::identify::fit::estimate::regularised;
 use crate::identify::fit::{Freedom, fit};
 use crate::identify::{LambdaRule, State};
 use crate::tikhonov::{Factorised, Triangle};

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 use truearm::{MdhParameters, Pose};
 
 use super::robot::Robot;
-use crate::error::{Error, Kind, Result, listed};
+use crate::error::{Error, ErrorKind, Result, listed};
 use crate::model::{ErrorCurve, Instrument, Measurements, ModelTerm};
 
 /// An identified arm: what `identify` writes, `evaluate` scores, `pack` flashes.
@@ -82,14 +82,14 @@ impl Model {
     /// need them: from masses, or as every row has read them.
     ///
     /// # Errors
-    /// [`Kind::NoTorques`], naming the file of the rows.
+    /// [`ErrorKind::NoTorques`], naming the file of the rows.
     pub fn loaded(&self, data: &Measurements) -> Result<()> {
         let needed = |t: &ModelTerm| matches!(t, ModelTerm::Arm(term) if term.needs_load());
         if self.robot.is_weighed() || data.has_torques() || !self.terms.iter().any(needed) {
             return Ok(());
         }
         Err(Error::data(
-            Kind::NoTorques,
+            ErrorKind::NoTorques,
             format!(
                 "{}: the model's springs were identified from torques that were read, and these rows \
                  have none",

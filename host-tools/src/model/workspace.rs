@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
 
 use super::robot::Robot;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::units::{joint_from_file, joint_to_file};
 
 /// A pose is given up for when so many draws gave none.
@@ -45,14 +45,14 @@ impl Workspace {
         if let Some(limits) = limits {
             if limits.len() != joints {
                 return Err(Error::data(
-                    Kind::NoPoses,
+                    ErrorKind::NoPoses,
                     format!("limits of {} joints, but the robot has {joints}", limits.len()),
                     "give low:high for every joint, separated by commas",
                 ));
             }
             if let Some([low, high]) = limits.iter().find(|[low, high]| low >= high) {
                 return Err(Error::data(
-                    Kind::NoPoses,
+                    ErrorKind::NoPoses,
                     format!("limits from {low} to {high} rad or m"),
                     "give the lower limit first",
                 ));
@@ -65,7 +65,7 @@ impl Workspace {
             .collect();
         if !missing.is_empty() {
             return Err(Error::data(
-                Kind::NoPoses,
+                ErrorKind::NoPoses,
                 format!("{}: no limits of joints {}", robot.path.display(), missing.join(", ")),
                 "add limits_deg (limits_mm) to its [[joints]], or give --limits low:high,... \
                  for all joints",
@@ -119,7 +119,7 @@ impl Workspace {
                 tries = 0;
             } else if tries > MOST_TRIES {
                 return Err(Error::data(
-                    Kind::NoPoses,
+                    ErrorKind::NoPoses,
                     format!(
                         "of {MOST_TRIES} random poses within the joint limits none is in the box \
                          and in the tracker's sight"

@@ -4,7 +4,7 @@
 use nalgebra::DMatrix;
 
 use super::partials::InFrame;
-use super::{Book, Bound, Column, Kind, Partials, Seen, Told, Unclear};
+use super::{Bound, Column, Kind, Partials, Registry, Seen, Told, Unclear};
 use crate::model::{Form, Values};
 
 /// The point of the column `anchor`; without a label there is one.
@@ -23,7 +23,7 @@ impl Kind for Closure {
         &["anchor"]
     }
 
-    fn bind(&self, told: &Told, book: &mut dyn Book) -> Result<Bound, Unclear> {
+    fn bind(&self, told: &Told, book: &mut dyn Registry) -> Result<Bound, Unclear> {
         let anchor = book.instrument(&[Form::Anchor], (told.text)("anchor"));
         Ok(Bound { refers: vec![anchor], known: Vec::new() })
     }

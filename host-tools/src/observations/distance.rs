@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, Vector3};
 
 use super::partials::InFrame;
-use super::{Book, Bound, Column, Kind, Partials, Seen, Told, Unclear};
+use super::{Bound, Column, Kind, Partials, Registry, Seen, Told, Unclear};
 use crate::model::{Form, Row, Values};
 
 /// A length, m.
@@ -31,7 +31,7 @@ impl Kind for Distance {
         &["anchor"]
     }
 
-    fn bind(&self, told: &Told, book: &mut dyn Book) -> Result<Bound, Unclear> {
+    fn bind(&self, told: &Told, book: &mut dyn Registry) -> Result<Bound, Unclear> {
         let anchor = book.instrument(&[Form::Anchor], (told.text)("anchor"));
         Ok(Bound { refers: vec![anchor], known: Vec::new() })
     }

@@ -4,7 +4,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::{ArmPart, Body, Book, Bound, Column, Kind, Measure, Partials, Seen, Told, Unclear};
+use super::{ArmPart, Body, Bound, Column, Kind, Measure, Partials, Registry, Seen, Told, Unclear};
 use crate::model::{Form, Row, Values};
 
 /// Two angles, each of one axis of the inclinometer.
@@ -25,7 +25,7 @@ impl Kind for Inclination {
         ]
     }
 
-    fn bind(&self, told: &Told, book: &mut dyn Book) -> Result<Bound, Unclear> {
+    fn bind(&self, told: &Told, book: &mut dyn Registry) -> Result<Bound, Unclear> {
         let mount = book.instrument(&[Form::Turn], told.marker);
         let up = book.instrument(&[Form::Up], "");
         Ok(Bound { refers: vec![up, mount], known: Vec::new() })

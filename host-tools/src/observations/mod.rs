@@ -5,7 +5,6 @@
 //! columns of the file that it reads. Nothing else knows how many equations a
 //! row has. A new kind is a file here and a row of [`KINDS`].
 
-mod book;
 mod closure;
 mod column;
 mod distance;
@@ -18,6 +17,7 @@ mod point;
 mod pose;
 mod range;
 mod reading;
+mod registry;
 mod residual;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -29,11 +29,11 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 use truearm::Pose;
 
 use crate::model::{Instrument, KindId, Measurements, Row, Values};
-pub use book::{Book, Bound, Told, Unclear};
 pub use column::{Column, Measure};
 pub use partials::{ArmPart, Body, Partials};
 pub use range::ray_of;
 pub use reading::{Reading, postures};
+pub use registry::{Bound, Registry, Told, Unclear};
 pub use residual::{Miss, Residual};
 
 /// All kinds. A row's [`KindId`] is the place of its kind here.
@@ -91,7 +91,7 @@ pub trait Kind: Sync {
     ///
     /// # Errors
     /// A label that is missing or says nothing.
-    fn bind(&self, _told: &Told, _book: &mut dyn Book) -> Result<Bound, Unclear> {
+    fn bind(&self, _told: &Told, _book: &mut dyn Registry) -> Result<Bound, Unclear> {
         Ok(Bound::default())
     }
 
@@ -269,7 +269,7 @@ pub fn points_only(data: &Measurements, verb: &str) -> crate::Result<Measurement
         if !to_point(row) {
             let (file, own) = (data.file_of(i).display(), &data.rows[i]);
             return Err(crate::Error::data(
-                crate::Kind::Usage,
+                crate::ErrorKind::Usage,
                 format!(
                     "{file}:{}: a row of kind {}, which {verb} does not take",
                     own.line,

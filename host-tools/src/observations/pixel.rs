@@ -8,7 +8,7 @@ use truearm::Pose;
 
 use super::partials::any;
 use super::plate::hole;
-use super::{ArmPart, Body, Book, Bound, Column, Kind, Measure, Partials, Seen, Told, Unclear};
+use super::{ArmPart, Body, Bound, Column, Kind, Measure, Partials, Registry, Seen, Told, Unclear};
 use crate::model::{Form, Instrument, Row, Values};
 
 /// Of the columns `camera`, `image` and `plate` with `hole`, or `anchor`.
@@ -35,7 +35,7 @@ impl Kind for Pixel {
         &["camera", "image", "plate", "hole", "anchor"]
     }
 
-    fn bind(&self, told: &Told, book: &mut dyn Book) -> Result<Bound, Unclear> {
+    fn bind(&self, told: &Told, book: &mut dyn Registry) -> Result<Bound, Unclear> {
         let label = (told.text)("camera");
         let camera = book.known(Form::Camera, label).ok_or_else(|| {
             let help = "give it in instruments.toml: [[cameras]] with label, focal_px, centre_px";

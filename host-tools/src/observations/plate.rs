@@ -5,7 +5,7 @@
 use nalgebra::{DMatrix, Vector3};
 
 use super::partials::InFrame;
-use super::{Book, Bound, Column, Kind, Partials, Seen, Told, Unclear};
+use super::{Bound, Column, Kind, Partials, Registry, Seen, Told, Unclear};
 use crate::model::{Form, Row, Values};
 
 /// Of the columns `plate` and `hole`.
@@ -24,7 +24,7 @@ impl Kind for Plate {
         &["plate", "hole"]
     }
 
-    fn bind(&self, told: &Told, book: &mut dyn Book) -> Result<Bound, Unclear> {
+    fn bind(&self, told: &Told, book: &mut dyn Registry) -> Result<Bound, Unclear> {
         let (plate, known) = hole(told, book)?;
         Ok(Bound { refers: vec![plate], known: known.iter().copied().collect() })
     }
@@ -56,7 +56,7 @@ impl Kind for Plate {
 }
 
 /// The plate of a row and the coordinates of the hole, m.
-pub(super) fn hole(told: &Told, book: &mut dyn Book) -> Result<(usize, Vector3<f64>), Unclear> {
+pub(super) fn hole(told: &Told, book: &mut dyn Registry) -> Result<(usize, Vector3<f64>), Unclear> {
     let [plate, hole] = ["plate", "hole"].map(told.text);
     let known = book.known(Form::Plate, plate).zip(book.hole(plate, hole));
     known.ok_or_else(|| {

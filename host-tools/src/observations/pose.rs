@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3}
 
 use super::partials::any;
 use super::{
-    ArmPart, Body, Book, Bound, Column, Kind, Measure, Partials, Seen, Told, Unclear, point,
+    ArmPart, Body, Bound, Column, Kind, Measure, Partials, Registry, Seen, Told, Unclear, point,
 };
 use crate::model::{Form, Row, Values};
 
@@ -33,7 +33,7 @@ impl Kind for FullPose {
         ]
     }
 
-    fn bind(&self, told: &Told, book: &mut dyn Book) -> Result<Bound, Unclear> {
+    fn bind(&self, told: &Told, book: &mut dyn Registry) -> Result<Bound, Unclear> {
         Ok(Bound { refers: vec![book.instrument(&[Form::Turn], told.marker)], known: Vec::new() })
     }
 

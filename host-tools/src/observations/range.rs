@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use super::distance::COLUMNS;
 use super::partials::any;
-use super::{ArmPart, Body, Book, Bound, Column, Kind, Partials, Seen, Told, Unclear};
+use super::{ArmPart, Body, Bound, Column, Kind, Partials, Registry, Seen, Told, Unclear};
 use crate::model::{Form, Row, Values};
 
 /// The plane of the column `surface`; without a label there is one.
@@ -41,7 +41,7 @@ impl Kind for Range {
         Cow::Owned(ray_of(marker))
     }
 
-    fn bind(&self, told: &Told, book: &mut dyn Book) -> Result<Bound, Unclear> {
+    fn bind(&self, told: &Told, book: &mut dyn Registry) -> Result<Bound, Unclear> {
         let new = book.known(Form::Turn, told.marker).is_none();
         let ray = book.instrument(&[Form::Turn], told.marker);
         if new {

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::distance::along;
 use super::partials::InFrame;
-use super::{Book, Bound, Column, Kind, Partials, Seen, Told, Unclear};
+use super::{Bound, Column, Kind, Partials, Registry, Seen, Told, Unclear};
 use crate::model::{Form, Values};
 
 /// The surface of the column `surface`; without a label there is one.
@@ -28,7 +28,7 @@ impl Kind for Touch {
         &["surface"]
     }
 
-    fn bind(&self, told: &Told, book: &mut dyn Book) -> Result<Bound, Unclear> {
+    fn bind(&self, told: &Told, book: &mut dyn Registry) -> Result<Bound, Unclear> {
         let surface = book.instrument(&SURFACES, (told.text)("surface"));
         let probe = book.known(Form::Probe, told.marker);
         Ok(Bound { refers: std::iter::once(surface).chain(probe).collect(), known: Vec::new() })

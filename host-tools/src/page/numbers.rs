@@ -1,4 +1,10 @@
-//! Numbers as the page says them.
+//! Numbers and names of files as the page says them.
+
+/// The last part of a path: where a file stands is no business of a report's reader.
+pub fn file_name(path: &str) -> String {
+    let name = std::path::Path::new(path).file_name();
+    name.map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
+}
 
 /// Numbers with runs drawn together: 1 to 3, 5.
 pub fn runs(numbers: &[usize]) -> String {

@@ -4,7 +4,7 @@ use truearm::{JointKind, Pose, Task};
 use super::forward::{Forward, View, off};
 use super::inverse::{Followed, Inverse};
 use super::law::{self, Applied, Asked, Law};
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::{Coordinates, JointTables, Model, Path, Placement};
 use crate::units::joint_to_file;
 
@@ -153,7 +153,7 @@ impl One<'_> {
         let Applied { joints, clamped, covered } =
             self.law.apply(row, command).map_err(|refusal| {
                 Error::data(
-                    Kind::Refused,
+                    ErrorKind::Refused,
                     format!("{}: line {}: {refusal}", self.path.data.path.display(), row.line),
                     "check the row and the model; truearm compensate without --f32 reaches farther",
                 )

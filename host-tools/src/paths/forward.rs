@@ -3,7 +3,7 @@ use truearm::effects::Term;
 use truearm::{JointKind, Pose};
 
 use crate::blob::arm_terms;
-use crate::error::{Error, Kind, Label, Result};
+use crate::error::{Error, ErrorKind, Label, Result};
 use crate::identify::{Conditions, Predictor, State, Surroundings};
 use crate::model::arm::{Kinematics, chain};
 use crate::model::{Measurements, Model, ModelTerm, Placement, Row};
@@ -97,7 +97,7 @@ impl Forward {
         self.arm.jacobian(q)
     }
 
-    /// Kind of each joint.
+    /// ErrorKind of each joint.
     #[must_use]
     pub fn kinds(&self) -> &[JointKind] {
         &self.kinds
@@ -148,7 +148,7 @@ fn seen(model: &Model, view: &View) -> Result<(Option<Pose<f64>>, Vector3<f64>)>
         (None, Some(_), [(_, only)]) => *only,
         (None, Some(_), markers) => {
             return Err(Error::data(
-                Kind::UnknownMarker,
+                ErrorKind::UnknownMarker,
                 format!("{}: the station saw {}", model.robot.path.display(), names(markers)),
                 "say which of them with --marker",
             ));

@@ -6,7 +6,7 @@ use truearm::effects::{MAX_TERMS, Term, deflection};
 use truearm::{Approach, Arm, ArmParameters, Compensator, Pose, Scalar, Settings, State, Task};
 
 use crate::blob::{PackOptions, arm_terms, pack_with, parameters};
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::arm::{RowInputs, fixed, with_joints};
 use crate::model::{JointTables, Model, Row};
 
@@ -71,7 +71,7 @@ pub(super) fn single<'t>(
     with_joints!(model.robot.joints.len(), N => {
         let refused = |e: String| {
             let help = "`truearm pack` says what a controller refuses of this model";
-            Error::data(Kind::Refused, format!("{}: {e}", model.robot.path.display()), help)
+            Error::data(ErrorKind::Refused, format!("{}: {e}", model.robot.path.display()), help)
         };
         let blob = Blob::check(blob).map_err(|e| refused(e.to_string()))?;
         let parameters: ArmParameters<'t, f32, N> =
@@ -82,7 +82,7 @@ pub(super) fn single<'t>(
 
 fn too_many(model: &Model, terms: usize) -> Error {
     Error::data(
-        Kind::TooManyTerms,
+        ErrorKind::TooManyTerms,
         format!(
             "{}: {terms} terms that are not periodic, where the law takes {MAX_TERMS}",
             model.robot.path.display()

@@ -12,12 +12,12 @@ mod compensate;
 mod forward;
 mod inverse;
 mod law;
+mod missing_inputs;
 mod rows;
-mod unknown;
 pub mod write;
 
 pub use compensate::{CompensateOptions, Compensated, Row, Step, compensate, largest_steps};
 pub use forward::{Forward, View};
 pub use inverse::{Followed, Found, Inverse, REACHED_ANGLE, REACHED_POINT};
+pub use missing_inputs::missing_inputs;
 pub use rows::{compensated_csv, forward_csv, inverse_csv};
-pub use unknown::unknown;

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::evaluate::residuals;
 use crate::identify::{Conditions, Problem, Scaling, State};
 use crate::model::{Measurements, Robot, Workspace};
@@ -91,7 +91,7 @@ pub fn discriminate(
 ) -> Result<Discrimination> {
     if explained.alternatives.is_empty() {
         return Err(Error::data(
-            Kind::NoAlternative,
+            ErrorKind::NoAlternative,
             "the diagnosis names no alternative: there is nothing to tell apart",
             "plan without --discriminate to make the model as a whole better",
         ));

@@ -17,7 +17,7 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::{KindId, Robot, Workspace};
 use crate::observations::KINDS;
 use design::Design;
@@ -137,7 +137,7 @@ fn enough_candidates(options: &PlanOptions) -> Result<()> {
         return Ok(());
     }
     Err(Error::data(
-        Kind::NoPoses,
+        ErrorKind::NoPoses,
         format!("{} poses out of {} candidates", options.poses, options.candidates),
         "ask for at least one pose, and for some thousand candidates",
     ))
@@ -148,7 +148,7 @@ fn first_count(design: &Design, options: &PlanOptions, sigma: f64) -> Result<usi
     let least = design.parameters().div_ceil(design.width());
     if options.poses < least {
         return Err(Error::data(
-            Kind::TooFewPoses,
+            ErrorKind::TooFewPoses,
             format!(
                 "{} poses give {} equations for {} parameters that {}s can determine",
                 options.poses,

@@ -73,8 +73,12 @@ pub fn covariance(normal: &Normal, free: usize, lambda: f64) -> DMatrix<f64> {
     for k in free..h.nrows() {
         h[(k, k)] += lambda;
     }
-    let (values, vectors) = eigen(h);
+    // Scaled to ones on the diagonal: what is no information is told by no unit then.
+    let scale = h.diagonal().map(|own| if own > 0.0 { own.sqrt().recip() } else { 0.0 });
+    let (values, vectors) =
+        eigen(DMatrix::from_fn(h.nrows(), h.ncols(), |i, j| h[(i, j)] * scale[i] * scale[j]));
     let largest = values.iter().copied().fold(0.0, f64::max);
-    let inverse = values.map(|e| if e > 1e-15 * largest { 1.0 / e } else { 0.0 });
+    let inverse = values.map(|e| if e > 1e-14 * largest { 1.0 / e } else { 0.0 });
+    let vectors = DMatrix::from_diagonal(&scale) * vectors;
     &vectors * DMatrix::from_diagonal(&inverse) * vectors.transpose()
 }

@@ -8,9 +8,10 @@ use super::Triangle;
 /// A share of the whole below which what a part leaves of a diagonal is
 /// rounding: no difference is then to be trusted.
 const LEFT: f64 = 1e-8;
-/// Keeps free unknowns that no row moves where they are, as a share of the
-/// largest diagonal: far above rounding, by which they would walk, metres in a dozen
-/// steps. It holds steps, not where they end.
+/// Keeps free unknowns that no row moves where they are, as a share of each one's own
+/// diagonal (of this share of the largest where it has none): far above rounding, by which
+/// they would walk, metres in a dozen steps. It holds steps, not where they end. Of the
+/// largest, a torque squared of a heavy arm held everything else.
 pub const HELD: f64 = 1e-10;
 /// Pivots of equations scaled to ones on the diagonal that are too small to be
 /// told from rounding.
@@ -117,9 +118,9 @@ impl Normal {
     #[must_use]
     pub fn solve(&self, free: usize, lambda: f64) -> Option<DVector<f64>> {
         let mut h = self.h().into_owned();
-        let largest = h.diagonal().max();
+        let least = h.diagonal().max() * HELD * HELD;
         for k in 0..h.nrows() {
-            h[(k, k)] += if k < free { largest * HELD } else { lambda };
+            h[(k, k)] += if k < free { HELD * h[(k, k)].max(least) } else { lambda };
         }
         Some(h.cholesky()?.solve(&self.g()))
     }

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use truearm::Pose;
 
-use crate::error::{Error, Kind, Place, Result};
+use crate::error::{Error, ErrorKind, Place, Result};
 use crate::identify::rigid_transform;
 use crate::model::arm::chain;
 use crate::model::{Commanded, Measurements, Model};
@@ -22,7 +22,7 @@ pub fn markers(model: &Model, commanded: &Commanded) -> Result<Vec<Vector3<f64>>
     let find = |label: &String| {
         model.markers.iter().find(|m| m.0 == *label).map(|m| m.1).ok_or_else(|| {
             Error::data(
-                Kind::UnknownMarker,
+                ErrorKind::UnknownMarker,
                 format!(
                     "{}: marker \"{label}\" is unknown to the model, which knows {}",
                     commanded.data.path.display(),
@@ -111,7 +111,7 @@ pub fn frames(
             let fitted = rigid_transform(&from, &to, &vec![1.0; rows.len()]);
             return fitted.filter(|_| rows.len() >= 4).ok_or_else(|| {
                 Error::data(
-                    Kind::FrameUndetermined,
+                    ErrorKind::FrameUndetermined,
                     format!(
                         "{file}: {} rows of station \"{label}\" do not fix a frame",
                         rows.len()
@@ -123,7 +123,7 @@ pub fn frames(
         let station = model.stations.iter().find(|(l, _)| l == label);
         station.map(|(_, base)| base.compose(&small.inverse())).ok_or_else(|| {
             Error::data(
-                Kind::UnknownStation,
+                ErrorKind::UnknownStation,
                 format!(
                     "{file}: station \"{label}\" is unknown to the model, which knows {}",
                     known().join(", ")

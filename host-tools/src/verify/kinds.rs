@@ -6,7 +6,7 @@ use nalgebra::DVector;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::identify::{Conditions, Group, Predictor, State, View, groups};
 use crate::model::{Commanded, Form, Measurements};
 use crate::observations::{KINDS, Measure, Residual, kind};
@@ -90,7 +90,7 @@ pub fn judgeable(commanded: &Commanded) -> Result<(Cow<'_, Commanded>, Vec<Strin
             }
         } else if of_points {
             return Err(Error::data(
-                Kind::Usage,
+                ErrorKind::Usage,
                 format!(
                     "{file}:{}: a row of kind {} beside commanded points",
                     row.line,
@@ -101,7 +101,7 @@ pub fn judgeable(commanded: &Commanded) -> Result<(Cow<'_, Commanded>, Vec<Strin
         } else if let Some(unknown) = unknown {
             let (what, label) = (unknown.form.name(), &unknown.label);
             return Err(Error::data(
-                Kind::UnknownMarker,
+                ErrorKind::UnknownMarker,
                 format!("{file}:{}: nobody knows where {what} \"{label}\" is", row.line),
                 "identify with rows of it, then the model knows, or state its place in \
                  instruments.toml beside this file: fitted to these rows it would hide their errors",

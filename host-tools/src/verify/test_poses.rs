@@ -1,7 +1,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::near::Reach;
 use crate::model::{Measurements, Model, Workspace};
 
@@ -37,7 +37,7 @@ pub fn test_poses(
         }
     }
     Err(Error::data(
-        Kind::NoPoses,
+        ErrorKind::NoPoses,
         format!(
             "only {} of {count} test poses are apart from those of the identification",
             out.len()

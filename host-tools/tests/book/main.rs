@@ -9,6 +9,7 @@ mod commands;
 mod fields;
 mod generated;
 mod links;
+mod readme;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -9,7 +9,7 @@ use truearm::JointKind;
 
 use super::Columns;
 use crate::arm::Arm;
-use crate::effects::{Defect, Kind};
+use crate::effects::{Defect, DefectKind};
 use crate::vector;
 
 /// What an arm has: what a report can name, and what it cannot.
@@ -44,8 +44,8 @@ pub fn draw(arm: &Arm, columns: &Columns, masses: bool, rng: &mut ChaCha8Rng) ->
 }
 
 /// Whether two are one effect at one place.
-fn same_place(a: &Kind, b: &Kind) -> bool {
-    let periodic = |k: &Kind| matches!(k, Kind::JointPeriodicError { .. });
+fn same_place(a: &DefectKind, b: &DefectKind) -> bool {
+    let periodic = |k: &DefectKind| matches!(k, DefectKind::JointPeriodicError { .. });
     // A joint may have several lines, and a measurement one drift only.
     a.name() == b.name() && a.joints() == b.joints() && !(periodic(a) && periodic(b))
 }
@@ -60,45 +60,46 @@ fn listed(arm: &Arm, columns: &Columns, masses: bool, rng: &mut ChaCha8Rng) -> D
         let (kind, size) = match rng.random_range(0..17) {
             0..4 if masses => {
                 let size = if wrist { size(2e-5, 3e-4, rng) } else { size(1e-6, 1.5e-5, rng) };
-                (Kind::JointCompliance { joint }, size)
+                (DefectKind::JointCompliance { joint }, size)
             }
             4 if masses => (
-                Kind::BaseCompliance { ratio: rng.random_range(0.7..1.4) },
+                DefectKind::BaseCompliance { ratio: rng.random_range(0.7..1.4) },
                 size(1e-6, 1.5e-5, rng),
             ),
-            5 => (Kind::EncoderEccentricity { joint, phase }, size(2e-5, 4e-4, rng)),
+            5 => (DefectKind::EncoderEccentricity { joint, phase }, size(2e-5, 4e-4, rng)),
             6..9 => {
                 let phases = [phase, rng.random_range(0.0..std::f64::consts::TAU)];
-                (Kind::GearTransmissionError { joint, phases }, size(1.3e-5, 3.1e-4, rng))
+                (DefectKind::GearTransmissionError { joint, phases }, size(1.3e-5, 3.1e-4, rng))
             }
             9 => {
                 let order = f64::from(rng.random_range(3..=60));
-                (Kind::JointPeriodicError { joint, order, phase }, size(1.3e-5, 3.1e-4, rng))
+                (DefectKind::JointPeriodicError { joint, order, phase }, size(1.3e-5, 3.1e-4, rng))
             }
-            10 => (Kind::JointGain { joint }, size(1e-5, 3e-4, rng)),
+            10 => (DefectKind::JointGain { joint }, size(1e-5, 3e-4, rng)),
             11 => {
                 let source = *revolute.choose(rng).unwrap_or(&0);
                 if source == joint {
                     continue;
                 }
-                (Kind::JointCoupling { source, joint }, size(1e-5, 3e-4, rng))
+                (DefectKind::JointCoupling { source, joint }, size(1e-5, 3e-4, rng))
             }
             12 if columns.directions => {
                 let most = if wrist { 2.85e-4 } else { 1.4e-4 };
                 // Friction beyond what gravity ever reaches: the gap follows the motion.
-                (Kind::Backlash { joint, friction: 1e9 }, size(1e-5, most, rng))
+                (DefectKind::Backlash { joint, friction: 1e9 }, size(1e-5, most, rng))
             }
-            13 if columns.temperature => (Kind::ThermalExpansion, size(3e-6, 2e-5, rng)),
-            14 if columns.series => {
-                (Kind::ToolRemount { direction: vector(rng).normalize() }, size(2e-5, 3e-4, rng))
-            }
+            13 if columns.temperature => (DefectKind::ThermalExpansion, size(3e-6, 2e-5, rng)),
+            14 if columns.series => (
+                DefectKind::ToolRemount { direction: vector(rng).normalize() },
+                size(2e-5, 3e-4, rng),
+            ),
             15 if columns.time => {
                 let (shift, turn) = (vector(rng).normalize(), vector(rng).normalize());
-                (Kind::MeasurementDrift { shift, turn }, size(1e-5, 2e-4, rng))
+                (DefectKind::MeasurementDrift { shift, turn }, size(1e-5, 2e-4, rng))
             }
             16 if masses && joint > 0 => {
                 let size = if wrist { size(1e-4, 5e-4, rng) } else { size(1e-6, 1.5e-5, rng) };
-                (Kind::LateralCompliance { joint }, size)
+                (DefectKind::LateralCompliance { joint }, size)
             }
             _ => continue,
         };
@@ -122,13 +123,16 @@ fn unlisted(arm: &Arm, rng: &mut ChaCha8Rng) -> (&'static str, Vec<Defect>) {
         }
         2 => {
             let joint = joint.min(n - 2);
-            let kind =
-                Kind::BearingWobble { joint, order: f64::from(rng.random_range(2..=4)), phase };
+            let kind = DefectKind::BearingWobble {
+                joint,
+                order: f64::from(rng.random_range(2..=4)),
+                phase,
+            };
             ("bearing wobble", vec![Defect { kind, size: size(2e-5, 3e-4, rng) }])
         }
         _ => {
             let size = size(1e-5, 3e-4, rng);
-            ("memory of the last pose", vec![Defect { kind: Kind::Memory { joint }, size }])
+            ("memory of the last pose", vec![Defect { kind: DefectKind::Memory { joint }, size }])
         }
     }
 }
@@ -145,7 +149,7 @@ pub fn curve(joint: usize, sd: f64, length: f64, rng: &mut ChaCha8Rng) -> Vec<De
         let two: Vector3<f64> = Vector3::from_fn(|_, _| StandardNormal.sample(rng));
         let size = sd * (weight(*n) / total).sqrt() * two.xy().norm();
         let phase = two.y.atan2(two.x);
-        Defect { kind: Kind::JointPeriodicError { joint, order: *n, phase }, size }
+        Defect { kind: DefectKind::JointPeriodicError { joint, order: *n, phase }, size }
     };
     orders.iter().map(line).collect()
 }

@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use truearm::JointKind;
 
-use super::Kind;
+use super::DefectKind;
 use crate::body::{Body, Moment, loaded, loaded_across};
 use crate::{Robot, vector};
 
@@ -18,7 +18,7 @@ pub fn drawn(
     body: &Body,
     poses: &[Moment],
     rng: &mut ChaCha8Rng,
-) -> Kind {
+) -> DefectKind {
     let revolute: Vec<usize> =
         (0..body.kinds.len()).filter(|j| body.kinds[*j] == JointKind::Revolute).collect();
     let joint = revolute[rng.random_range(0..revolute.len())];
@@ -34,18 +34,18 @@ pub fn drawn(
             let behind = revolute.into_iter().filter(|j| *j > 0);
             let loaded: Vec<usize> =
                 behind.filter(|j| loaded_across(*j, robot, body, poses)).collect();
-            Kind::LateralCompliance { joint: loaded[rng.random_range(0..loaded.len())] }
+            DefectKind::LateralCompliance { joint: loaded[rng.random_range(0..loaded.len())] }
         }
-        "base-compliance" => Kind::BaseCompliance { ratio: rng.random_range(0.5..2.0) },
-        "encoder-eccentricity" => Kind::EncoderEccentricity { joint, phase },
+        "base-compliance" => DefectKind::BaseCompliance { ratio: rng.random_range(0.5..2.0) },
+        "encoder-eccentricity" => DefectKind::EncoderEccentricity { joint, phase },
         "gear-transmission-error" => {
-            Kind::GearTransmissionError { joint, phases: [phase, phase * 3.7] }
+            DefectKind::GearTransmissionError { joint, phases: [phase, phase * 3.7] }
         }
-        "joint-gain" => Kind::JointGain { joint },
+        "joint-gain" => DefectKind::JointGain { joint },
         "joint-coupling" => loop {
             let source = revolute[rng.random_range(0..revolute.len())];
             if source != joint {
-                return Kind::JointCoupling { source, joint };
+                return DefectKind::JointCoupling { source, joint };
             }
         },
         "backlash" => {
@@ -53,36 +53,36 @@ pub fn drawn(
             // Friction is made for the load; what an unloaded joint carries by
             // accident never overcomes it.
             let range = if loaded(joint, robot, body, poses) { 0.2..1.2 } else { 2.0..4.0 };
-            Kind::Backlash { joint, friction: largest * rng.random_range(range) }
+            DefectKind::Backlash { joint, friction: largest * rng.random_range(range) }
         }
-        "readout-lag" => Kind::ReadoutLag { joint },
-        "thermal-expansion" => Kind::ThermalExpansion,
-        "tool-remount" => Kind::ToolRemount { direction: vector(rng).normalize() },
+        "readout-lag" => DefectKind::ReadoutLag { joint },
+        "thermal-expansion" => DefectKind::ThermalExpansion,
+        "tool-remount" => DefectKind::ToolRemount { direction: vector(rng).normalize() },
         "measurement-drift" => drift(rng),
         "joint-periodic-error" => {
             let ratio = robot.joints[joint].gear_ratio.unwrap_or(0.0);
-            Kind::JointPeriodicError { joint, order: order(ratio, rng), phase }
+            DefectKind::JointPeriodicError { joint, order: order(ratio, rng), phase }
         }
-        "outliers" => Kind::Outliers,
+        "outliers" => DefectKind::Outliers,
         // Once a turn would be an axis out of square: geometry.
         "bearing wobble" => wobble(&revolute, phase, rng),
         "quadratic link bending" => bending(robot, rng),
-        "memory of the last pose" => Kind::Memory { joint },
+        "memory of the last pose" => DefectKind::Memory { joint },
         other => panic!("{other} is no effect"),
     }
 }
 
 /// A tracker that moves and turns.
-fn drift(rng: &mut ChaCha8Rng) -> Kind {
+fn drift(rng: &mut ChaCha8Rng) -> DefectKind {
     let shift = vector(rng).normalize();
-    Kind::MeasurementDrift { shift, turn: vector(rng).normalize() }
+    DefectKind::MeasurementDrift { shift, turn: vector(rng).normalize() }
 }
 
 /// A joint's spring, linear or not.
-fn spring(name: &str, joint: usize) -> Kind {
+fn spring(name: &str, joint: usize) -> DefectKind {
     match name {
-        "joint-stiffening" => Kind::JointStiffening { joint },
-        _ => Kind::JointCompliance { joint },
+        "joint-stiffening" => DefectKind::JointStiffening { joint },
+        _ => DefectKind::JointCompliance { joint },
     }
 }
 
@@ -100,18 +100,18 @@ fn order(ratio: f64, rng: &mut ChaCha8Rng) -> f64 {
 
 /// A link that bends; about the next joint's own axis it would be that joint's
 /// stiffening.
-fn bending(robot: &Robot, rng: &mut ChaCha8Rng) -> Kind {
+fn bending(robot: &Robot, rng: &mut ChaCha8Rng) -> DefectKind {
     loop {
         let (joint, axis) = (rng.random_range(1..4), rng.random_range(0..2));
         if axis == 0 || robot.joints[joint + 1].link[0].sin().abs() < 0.5 {
-            return Kind::LinkBending { joint, axis };
+            return DefectKind::LinkBending { joint, axis };
         }
     }
 }
 
 /// Not at the last axis: it moves a single marker as an eccentric encoder does,
 /// and no data of one marker could tell them apart.
-fn wobble(revolute: &[usize], phase: f64, rng: &mut ChaCha8Rng) -> Kind {
+fn wobble(revolute: &[usize], phase: f64, rng: &mut ChaCha8Rng) -> DefectKind {
     let joint = revolute[rng.random_range(0..revolute.len() - 1)];
-    Kind::BearingWobble { joint, order: f64::from(rng.random_range(2..=4)), phase }
+    DefectKind::BearingWobble { joint, order: f64::from(rng.random_range(2..=4)), phase }
 }

@@ -12,13 +12,13 @@ pub use drawn::drawn;
 /// An effect and how large it is, in the unit of its kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Defect {
-    pub kind: Kind,
+    pub kind: DefectKind,
     pub size: f64,
 }
 
 /// Where and how; joints are counted from 0.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Kind {
+pub enum DefectKind {
     /// A spring: rad per N m.
     JointCompliance { joint: usize },
     /// A spring that is not linear: rad per (N m)^2, with the torque's sign.
@@ -59,7 +59,7 @@ pub enum Kind {
     Memory { joint: usize },
 }
 
-impl Kind {
+impl DefectKind {
     /// Name in reports; of unlisted kinds the one in the tables of the study.
     pub fn name(&self) -> &'static str {
         match self {
@@ -143,25 +143,25 @@ impl Defect {
         let size = self.size;
         let q = |j: usize| moment.q[j];
         match self.kind {
-            Kind::EncoderEccentricity { joint, phase } => {
+            DefectKind::EncoderEccentricity { joint, phase } => {
                 // The mark at angle q of the disc, seen from off its centre.
                 let (sin, cos) = (q(joint) - phase).sin_cos();
                 shape.joints[joint] += (size * sin).atan2(1.0 - size * cos);
             }
-            Kind::GearTransmissionError { joint, phases } => {
+            DefectKind::GearTransmissionError { joint, phases } => {
                 let input = body.gear_ratios[joint] * q(joint);
                 let wave = (2.0 * input + phases[0]).sin() + 0.25 * (4.0 * input + phases[1]).sin();
                 shape.joints[joint] += size * wave;
             }
-            Kind::JointPeriodicError { joint, order, phase } => {
+            DefectKind::JointPeriodicError { joint, order, phase } => {
                 shape.joints[joint] += size * (order * q(joint) + phase).sin();
             }
-            Kind::ReadoutLag { joint } => {
+            DefectKind::ReadoutLag { joint } => {
                 shape.joints[joint] += size * f64::from(moment.directions[joint]);
             }
-            Kind::JointGain { joint } => shape.joints[joint] += size * q(joint),
-            Kind::JointCoupling { source, joint } => shape.joints[joint] += size * q(source),
-            Kind::ThermalExpansion => {
+            DefectKind::JointGain { joint } => shape.joints[joint] += size * q(joint),
+            DefectKind::JointCoupling { source, joint } => shape.joints[joint] += size * q(source),
+            DefectKind::ThermalExpansion => {
                 // The coefficient itself grows; integrated from 20 degrees.
                 let warmth = moment.temperature - 20.0;
                 let growth = (size * (warmth + 0.001 * warmth * warmth)).exp();
@@ -170,11 +170,11 @@ impl Defect {
                     link[3] *= growth;
                 }
             }
-            Kind::BearingWobble { joint, order, phase } => {
+            DefectKind::BearingWobble { joint, order, phase } => {
                 let (sin, cos) = (order * q(joint) + phase).sin_cos();
                 shape.nod[joint] = [size * cos, size * sin];
             }
-            Kind::Memory { joint } => {
+            DefectKind::Memory { joint } => {
                 shape.joints[joint] += size * (moment.before[joint] - q(joint))
             }
             _ => {}
@@ -191,25 +191,25 @@ impl Defect {
     ) {
         let size = self.size;
         match self.kind {
-            Kind::JointCompliance { joint } => {
+            DefectKind::JointCompliance { joint } => {
                 next.joints[joint] +=
                     size * body.load(now, moment.payload, |s| &mut s.joints[joint]);
             }
-            Kind::JointStiffening { joint } => {
+            DefectKind::JointStiffening { joint } => {
                 let load = body.load(now, moment.payload, |s| &mut s.joints[joint]);
                 next.joints[joint] += size * load * load.abs();
             }
-            Kind::LateralCompliance { joint } => {
+            DefectKind::LateralCompliance { joint } => {
                 for (axis, moment) in body.across(now, moment.payload, joint).iter().enumerate() {
                     next.nod[joint][axis] += size * moment;
                 }
             }
-            Kind::BaseCompliance { ratio } => {
+            DefectKind::BaseCompliance { ratio } => {
                 for (axis, size) in [size, size * ratio].into_iter().enumerate() {
                     next.tilt[axis] = size * body.load(now, moment.payload, |s| &mut s.tilt[axis]);
                 }
             }
-            Kind::Backlash { joint, friction } => {
+            DefectKind::Backlash { joint, friction } => {
                 let torque = body.torque(moment, joint);
                 // Gravity pulls the link through the gap if it can; otherwise
                 // the link lags behind the motion.
@@ -220,7 +220,7 @@ impl Defect {
                 };
                 next.joints[joint] += size * side;
             }
-            Kind::LinkBending { joint, axis } => {
+            DefectKind::LinkBending { joint, axis } => {
                 let load = body.load(now, moment.payload, |s| &mut s.bend[joint][axis]);
                 next.bend[joint][axis] = size * load * load.abs();
             }

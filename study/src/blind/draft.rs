@@ -11,7 +11,7 @@ use truearm_host::model::Robot;
 use truearm_simulate::arm::Arm;
 use truearm_simulate::body::{Body, Moment};
 use truearm_simulate::draw::moments;
-use truearm_simulate::effects::{Defect, Kind, drawn};
+use truearm_simulate::effects::{Defect, DefectKind, drawn};
 use truearm_simulate::{csv, normal, rigid, robots, vector};
 
 use super::secret::Secret;
@@ -85,7 +85,7 @@ impl Draft {
         let (holdout, _) = self.measured(&self.holdout, rng, false);
         let mut torques = Vec::new();
         for defect in &self.arm.defects {
-            if let Kind::Backlash { joint, .. } = defect.kind {
+            if let DefectKind::Backlash { joint, .. } = defect.kind {
                 torques.extend(self.training.iter().map(|m| self.arm.torque(m, joint)));
             }
         }
@@ -98,7 +98,7 @@ impl Draft {
     pub fn hide(&self, name: &str, [low, high]: [f64; 2], rng: &mut ChaCha8Rng) -> Option<Defect> {
         for _ in 0..12 {
             let kind = drawn(name, &stated(&self.robot), &self.arm, &self.training, rng);
-            if kind == Kind::Outliers {
+            if kind == DefectKind::Outliers {
                 return Some(Defect { size: kind.largest(), kind });
             }
             if let Some(defect) = self.sized(kind, [low, high], rng) {
@@ -109,7 +109,12 @@ impl Draft {
     }
 
     /// A size of a kind at its place that stands out as far as wanted.
-    pub fn sized(&self, kind: Kind, [low, high]: [f64; 2], rng: &mut ChaCha8Rng) -> Option<Defect> {
+    pub fn sized(
+        &self,
+        kind: DefectKind,
+        [low, high]: [f64; 2],
+        rng: &mut ChaCha8Rng,
+    ) -> Option<Defect> {
         let mut size = kind.largest();
         let of = |size: f64| self.above_floor(Defect { kind: kind.clone(), size });
         let mut reached = of(size);
@@ -178,7 +183,7 @@ impl Draft {
         let mut points: Vec<Vector3<f64>> =
             moments.iter().map(|m| self.arm.point(m) + vector(rng) * self.sigma).collect();
         let mut wrong = Vec::new();
-        if gross && self.arm.defects.iter().any(|d| d.kind == Kind::Outliers) {
+        if gross && self.arm.defects.iter().any(|d| d.kind == DefectKind::Outliers) {
             let count = (0.03 * moments.len() as f64).round() as usize;
             while wrong.len() < count {
                 let row = rng.random_range(0..moments.len());

@@ -2,12 +2,11 @@
 //! it attains.
 
 use truearm::effects::{Effect, Term};
-use truearm_host::identify::robust::{Flags, robust_fit};
+use truearm_host::identify::fit::robust::{Flags, robust_fit};
 use truearm_host::identify::{Conditions, Problem, Scaling, State};
-use truearm_host::model::ModelTerm;
-use truearm_host::model::{Measurements, Robot};
+use truearm_host::model::{Measurements, ModelTerm, Robot};
 use truearm_simulate::arm::Arm;
-use truearm_simulate::effects::Kind;
+use truearm_simulate::effects::DefectKind;
 
 use crate::simulated::rms;
 use crate::terms::terms;
@@ -38,7 +37,7 @@ impl Secret {
         let terms = kinds.collect::<Option<Vec<_>>>()?.concat();
         // With masses that are a few percent off, the torque where gravity takes
         // over a gap is as far off: the best one is looked for.
-        let gap = self.arm.defects.iter().any(|d| matches!(d.kind, Kind::Backlash { .. }));
+        let gap = self.arm.defects.iter().any(|d| matches!(d.kind, DefectKind::Backlash { .. }));
         let factors = if gap { -10..=10 } else { 0..=0 };
         let fits = factors.filter_map(|k| {
             let mut terms = terms.clone();
@@ -85,7 +84,7 @@ impl Secret {
         let conditions = Conditions::new(data, robot);
         let mut out = Vec::new();
         for defect in &self.arm.defects {
-            let Kind::Backlash { joint, friction } = defect.kind else { continue };
+            let DefectKind::Backlash { joint, friction } = defect.kind else { continue };
             let side = |torque: f64, row: usize| {
                 let lag = -f64::from(data.rows[row].directions[joint]);
                 if torque.abs() > friction { torque.signum() } else { lag }

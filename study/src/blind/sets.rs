@@ -7,7 +7,7 @@ use truearm::JointKind;
 use truearm_host::effects;
 use truearm_host::model::{Measurements, Robot};
 use truearm_simulate::body::Moment;
-use truearm_simulate::effects::Kind;
+use truearm_simulate::effects::DefectKind;
 use truearm_simulate::{at_rest, vector};
 
 use super::draft::{Draft, file_of};
@@ -109,9 +109,9 @@ impl BlindSet {
         }
         let phase = rng.random_range(0.0..std::f64::consts::TAU);
         let kind = if rng.random_bool(0.5) {
-            Kind::JointGain { joint }
+            DefectKind::JointGain { joint }
         } else {
-            Kind::EncoderEccentricity { joint, phase }
+            DefectKind::EncoderEccentricity { joint, phase }
         };
         let defect = draft.sized(kind, [2.0, 5.0], rng)?;
         draft.arm.defects = vec![defect];

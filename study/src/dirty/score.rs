@@ -3,7 +3,7 @@
 use truearm_host::diagnose::{DiagnoseOptions, Doubt, Effect, Outcome, Verdict, diagnose};
 use truearm_host::effects::OUTLIERS;
 use truearm_host::model::CURVE;
-use truearm_simulate::effects::{Defect, Kind};
+use truearm_simulate::effects::{Defect, DefectKind};
 
 use super::set::DirtySet;
 use super::truth::{attainable, floors};
@@ -74,7 +74,7 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
     let report = found.map_err(|e| format!("seed {}: {e}", set.seed))?.outcome;
     let secret = set.open();
     let noise = &secret.noise;
-    let place = |kind: &Kind| (kind.name().to_owned(), kind.joints());
+    let place = |kind: &DefectKind| (kind.name().to_owned(), kind.joints());
     let truths = secret.hidden.listed.iter().zip(floors(set)).map(|(d, floors)| Truth {
         place: place(&d.kind),
         floors,
@@ -124,7 +124,7 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
 }
 
 fn off(report: &Outcome, defect: &Defect) -> Option<f64> {
-    let Kind::JointCompliance { .. } = defect.kind else { return None };
+    let DefectKind::JointCompliance { .. } = defect.kind else { return None };
     let own = |e: &&Effect| e.name == defect.kind.name() && e.joints == defect.kind.joints();
     let found = report.effects.iter().find(own)?.coefficients.first()?;
     Some((found.value - defect.size) / found.sigma)

@@ -1,8 +1,8 @@
 //! What is attainable, and how large an effect is beside everything else.
 
 use nalgebra::{DMatrix, DVector};
-use truearm_host::identify::registration::register;
-use truearm_host::identify::robust::{Flags, robust_fit};
+use truearm_host::identify::fit::robust::{Flags, robust_fit};
+use truearm_host::identify::start::registration::register;
 use truearm_host::identify::{Problem, Scaling, State};
 use truearm_host::model::Measurements;
 use truearm_simulate::arm::Arm;

@@ -5,13 +5,13 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm_host::Result;
 use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
-use truearm_host::identify::registration::register;
+use truearm_host::identify::start::registration::register;
 use truearm_host::identify::{Predictor, Problem, Scaling, State, View};
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::observations::{KINDS, Residual, measuring};
 use truearm_simulate::arm::Arm;
 use truearm_simulate::body::Body;
-use truearm_simulate::effects::{Defect, Kind, drawn};
+use truearm_simulate::effects::{Defect, DefectKind, drawn};
 use truearm_simulate::instruments::Cell;
 use truearm_simulate::{at_rest, rigid, robots};
 
@@ -259,16 +259,16 @@ fn columns(
 
 /// What else could be there, each with every phase it may have.
 fn rivals(arm: &Arm) -> Vec<Vec<Defect>> {
-    let of = |kind: Kind| Defect { size: 0.1 * kind.largest(), kind };
+    let of = |kind: DefectKind| Defect { size: 0.1 * kind.largest(), kind };
     let joints = || 0..arm.kinds.len();
-    let mut out = vec![vec![of(Kind::BaseCompliance { ratio: 1.0 })]];
+    let mut out = vec![vec![of(DefectKind::BaseCompliance { ratio: 1.0 })]];
     for joint in joints() {
         let phases = [0.0, std::f64::consts::FRAC_PI_2];
-        out.push(phases.map(|phase| of(Kind::EncoderEccentricity { joint, phase })).to_vec());
-        out.push(vec![of(Kind::JointGain { joint })]);
-        out.push(vec![of(Kind::JointCompliance { joint })]);
+        out.push(phases.map(|phase| of(DefectKind::EncoderEccentricity { joint, phase })).to_vec());
+        out.push(vec![of(DefectKind::JointGain { joint })]);
+        out.push(vec![of(DefectKind::JointCompliance { joint })]);
         let sources = joints().filter(|source| *source != joint);
-        out.extend(sources.map(|source| vec![of(Kind::JointCoupling { source, joint })]));
+        out.extend(sources.map(|source| vec![of(DefectKind::JointCoupling { source, joint })]));
     }
     out
 }

@@ -7,7 +7,7 @@ use truearm_host::identify::State;
 use truearm_host::model::Robot;
 use truearm_simulate::arm::Arm as Simulated;
 use truearm_simulate::body::Body;
-use truearm_simulate::effects::{Defect, Kind};
+use truearm_simulate::effects::{Defect, DefectKind};
 use truearm_simulate::{at_rest, normal, oracle};
 
 /// What a real joint does beyond geometry.
@@ -65,9 +65,10 @@ impl Arm {
             station[i][3] = base.translation[i];
         }
         let defects = self.defects.iter().enumerate().flat_map(|(joint, d)| {
-            let spring = Defect { kind: Kind::JointCompliance { joint }, size: d.compliance };
+            let spring = Defect { kind: DefectKind::JointCompliance { joint }, size: d.compliance };
             let phases = [d.phase, 0.0];
-            let gear = Defect { kind: Kind::GearTransmissionError { joint, phases }, size: d.gear };
+            let gear =
+                Defect { kind: DefectKind::GearTransmissionError { joint, phases }, size: d.gear };
             [spring, gear].into_iter().filter(|defect| defect.size != 0.0)
         });
         let robot = &self.robot;

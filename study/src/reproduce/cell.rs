@@ -12,7 +12,7 @@ use super::paper;
 use crate::simulated::{csv_of, measured, vector};
 use truearm_host::error::Result;
 use truearm_host::evaluate::residuals;
-use truearm_host::identify::registration::register;
+use truearm_host::identify::start::registration::register;
 use truearm_host::identify::{Conditions, Problem, Scaling, State, nominal_state};
 use truearm_host::methods::{Frames, Method, Rpim, Task};
 use truearm_host::model::arm::{RowInputs, chain};

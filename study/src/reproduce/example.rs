@@ -8,7 +8,7 @@ use super::cell::{Cell, Kind};
 use super::trial::{Contest, contest_of};
 use truearm_host::error::Result;
 use truearm_host::evaluate::{Reregister, residuals};
-use truearm_host::identify::registration::register;
+use truearm_host::identify::start::registration::register;
 use truearm_host::identify::{Conditions, Problem, Scaling, State, nominal_state};
 use truearm_host::methods::{Comparison, Frames, Printed, Task, all, compare};
 use truearm_host::model::Measurements;

@@ -5,7 +5,7 @@ use truearm::{Link, LinkParameter};
 use super::cell::{Cell, Kind};
 use truearm_host::error::Result;
 use truearm_host::evaluate::residuals;
-use truearm_host::identify::registration::register;
+use truearm_host::identify::start::registration::register;
 use truearm_host::identify::{Conditions, Problem, Scaling, State, nominal_state};
 use truearm_host::methods::{Frames, Method, NoCalibration, PrintedRpim, Rpim, Task};
 use truearm_host::model::Measurements;

@@ -14,7 +14,7 @@ use truearm_host::model::{Model, Robot};
 use crate::run::Result;
 use truearm_simulate::arm::Arm;
 use truearm_simulate::body::Body;
-use truearm_simulate::effects::{Defect, Kind};
+use truearm_simulate::effects::{Defect, DefectKind};
 use truearm_simulate::oracle::{self, Matrix};
 use truearm_simulate::{at_rest, csv, rigid};
 use truearm_study::simulated::{UR10_LIKE, normal, parse, robot, vector};
@@ -87,8 +87,8 @@ impl Cell {
         // What no parameter of the blob can say, a hundredth of a millimetre.
         let phase = dice.random_range(0.0..core::f64::consts::TAU);
         for kind in [
-            Kind::BearingWobble { joint: 1, order: 3.0, phase },
-            Kind::JointPeriodicError { joint: 2, order: 17.0, phase },
+            DefectKind::BearingWobble { joint: 1, order: 3.0, phase },
+            DefectKind::JointPeriodicError { joint: 2, order: 17.0, phase },
         ] {
             arm.defects.push(Defect { kind, size: 1e-5 });
         }

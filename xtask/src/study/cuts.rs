@@ -4,8 +4,8 @@
 use clap::Args;
 use rayon::prelude::*;
 
-use super::bench::cells::{EepromPart, NorPart, Part};
-use super::bench::cuts::{Bench, Blobs, Start, Tally};
+use super::rig::cells::{EepromPart, NorPart, Part};
+use super::rig::cuts::{Bench, Blobs, Start, Tally};
 use crate::run::Result;
 
 #[derive(Args)]

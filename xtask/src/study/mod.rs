@@ -7,8 +7,8 @@ pub mod restarts;
 mod ticks;
 
 /// The memory of the store's tests, and what cuts its power.
-#[path = "../../../tests/store/bench/mod.rs"]
-mod bench;
+#[path = "../../../tests/store/rig/mod.rs"]
+mod rig;
 
 use std::env;
 use std::ffi::OsString;

@@ -14,7 +14,7 @@ use moved::Moved;
 use parameters::parameters;
 
 use super::describe::{rms, term_columns};
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::arm::with_joints;
 
 /// What two blobs differ by.
@@ -73,13 +73,17 @@ pub fn diff(before: &[u8], after: &[u8], poses: usize, seed: u64) -> Result<Stri
 pub fn difference(before: &[u8], after: &[u8], poses: usize, seed: u64) -> Result<Difference> {
     let check = |bytes, which| {
         Blob::check(bytes).map_err(|e| {
-            Error::data(Kind::Refused, format!("the blob {which}: {e}"), "see `truearm inspect`")
+            Error::data(
+                ErrorKind::Refused,
+                format!("the blob {which}: {e}"),
+                "see `truearm inspect`",
+            )
         })
     };
     let (a, b) = (check(before, "before")?, check(after, "after")?);
     if a.joints() != b.joints() {
         return Err(Error::data(
-            Kind::OtherArm,
+            ErrorKind::OtherArm,
             format!("{} joints before, {} after", a.joints(), b.joints()),
             "only blobs of the same arm can be compared",
         ));
@@ -104,7 +108,7 @@ pub fn difference(before: &[u8], after: &[u8], poses: usize, seed: u64) -> Resul
         out.told("covariance", [&a, &b].map(|blob| has(blob).to_owned()));
     }
     let motions = with_joints!(a.joints(), N => {
-        let fail = |e| Error::data(Kind::Refused, format!("{e}"), "see `truearm inspect`");
+        let fail = |e| Error::data(ErrorKind::Refused, format!("{e}"), "see `truearm inspect`");
         let (a, b) = (a.parameters::<f64, N>().map_err(fail)?, b.parameters().map_err(fail)?);
         parameters(&mut out, &a, &b);
         motion::motion(&mut out.text, &a, &b, (poses, seed))

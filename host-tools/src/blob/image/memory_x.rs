@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use crate::error::{Error, Kind, Place, Result};
+use crate::error::{Error, ErrorKind, Place, Result};
 use crate::files;
 
 /// A memory region of a linker script.
@@ -34,7 +34,7 @@ impl MemoryRegions {
                 "the linker script that says where the slots are is not there: looked for {}",
                 looked.display()
             );
-            return Err(Error::data(Kind::NoSlot, message, HELP));
+            return Err(Error::data(ErrorKind::NoSlot, message, HELP));
         }
         Self::parse(path, &files::read(path)?)
     }

@@ -4,7 +4,7 @@ use truearm_host::diagnose::{
 };
 use truearm_host::effects::OUTLIERS;
 use truearm_host::identify::KindFigures;
-use truearm_host::identify::scale::SCALE_OPEN;
+use truearm_host::identify::certainty::scale::SCALE_OPEN;
 use truearm_host::table::Table;
 use truearm_host::units::MILLI;
 

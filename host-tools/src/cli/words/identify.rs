@@ -1,5 +1,5 @@
 use truearm_host::error::count;
-use truearm_host::identify::error_bars::Uncertainty;
+use truearm_host::identify::certainty::error_bars::Uncertainty;
 use truearm_host::identify::{Figures, KindFigures};
 use truearm_host::report::IdentifyReport;
 use truearm_host::table::Table;

@@ -15,6 +15,28 @@ pub struct Document {
 /// Beyond this a length is no length of an arm, m.
 const FARTHEST: f64 = 10.0;
 
+/// A URDF has elements within each other to a depth of six; what it is read by goes down
+/// with every one, and has a stack.
+const DEEPEST: usize = 100;
+
+/// The line where elements stand too deep within each other.
+fn too_deep(text: &str) -> Option<usize> {
+    let mut reader = quick_xml::Reader::from_str(text);
+    let mut depth = 0_usize;
+    loop {
+        match reader.read_event() {
+            Ok(quick_xml::events::Event::Start(_)) => depth += 1,
+            Ok(quick_xml::events::Event::End(_)) => depth = depth.saturating_sub(1),
+            Ok(quick_xml::events::Event::Eof) | Err(_) => return None,
+            Ok(_) => {}
+        }
+        if depth > DEEPEST {
+            let read = usize::try_from(reader.buffer_position()).unwrap_or(text.len());
+            return Some(text[..read.min(text.len())].lines().count());
+        }
+    }
+}
+
 impl Document {
     /// Reads a URDF.
     ///
@@ -53,6 +75,14 @@ impl Document {
                 "no <robot> in it".to_owned(),
                 "give a URDF, an XML file whose root is <robot>",
             );
+        }
+        if let Some(line) = too_deep(&text) {
+            return Err(Error::file(
+                path,
+                Place::line(line),
+                format!("elements within each other, more than {DEEPEST} deep"),
+                "no URDF is; links and joints stand side by side in <robot>",
+            ));
         }
         let robot = match urdf_rs::read_from_string(&text) {
             Ok(robot) => robot,

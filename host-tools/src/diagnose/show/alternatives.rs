@@ -7,7 +7,8 @@ use crate::diagnose::outcome::{Alternative, SeparatingPose};
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::question::Question;
 use crate::evaluate::residuals;
-use crate::identify::{Conditions, State, folds};
+use crate::identify::fit::folds;
+use crate::identify::{Conditions, State};
 use crate::model::{Robot, Row};
 use crate::units::joint_to_file;
 

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::diagnose::moments::Moments;
 use crate::identify::Findings;
-use crate::identify::accumulate::{CHUNK, tree};
+use crate::identify::problem::accumulate::{CHUNK, tree};
 
 /// One standard deviation of every unknown, SI; what is not known of masses included. A
 /// spring half as stiff under loads twice as large bends alike: without their share a

@@ -9,7 +9,7 @@ use crate::diagnose::policy::POLICY;
 use crate::diagnose::weigh::{Curved, Doubt, Weighed};
 use crate::effects::OUTLIERS;
 use crate::identify::Findings;
-use crate::identify::robust::Outlier;
+use crate::identify::fit::robust::Outlier;
 use crate::model::{CURVE, ModelTerm, Values, friction_unit};
 
 /// What the final model holds beyond geometry: what may be named, and what is

@@ -6,10 +6,10 @@ use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::outcome::{GapRow, Rms};
 use crate::diagnose::question::Question;
 use crate::diagnose::weigh::{Stage, with_curves};
-use crate::error::{Error, Kind, Label, Result};
+use crate::error::{Error, ErrorKind, Label, Result};
 use crate::evaluate::{known_instruments, own_evidence, residuals};
 use crate::identify::cross_validation::Parts;
-use crate::identify::folds::Fold;
+use crate::identify::fit::folds::Fold;
 use crate::identify::{Conditions, Layout, Noise, Problem, State, in_deviations};
 use crate::model::{CURVE, ErrorCurve, Measurements, Robot};
 use crate::observations::Residual;
@@ -151,7 +151,7 @@ impl Show<'_> {
         match asked {
             None => Ok(()),
             Some((label, _)) => Err(Error::data(
-                Kind::UnknownStation,
+                ErrorKind::UnknownStation,
                 format!(
                     "{}: rows that are measured in the frame of station \"{label}\", which no row of \
                      the training tells",

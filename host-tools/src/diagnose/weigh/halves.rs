@@ -1,8 +1,8 @@
 //! Whether a claim survives in the data's other half: coefficients of both
 //! halves agree, and what one half says helps to predict the other.
 
-use super::explained::{Explained, Part};
-use super::parts::{Parts, joined};
+use super::partial_fits::{Explained, Part};
+use super::row_parts::{Parts, joined};
 use crate::diagnose::chi_square::chi_square;
 use crate::diagnose::policy::POLICY;
 use crate::evidence::{Claim, Explanation, Gram};

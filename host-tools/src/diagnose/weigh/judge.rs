@@ -2,14 +2,14 @@
 
 use rayon::prelude::*;
 
-use super::answer::{Named, Weighed};
 use super::doubts::{self, Doubt};
-use super::explained::{Explained, FOLD};
 use super::halves;
 use super::nameless::Nameless;
-use super::parts::{Parts, joined};
+use super::partial_fits::{Explained, FOLD};
 use super::possible::{NAMELESS, Possible, What, listed};
+use super::row_parts::{Parts, joined};
 use super::sheet::ByCurves;
+use super::weighed::{Named, Weighed};
 use crate::diagnose::candidates::{Candidate, arm_terms};
 use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;

@@ -1,25 +1,24 @@
 //! What the data hold beyond geometry: rounds of linearising at the best model
 //! so far, weighing every candidate by its evidence, and fitting what was found.
 
-mod answer;
-mod chosen;
-mod curved;
-mod curves;
 mod doubts;
-mod explained;
 mod halves;
+mod joint_curves;
 mod judge;
 mod lags;
 mod lines;
 mod nameless;
-mod parts;
+mod partial_fits;
 mod possible;
+mod row_parts;
 pub mod scan;
-mod searched;
+mod search_result;
+mod settled;
 mod sheet;
 pub mod slips;
-mod sprung;
 mod start;
+mod unweighed_springs;
+mod weighed;
 mod weights;
 
 use super::candidates::Candidate;
@@ -28,19 +27,20 @@ use super::policy::POLICY;
 use super::question::Question;
 use crate::error::Result;
 use crate::evidence::{Effort, Known, explain};
-pub use answer::{Curved, Named, Stage, Weighed};
-use chosen::Chosen;
 pub use doubts::Doubt;
-use explained::{EFFORT, Explained, FIRST};
+use joint_curves::choice::Chosen;
 use lines::Held;
 pub use nameless::Nameless;
+use partial_fits::{EFFORT, Explained, FIRST};
 use possible::{Numbers, Possible, listed, revolute};
-use searched::Searched;
+use search_result::Searched;
+use settled::{With, settled};
 use sheet::Sheet;
 pub use sheet::Weights;
-use sprung::sprung;
 use start::Start;
 pub use start::with_curves;
+use unweighed_springs::sprung;
+pub use weighed::{Curved, Named, Stage, Weighed};
 
 /// Rounds of linearising and weighing.
 const ROUNDS: usize = 4;
@@ -99,8 +99,11 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let weights = weights::after(&problem, &node);
         let mut possible = candidates(&asked, &node, &weights, (lambda, scale), (&held, &refused));
         possible.retain(|p| !p.is_within(&curves));
-        let sheet = Sheet::new(&problem, &state, &possible, &weights, &curves)
-            .bending(bent.bending(&state));
+        let sheet = Sheet::new(&problem, &state, &possible, &weights, &curves).bending(
+            bent.bending(&state),
+            &rows,
+            lambda,
+        );
         let precision = sheet.precision(lambda);
         let whole = sheet.gram(&rows);
         let entries: Vec<_> = possible.iter().map(|p| p.entry.clone()).collect();
@@ -115,12 +118,22 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let all = Explained { q, possible: &possible, sheet: &sheet, precision: &precision };
         let solution = all.solution(&whole, &geometry, &found);
         let before = bent.clone();
-        let moved = bent.find(&sheet, &solution, &geometry);
+        let mut next = bent.clone();
+        next.find(&sheet, &solution, &geometry);
+        // Beside curves, which have a prior that no fit of rows knows, a step at a time;
+        // else moments begin where they were: with other members a whole step may lead away.
+        let still = curves.is_empty() && !sheet.moments(&solution).is_empty();
+        bent = before.towards(&next, if still { 0.0 } else { 1.0 });
+        if still {
+            let with = With { weights: &weights, scale };
+            (node, bent) = settled(q, &added, &state, bent, with)?;
+        } else if !same || !curves.is_empty() {
+            let problem = bent.problem(q.problem);
+            node = fitted(&Question { problem: &problem, ..*q }, added, &state)?;
+        }
+        let moved = bent.moved_from(&before);
         let problem = bent.problem(q.problem);
         let asked = Question { problem: &problem, ..*q };
-        if !same || !curves.is_empty() || !sheet.moments(&solution).is_empty() {
-            node = fitted(&asked, added, &state)?;
-        }
         let bad = node.implausible(&problem.conditions);
         let again = !bad.is_empty() && round < ROUNDS + REFUSALS;
         if !bad.is_empty() {
@@ -161,8 +174,8 @@ fn candidates(
     let mut out: Vec<Possible> =
         q.offered.iter().map(|candidate| numbers.offered(candidate.clone())).collect();
     out.extend(lags::offered(q.problem, refused, &mut numbers));
-    let columns = scan::joints(q.problem, state, rows, weights, noise);
-    out.extend(lines::offered(state, &columns, q.highest_order, held, &mut numbers));
+    let columns = scan::columns(q.problem, state, rows, weights, noise);
+    out.extend(lines::offered(state, &columns.joints, q.highest_order, held, &mut numbers));
     out.extend(slips::offered(q.problem, rows, &columns, &mut numbers));
     let joints = revolute(q.problem);
     for (nameless, tried) in Nameless::all(q.problem, &joints, POLICY.wobbles) {

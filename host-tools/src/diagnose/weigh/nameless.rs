@@ -40,6 +40,16 @@ pub enum Nameless {
         /// First row after it, counted from 0.
         row: usize,
     },
+    /// The target sits elsewhere on the flange from a row on, which no series says.
+    Reseated {
+        /// First row after it, counted from 0.
+        row: usize,
+    },
+    /// The arm stands elsewhere, or what measures it, from a row on.
+    Shifted {
+        /// First row after it, counted from 0.
+        row: usize,
+    },
 }
 
 impl Nameless {
@@ -64,15 +74,16 @@ impl Nameless {
         out
     }
 
-    /// The joint, counted from 0.
+    /// The joint, counted from 0; `None` of what is of no joint.
     #[must_use]
-    pub fn joint(&self) -> usize {
+    pub fn joint(&self) -> Option<usize> {
         match self {
             Self::Wobble { joint, .. }
             | Self::Bend { joint }
             | Self::Memory { joint }
             | Self::Creep { joint }
-            | Self::Slip { joint, .. } => *joint,
+            | Self::Slip { joint, .. } => Some(*joint),
+            Self::Reseated { .. } | Self::Shifted { .. } => None,
         }
     }
 
@@ -85,6 +96,8 @@ impl Nameless {
             Self::Memory { .. } => 2,
             Self::Creep { .. } => 3,
             Self::Slip { .. } => 4,
+            Self::Reseated { .. } => 5,
+            Self::Shifted { .. } => 6,
         }
     }
 
@@ -100,13 +113,24 @@ impl Nameless {
         match self {
             Self::Wobble { .. } | Self::Bend { .. } => 4,
             Self::Memory { .. } | Self::Creep { .. } | Self::Slip { .. } => 1,
+            Self::Reseated { .. } => 3,
+            Self::Shifted { .. } => 6,
+        }
+    }
+
+    /// Columns of one unit have one number: turns, then shifts.
+    #[must_use]
+    pub fn units(&self) -> Vec<usize> {
+        match self {
+            Self::Shifted { .. } => vec![0, 0, 0, 1, 1, 1],
+            _ => vec![0; self.count()],
         }
     }
 
     /// What it says.
     #[must_use]
     pub fn words(&self) -> String {
-        let joint = self.joint() + 1;
+        let joint = self.joint().map_or(0, |joint| joint + 1);
         match self {
             Self::Wobble { times, .. } => {
                 let times = if *times == 1 { "once".to_owned() } else { format!("{times} times") };
@@ -122,6 +146,12 @@ impl Nameless {
             Self::Slip { row, .. } => {
                 format!("the zero of joint {joint} is another from row {} on", row + 1)
             }
+            Self::Reseated { row } => {
+                format!("the target sits elsewhere on the flange from row {} on", row + 1)
+            }
+            Self::Shifted { row } => {
+                format!("the arm, or what measures it, stands elsewhere from row {} on", row + 1)
+            }
         }
     }
 
@@ -129,33 +159,31 @@ impl Nameless {
     #[must_use]
     pub fn columns(&self, problem: &Problem, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
         let row = &problem.data.rows[index];
-        let joint = self.joint();
-        let q = row.q[joint];
-        match self {
-            Self::Wobble { times, .. } => {
-                let (sin, cos) = (*times as f64 * q).sin_cos();
+        let moved = |joint: usize| *d.links[joint].joint(problem.nominal[joint].kind);
+        let after = |first: usize| {
+            f64::from(u8::from(problem.data.when(index) >= problem.data.when(first)))
+        };
+        match *self {
+            Self::Wobble { joint, times } => {
+                let (sin, cos) = (times as f64 * row.q[joint]).sin_cos();
                 let [x, y] = d.tilts(joint);
                 vec![x * cos, x * sin, y * cos, y * sin]
             }
-            Self::Bend { .. } => {
+            Self::Bend { joint } => {
                 let inputs = &problem.conditions.rows[index];
-                let turn = q + problem.nominal[joint].parameters.theta;
+                let turn = row.q[joint] + problem.nominal[joint].parameters.theta;
                 bends(inputs, joint, turn, d.tilts(joint)).to_vec()
             }
-            Self::Memory { .. } => {
+            Self::Memory { joint } => {
+                let q = row.q[joint];
                 let before = problem.conditions.before[index];
                 let before = before.map_or(q, |i| problem.data.rows[i].q[joint]);
-                vec![*d.links[joint].joint(problem.nominal[joint].kind) * (before - q)]
+                vec![moved(joint) * (before - q)]
             }
-            Self::Slip { row: first, .. } => {
-                let after = problem.data.when(index) >= problem.data.when(*first);
-                let share = f64::from(u8::from(after));
-                vec![*d.links[joint].joint(problem.nominal[joint].kind) * share]
-            }
-            Self::Creep { .. } => {
-                let hours = row.time.unwrap_or(0.0) / 3600.0;
-                vec![*d.links[joint].joint(problem.nominal[joint].kind) * hours]
-            }
+            Self::Slip { joint, row } => vec![moved(joint) * after(row)],
+            Self::Reseated { row } => d.tool.iter().map(|way| way * after(row)).collect(),
+            Self::Shifted { row } => d.base.iter().map(|way| way * after(row)).collect(),
+            Self::Creep { joint } => vec![moved(joint) * (row.time.unwrap_or(0.0) / 3600.0)],
         }
     }
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 use truearm::JointKind;
 
-use super::curves::Curve;
+use super::joint_curves::Curve;
 use super::nameless::Nameless;
 use crate::diagnose::candidates::Candidate;
 use crate::evidence::lines::Line;
@@ -148,9 +148,9 @@ impl Numbers {
     pub fn nameless(&mut self, nameless: Nameless, tried: usize) -> Possible {
         let entry = evidence::Candidate {
             name: NAMELESS + nameless.kind(),
-            place: self.place(vec![nameless.joint() + 1]),
+            place: self.place(nameless.joint().map(|joint| joint + 1).into_iter().collect()),
             part: nameless.part(),
-            units: vec![0; nameless.count()],
+            units: nameless.units(),
             log_odds: prior::log_odds(tried, 1),
         };
         Possible { what: What::Nameless(nameless), entry }

@@ -1,9 +1,11 @@
-//! A joint's zero that is another from some row on.
+//! What is another from some row on: a joint's zero, where the target sits, where the arm
+//! stands.
 
 use nalgebra::DVector;
 
 use super::nameless::Nameless;
 use super::possible::{Numbers, Possible};
+use super::scan::Columns;
 use crate::evidence::lines::JointColumn;
 use crate::identify::Problem;
 use crate::observations::postures;
@@ -51,21 +53,31 @@ pub fn strongest(column: &JointColumn, order: &[usize]) -> Step {
     best
 }
 
-/// The strongest step of each joint as a candidate.
+/// The strongest step of each joint as a candidate, and of the target and the base.
 pub fn offered(
     problem: &Problem,
     rows: &[usize],
-    columns: &[(usize, JointColumn)],
+    columns: &Columns,
     numbers: &mut Numbers,
 ) -> Vec<Possible> {
     let postures = postures(&problem.data.rows, rows);
     let order = in_order(problem, &postures);
-    let steps = columns.iter().map(|(joint, column)| (*joint, strongest(column, &order)));
+    let steps = columns.joints.iter().map(|(joint, column)| (*joint, strongest(column, &order)));
     let found = steps.filter(|(_, step)| step.explained > 0.0);
-    let tried = columns.len() * rows.len();
-    found
-        .map(|(joint, step)| {
-            numbers.nameless(Nameless::Slip { joint, row: postures[step.at] }, tried)
-        })
-        .collect()
+    let slip = |(joint, step): (usize, Step)| Nameless::Slip { joint, row: postures[step.at] };
+    let of_joints = columns.joints.len() * rows.len();
+    let mut out: Vec<Possible> =
+        found.map(|step| numbers.nameless(slip(step), of_joints)).collect();
+    // What moves as a whole shows along one of its axes first.
+    let whole = |columns: &[JointColumn]| {
+        let steps = columns.iter().map(|column| strongest(column, &order));
+        let best = steps.max_by(|a, b| a.explained.total_cmp(&b.explained));
+        best.filter(|step| step.explained > 0.0).map(|step| postures[step.at])
+    };
+    let reseated = whole(&columns.target).map(|row| Nameless::Reseated { row });
+    let shifted = whole(&columns.base).map(|row| Nameless::Shifted { row });
+    for what in reseated.into_iter().chain(shifted) {
+        out.push(numbers.nameless(what, rows.len()));
+    }
+    out
 }

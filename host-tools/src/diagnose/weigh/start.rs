@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::curves::Curve;
+use super::joint_curves::Curve;
 use super::lines::Held;
 use super::sheet::{Sheet, Solution};
 use crate::diagnose::candidates::Candidate;
@@ -73,9 +73,26 @@ impl Bent {
         self.moments.as_ref().and_then(|moments| moments.bending(state))
     }
 
-    /// Takes over a solution's curves and moments; whether moments moved.
-    pub fn find(&mut self, sheet: &Sheet, solution: &Solution, geometry: &Geometry) -> bool {
+    /// Takes over a solution's curves and moments.
+    pub fn find(&mut self, sheet: &Sheet, solution: &Solution, geometry: &Geometry) {
         self.tables = sheet.tables(solution, geometry);
-        self.moments.as_mut().is_some_and(|moments| moments.find(sheet.moments(solution)))
+        if let Some(moments) = &mut self.moments {
+            moments.find(sheet.moments(solution));
+        }
+    }
+
+    /// The curves of another, and moments a share of the way there.
+    #[must_use]
+    pub fn towards(&self, other: &Self, share: f64) -> Self {
+        let moments = self.moments.as_ref().zip(other.moments.as_ref());
+        let moments = moments.map(|(from, to)| from.towards(to, share));
+        Self { tables: other.tables.clone(), moments }
+    }
+
+    /// Whether its moments are others.
+    #[must_use]
+    pub fn moved_from(&self, other: &Self) -> bool {
+        let moments = self.moments.as_ref().zip(other.moments.as_ref());
+        moments.is_some_and(|(own, other)| own.moved_from(other))
     }
 }

@@ -73,7 +73,7 @@ impl MeasuredColumns {
         &self,
         cells: &Cells,
         marker: &str,
-        book: &mut dyn crate::observations::Book,
+        book: &mut dyn crate::observations::Registry,
     ) -> Result<Measured> {
         let id = self.kind_of(cells)?;
         let kind = KINDS[usize::from(id.0)];

@@ -3,7 +3,7 @@
 mod cells;
 mod header;
 mod measured;
-mod sense;
+mod plausible;
 
 use truearm::JointKind;
 
@@ -171,13 +171,13 @@ impl Columns {
             marker: label(&mut labels.markers, &target),
             pose: 0,
             series: Some(text(o.series)).filter(|s| !s.is_empty()).map(str::to_owned),
-            time: sense::time(cells, o.time)?,
-            temperature: sense::temperature(cells, o.temperature)?,
-            payload: sense::payload(cells, o.payload)?,
-            order: sense::order(cells, o.order)?,
+            time: plausible::time(cells, o.time)?,
+            temperature: plausible::temperature(cells, o.temperature)?,
+            payload: plausible::payload(cells, o.payload)?,
+            order: plausible::order(cells, o.order)?,
             orientation,
             directions: self.directions(cells)?,
-            torques: sense::torques(cells, self.torques.as_deref())?,
+            torques: plausible::torques(cells, self.torques.as_deref())?,
             extra: self.extra.iter().map(|c| cells.text(*c).to_owned()).collect(),
         })
     }

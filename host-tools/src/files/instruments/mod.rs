@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use truearm::Pose;
 
 use crate::model::{Form, Instrument, Measurements, Placement, Robot};
-use crate::observations::Book;
+use crate::observations::Registry;
 
 /// What is known so far.
 #[derive(Debug, Clone, Default)]
@@ -72,7 +72,7 @@ impl Gathered {
     }
 }
 
-impl Book for Gathered {
+impl Registry for Gathered {
     fn instrument(&mut self, forms: &[Form], label: &str) -> usize {
         forms.iter().find_map(|form| self.known(*form, label)).unwrap_or_else(|| {
             self.list.push(Instrument::unknown(forms[0], label));

@@ -9,7 +9,7 @@ use super::keys::{CameraFile, InstrumentsFile, MarkerFile, PlateFile, RayFile, S
 use crate::error::Result;
 use crate::files::source::Source;
 use crate::model::{Form, Instrument, Placement, Robot};
-use crate::observations::{Book, ray_of};
+use crate::observations::{Registry, ray_of};
 use crate::units::{from_mm, point_from_mm};
 
 const HELP: &str = "see docs/instruments.md for the keys of this file";

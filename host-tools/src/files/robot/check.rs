@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::sense::Sense;
+use super::plausible::Plausible;
 use crate::error::Result;
 use crate::files::source::Source;
 use crate::units::from_mm;
@@ -12,7 +12,7 @@ pub(super) struct Checker<'a> {
     pub source: Source<'a>,
     pub warnings: Vec<String>,
     /// What values may be.
-    pub sense: &'static Sense,
+    pub plausible: &'static Plausible,
 }
 
 impl Checker<'_> {

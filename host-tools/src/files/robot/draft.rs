@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use truearm::JointKind;
 
+use super::super::comment::on_one_line;
 use super::super::number;
 use super::prior::prior_tables;
 use crate::model::{Joint, LinkMass, Placement};
@@ -32,7 +33,8 @@ impl RobotDraft {
     /// roundings of what they were made of.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        let mut text: String = self.origin.iter().map(|line| format!("# {line}\n")).collect();
+        let mut text: String =
+            self.origin.iter().map(|line| format!("# {}\n", on_one_line(line))).collect();
         text += &format!("name = {}\n", toml::Value::String(self.name.clone()));
         text += "# Standard deviation of a measured coordinate; say what your tracker has.\n\
                  # measurement_sigma_mm = 0.03\n";
@@ -47,7 +49,7 @@ impl RobotDraft {
         }
         for (name, link) in &self.joints {
             let remark =
-                if name.is_empty() { String::new() } else { format!("  # {}", plain(name)) };
+                if name.is_empty() { String::new() } else { format!("  # {}", on_one_line(name)) };
             text += &format!("\n[[joints]]{remark}\n{}", joint(link));
         }
         for LinkMass { mass, com } in &self.links {
@@ -59,11 +61,6 @@ impl RobotDraft {
         }
         text
     }
-}
-
-/// A name that stays on its line.
-fn plain(name: &str) -> String {
-    name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 fn vector(values: [f64; 3]) -> String {

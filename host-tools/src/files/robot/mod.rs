@@ -1,9 +1,9 @@
 mod check;
 mod draft;
 mod keys;
-mod meaning;
+mod nonsense;
+mod plausible;
 mod prior;
-mod sense;
 
 use std::path::Path;
 
@@ -18,8 +18,8 @@ use crate::units::{from_mm, joint_from_file};
 use check::{Checker, printable};
 pub use draft::RobotDraft;
 use keys::{JointFile, PlacementFile, RobotFile};
+use plausible::Plausible;
 pub use prior::{prior_tables, with_priors};
-use sense::Sense;
 
 /// What to do about a file that does not have the right keys.
 pub(super) const HELP: &str = "see docs/files.md for the keys of this file";
@@ -48,7 +48,7 @@ impl Robot {
         source.refuse_table()?;
         let mut warnings = Vec::new();
         let file: RobotFile = source.toml(HELP, &mut warnings)?;
-        let mut check = Checker { source, warnings, sense: Sense::of(&file) };
+        let mut check = Checker { source, warnings, plausible: Plausible::of(&file) };
         check.count(file.joints.len())?;
         let sigma = check.sigma(file.measurement_sigma_mm.as_ref())?;
         let sigma_angle = file.measurement_sigma_deg.as_ref();

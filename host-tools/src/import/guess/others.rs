@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::clues::{Clues, Place};
 use crate::headings::{Named, Quantity, Role, Unit};
 use crate::import::config::Pick;
+use crate::import::native::own;
 use crate::import::number::seconds;
-use crate::import::own::own;
 use crate::import::table::Table;
 
 /// Adds what names and numbers tell; what is not clear is left out, and so
@@ -117,7 +117,11 @@ fn unit(clues: &Clues, to: &str, place: &Place) -> Option<Unit> {
             () if inside(200.0, 400.0) => Some(Unit::K),
             () => None,
         }),
-        "payload" => of(Quantity::Mass).or(Some(Unit::Kg)),
+        // In another unit it is not taken, and so named among what is left out.
+        "payload" => match (said, &table.headings[place.column].strange) {
+            (None, None) => Some(Unit::Kg),
+            _ => of(Quantity::Mass),
+        },
         "sigma" => of(Quantity::Length),
         _ => Some(Unit::Plain),
     }

@@ -1,4 +1,4 @@
-use super::super::picture::{Left, Part};
+use super::super::picture::{Part, Unexplained};
 use crate::plot::{Axis, Ink, Mark, Panel, Series};
 
 /// An effect against what it goes with: rows, fitted curve and its band.
@@ -36,7 +36,7 @@ pub fn part(part: &Part) -> Panel {
 
 /// What is left against something recorded: means of bins with their intervals.
 #[must_use]
-pub fn free_curve(left: &Left) -> Panel {
+pub fn free_curve(left: &Unexplained) -> Panel {
     let means = Series::new("mean of a bin, 95 %", left.means.clone(), Mark::Intervals);
     let series = vec![means.ends(left.intervals.clone()).ink(Ink::MODEL)];
     let (x, y) = (Axis::linear(left.x_label.clone()), Axis::signed(left.y_label.clone()));

@@ -1,4 +1,4 @@
-use crate::identify::error_bars::ParameterBar;
+use crate::identify::certainty::error_bars::ParameterBar;
 use crate::plot::{Axis, Ink, Mark, Panel, Series};
 
 /// Parameters of a link in their order, and the unit of each.

@@ -2,10 +2,10 @@
 //! and the error of each as one joint, the base or a length would make it.
 
 mod covariate;
-mod left;
 mod parts;
 mod seen;
+mod unexplained;
 
-pub use left::{Left, left};
 pub use parts::{Part, parts};
 pub use seen::{Arrow, Measured, Seen};
+pub use unexplained::{Unexplained, unexplained};

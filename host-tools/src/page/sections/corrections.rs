@@ -2,7 +2,7 @@ use super::super::charts;
 use super::super::document::{Figure, Section};
 use super::{details, list, table};
 use crate::identify::Figures;
-use crate::identify::error_bars::ParameterBar;
+use crate::identify::certainty::error_bars::ParameterBar;
 
 /// What was corrected, with error bars.
 pub fn corrections(f: &Figures) -> Section {

@@ -3,8 +3,7 @@
 
 use super::super::charts::part;
 use super::super::document::{Figure, Section};
-use super::super::numbers::runs;
-use super::super::numbers::{cycles, period};
+use super::super::numbers::{cycles, period, runs};
 use super::super::picture::Part;
 use super::{details, list, table};
 use crate::diagnose::{Coefficient, Effect, said};

@@ -1,5 +1,5 @@
 use super::super::document::Section;
-use super::super::verbs::file_name;
+use super::super::numbers::file_name;
 use super::{folded, table};
 use crate::identify::{Figures, FlaggedRow};
 

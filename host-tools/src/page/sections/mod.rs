@@ -5,8 +5,8 @@ mod effects;
 mod flagged;
 mod gap;
 mod lambda;
-mod left;
 pub mod next;
+mod unexplained;
 mod unknown;
 mod workspace;
 
@@ -15,7 +15,7 @@ pub use effects::{effects, short};
 pub use flagged::{flagged, remarks};
 pub use gap::gap;
 pub use lambda::lambda;
-pub use left::left;
+pub use unexplained::unexplained;
 pub use unknown::unknown;
 pub use workspace::workspace;
 

@@ -1,8 +1,7 @@
 use super::super::charts::{method_errors, method_sizes};
 use super::super::document::{Figure, Page, Section};
-use super::super::numbers::{digits, mm};
+use super::super::numbers::{digits, file_name, mm};
 use super::super::sections::{self, table};
-use super::file_name;
 use crate::methods::{Comparison, Outcome};
 
 /// The page of `compare`.

@@ -1,9 +1,9 @@
 use super::super::charts::{Floor, Step};
 use super::super::document::{Page, Section};
-use super::super::numbers::{mm, period};
-use super::super::picture::{Measured, Seen, left, parts};
+use super::super::numbers::{file_name, mm, period};
+use super::super::picture::{Measured, Seen, parts, unexplained};
 use super::super::sections::{self, folded, next};
-use super::{file_name, of_figures, rows_of};
+use super::{of_figures, rows_of};
 use crate::diagnose::{Effect, GapRow, GapUnit, Outcome, Verdict};
 use crate::effects::OUTLIERS;
 use crate::error::Result;
@@ -28,8 +28,8 @@ pub fn diagnosed(report: &DiagnoseReport, on: &Measured, next: &next::Next) -> R
         sections::gap(&steps, floor(r), &f.cross_validation),
         sections::effects(&r.effects, &r.suspected, &parts(&seen, &effects), clean),
     ];
-    let curves = if r.verdict == Verdict::Unexplained { left(&seen) } else { Vec::new() };
-    all.extend(sections::left(&curves, &r.unnamed, "the model"));
+    let curves = if r.verdict == Verdict::Unexplained { unexplained(&seen) } else { Vec::new() };
+    all.extend(sections::unexplained(&curves, &r.unnamed, "the model"));
     let names = ["before, nominal", "after, final model"];
     all.extend(sections::workspace(&on.in_robot_frame(), names, "row"));
     all.extend(next::poses(r));

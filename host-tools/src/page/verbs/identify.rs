@@ -1,9 +1,9 @@
 use super::super::charts::{Floor, Step};
 use super::super::document::Page;
-use super::super::numbers::mm;
-use super::super::picture::{Measured, Seen, left};
+use super::super::numbers::{file_name, mm};
+use super::super::picture::{Measured, Seen, unexplained};
 use super::super::sections::{self, next};
-use super::{file_name, noise_floor_mm, of_figures, rows_of};
+use super::{noise_floor_mm, of_figures, rows_of};
 use crate::diagnose::GapUnit;
 use crate::error::Result;
 use crate::identify::KindFigures;
@@ -40,7 +40,7 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
     }
     let names = ["before, nominal", "after, identified"];
     all.extend(sections::workspace(&on.in_robot_frame(), names, "row"));
-    all.extend(sections::left(&left(&seen), &[], "the geometry"));
+    all.extend(sections::unexplained(&unexplained(&seen), &[], "the geometry"));
     all.extend(of_figures(f, &[]));
     all.push(next::steps(&commands(lacking, next)));
     all.extend(sections::remarks(&f.warnings));

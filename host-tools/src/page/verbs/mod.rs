@@ -35,12 +35,6 @@ fn of_figures(f: &Figures, not_testable: &[String]) -> [Section; 4] {
     ]
 }
 
-/// The last part of a path: where a file stands is no business of a report's reader.
-pub(super) fn file_name(path: &str) -> String {
-    let name = std::path::Path::new(path).file_name();
-    name.map_or_else(|| path.to_owned(), |name| name.to_string_lossy().into_owned())
-}
-
 /// Rows, poses and stations in a few words.
 fn rows_of(f: &Figures) -> (String, String) {
     ("measured".to_owned(), format!("{} rows, {} poses", f.rows, f.poses))

@@ -2,7 +2,7 @@ use std::path::Path;
 
 use super::super::charts::covered;
 use super::super::document::{Figure, Page, Section};
-use super::super::numbers::mm;
+use super::super::numbers::{file_name, mm};
 use super::super::picture::Arrow;
 use super::super::sections::{self, table, typed};
 use crate::model::Robot;
@@ -148,7 +148,7 @@ fn together(told: Section, of: &Planned, warnings: &[String], columns: &str) -> 
     let next = Section::new("next", "What to do next")
         .say(format!(
             "Measure them and add {columns} to the rows of {}; then:",
-            super::file_name(&of.file.display().to_string())
+            file_name(&of.file.display().to_string())
         ))
         .node(typed(std::slice::from_ref(&of.then)));
     let mut out = vec![told];

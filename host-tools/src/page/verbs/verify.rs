@@ -2,10 +2,9 @@ use nalgebra::Vector3;
 
 use super::super::charts::{before_and_after, shares};
 use super::super::document::{Figure, Page, Section};
-use super::super::numbers::{mm, runs};
+use super::super::numbers::{file_name, mm, runs};
 use super::super::picture::Arrow;
 use super::super::sections::{self, table};
-use super::file_name;
 use crate::model::{Commanded, Model};
 use crate::plot::Ink;
 use crate::report::{Judged, VerifyReport};

@@ -11,7 +11,7 @@ pub use urscript::{Move, urscript};
 use truearm::Pose;
 
 use super::compensate::{Compensated, Row};
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::Path;
 
 /// A row of a program.
@@ -45,7 +45,7 @@ pub(super) fn points<'a>(path: &'a Path, found: &'a Compensated) -> Result<Vec<P
             Ok(Point { joints, believed, time: input.time, cells, line: input.line })
         }
         Row::NotReached(_) => Err(Error::data(
-            Kind::NoPoses,
+            ErrorKind::NoPoses,
             format!("{}: line {} is not reached", path.data.path.display(), input.line),
             "a program with a hole is not written: mend the path, or give --start near its first \
              row; --format csv shows every row",

@@ -1,7 +1,7 @@
 use truearm::JointKind;
 
 use super::points;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::model::{Model, Path};
 use crate::paths::Compensated;
 
@@ -28,7 +28,7 @@ pub fn urscript(model: &Model, path: &Path, found: &Compensated, how: Move) -> R
     let joints = &model.robot.joints;
     if joints.len() != 6 || joints.iter().any(|j| j.link.kind != JointKind::Revolute) {
         return Err(Error::data(
-            Kind::OtherArm,
+            ErrorKind::OtherArm,
             format!("{}: URScript moves six turning joints", model.robot.path.display()),
             "write --format csv, or a --template of this robot's language",
         ));

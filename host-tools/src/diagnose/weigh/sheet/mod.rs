@@ -1,27 +1,29 @@
 //! Rows linearised once, with the columns of every candidate beside those of
 //! geometry: all that evidence, folds and halves need.
 
-mod bent;
-mod left;
-mod predicted;
-mod scanned;
+mod beside_springs;
+mod extra_unknowns;
+mod line_scan;
+mod residuals;
+mod tool_point;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 use truearm::LinkParameter;
 
-use super::curves::{self, Curve};
+use super::joint_curves::{self, Curve};
 use super::possible::{Possible, columns_of};
 use crate::diagnose::moments::Bending;
 use crate::diagnose::policy::POLICY;
 use crate::evidence::Gram;
 use crate::evidence::poses::{whiten, within};
-use crate::identify::accumulate::tree;
+use crate::identify::problem::accumulate::tree;
 use crate::identify::{Linearised, Problem, State, Unknown};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
 use crate::observations::Reading;
-pub use predicted::ByCurves;
+use beside_springs::shares;
+pub use tool_point::ByCurves;
 
 /// Equations given to a Gram matrix at a time.
 const TOGETHER: usize = 240;
@@ -52,6 +54,11 @@ pub struct Sheet<'a> {
     curves: &'a [Curve],
     /// What the moments of links bend, a part of geometry.
     bending: Option<Bending>,
+    /// How much of each spring's action their columns are without, where masses were only
+    /// assumed; they count from where the state has them then.
+    shares: Option<DMatrix<f64>>,
+    /// What the state has of each, in units, from where the prior has it.
+    held_moments: Vec<f64>,
     /// Curves are candidates of their own, behind the others, instead of geometry.
     apart: bool,
 }
@@ -93,14 +100,22 @@ impl<'a> Sheet<'a> {
             weights,
             curves,
             bending: None,
+            shares: None,
+            held_moments: Vec::new(),
             apart: false,
         }
     }
 
     /// The same where moments of links bend springs.
     #[must_use]
-    pub fn bending(self, bending: Option<Bending>) -> Self {
-        Self { bending, ..self }
+    pub fn bending(self, bending: Option<Bending>, rows: &[usize], lambda: f64) -> Self {
+        let Some(bending) = bending else { return self };
+        let shares = bending.is_assumed().then(|| shares(&self, &bending, rows, lambda));
+        let held_moments = match shares {
+            Some(_) => vec![0.0; bending.found().len()],
+            None => bending.found().to_vec(),
+        };
+        Self { shares, held_moments, bending: Some(bending), ..self }
     }
 
     /// The same with the columns of its curves behind those of the candidates.
@@ -111,19 +126,20 @@ impl<'a> Sheet<'a> {
 
     /// Unknowns of geometry without curves: those of the problem, then moments.
     fn unknowns(&self) -> usize {
-        self.problem.unknowns.list().len() + self.held_moments().len()
+        self.problem.unknowns.list().len() + self.held_moments.len()
     }
 
-    /// Moments of the state, in units; none where nothing bends.
-    fn held_moments(&self) -> &[f64] {
-        self.bending.as_ref().map_or(&[], Bending::found)
-    }
-
-    /// The moments of a solution, in units.
+    /// The moments of a solution, in units; none where nothing bends.
     #[must_use]
-    pub fn moments<'s>(&self, solution: &'s Solution) -> &'s [f64] {
+    pub fn moments(&self, solution: &Solution) -> Vec<f64> {
         let own = self.problem.unknowns.list().len()..self.unknowns();
-        &solution.geometry.as_slice()[own]
+        let own = solution.geometry.as_slice()[own].iter();
+        match (&self.shares, &self.bending) {
+            (Some(_), Some(bending)) => {
+                own.zip(bending.found()).map(|(more, old)| old + more).collect()
+            }
+            _ => own.copied().collect(),
+        }
     }
 
     /// Diagonal of geometry's prior: tolerances of links, 10 m of a base, 1 m of
@@ -145,7 +161,7 @@ impl<'a> Sheet<'a> {
             }
         };
         let rigid = unknowns.list().iter().enumerate().map(of);
-        let moments = self.held_moments().iter().map(|_| 1.0);
+        let moments = self.held_moments.iter().map(|_| 1.0);
         let curves = self.curves.iter().filter(|_| !self.apart);
         let curves = curves.flat_map(|c| c.prior.variances()).map(|v| 1.0 / v);
         let all: Vec<f64> = rigid.chain(moments).chain(curves).collect();
@@ -246,7 +262,7 @@ impl<'a> Sheet<'a> {
             all
         });
         let (p, k) = (self.unknowns(), self.held.len());
-        let curves = curves::columns(self.curves);
+        let curves = joint_curves::columns(self.curves);
         let first = if self.apart { p } else { p + curves };
         let last = p + k + curves;
         let y = e.block.columns(first, k) * &self.held + self.by_moments(&e) + e.block.column(last);
@@ -261,7 +277,7 @@ impl<'a> Sheet<'a> {
     /// Unknowns of geometry, curves among them, and columns of candidates.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
-        let curves = curves::columns(self.curves);
+        let curves = joint_curves::columns(self.curves);
         match self.apart {
             true => [self.unknowns(), self.held.len() + curves],
             false => [self.unknowns() + curves, self.held.len()],

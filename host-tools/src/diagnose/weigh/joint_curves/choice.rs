@@ -1,0 +1,77 @@
+//! Which joints have an error curve, by the evidence.
+
+use super::Curve;
+use crate::diagnose::weigh::lines::Held;
+use crate::diagnose::weigh::possible::{Possible, columns_of, revolute};
+use crate::diagnose::weigh::sheet::{Sheet, Weights};
+use crate::evidence::lines::LOWEST;
+use crate::evidence::prior;
+use crate::evidence::smooth::{self, Odds, Prior, Shape};
+use crate::identify::{Problem, State};
+
+/// Poses that an order needs.
+const POSES_AN_ORDER: usize = 4;
+
+/// What joints are off by beside what else was found.
+#[derive(Debug, Default)]
+pub struct Chosen {
+    /// Joints with a curve.
+    pub curves: Vec<Curve>,
+    /// Lines that say as much as a curve would.
+    pub lines: Vec<Held>,
+}
+
+/// Which joints have a curve, beside what else was found, and their priors; and which
+/// lines of up to `highest` cycles a turn would do instead.
+#[must_use]
+pub fn chosen(
+    problem: &Problem,
+    state: &State,
+    rows: &[usize],
+    members: &[Possible],
+    weights: &Weights,
+    (lambda, scale): (f64, f64),
+    highest: f64,
+) -> Chosen {
+    let joints = revolute(problem);
+    let most = problem.data.poses / POSES_AN_ORDER;
+    let Some(length) = smooth::LENGTHS.into_iter().find(|l| smooth::orders(*l) <= most) else {
+        return Chosen::default();
+    };
+    let size = smooth::SIZES[0];
+    let all: Vec<Curve> =
+        joints.iter().map(|joint| Curve { joint: *joint, prior: Prior { length, size } }).collect();
+    let sheet = Sheet::new(problem, state, members, weights, &all).with_curves_apart();
+    let gram = sheet.gram(rows);
+    let projected = gram.project(&gram.geometry(&sheet.precision(lambda), scale));
+    let line = |order: usize| line_odds(joints.len(), order, highest);
+    let curve = prior::log_odds(joints.len(), smooth::PRIORS);
+    let shapes = |line: Option<&dyn Fn(usize) -> f64>| {
+        let odds = Odds { curve, line };
+        smooth::choose(&projected, columns_of(members), smooth::orders(length), &odds)
+    };
+    let smooth = joints.iter().zip(shapes(None)).filter_map(|(joint, shape)| match shape? {
+        Shape::Curve(prior) => Some(Curve { joint: *joint, prior }),
+        Shape::Line { .. } => None,
+    });
+    let curves: Vec<Curve> = smooth.collect();
+    if curves.is_empty() {
+        return Chosen::default();
+    }
+    let instead =
+        joints.iter().zip(shapes(Some(&line))).filter_map(|(joint, shape)| match shape? {
+            Shape::Line { order, .. } => Some((*joint, order as f64)),
+            Shape::Curve(_) => None,
+        });
+    let lines = instead.filter(|(joint, _)| curves.iter().any(|c| c.joint == *joint)).collect();
+    Chosen { curves, lines }
+}
+
+/// Of a line, or of an eccentricity, which has the lowest two orders.
+fn line_odds(joints: usize, order: usize, highest: f64) -> f64 {
+    let sizes = smooth::SIZES.len();
+    match order as f64 > LOWEST {
+        true => prior::line_log_odds(joints, 1, sizes * highest as usize, true),
+        false => prior::log_odds(joints, 2 * sizes),
+    }
+}

@@ -1,0 +1,143 @@
+//! What error curves are worth, and the way from them to the best model.
+
+use nalgebra::DVector;
+
+use super::Curve;
+use crate::diagnose::moments;
+use crate::diagnose::weigh::partial_fits::{Explained, Part};
+use crate::diagnose::weigh::possible::What;
+use crate::diagnose::weigh::row_parts::{Parts, joined};
+use crate::diagnose::weigh::sheet;
+use crate::diagnose::weigh::weighed::{Curved, Stage};
+use crate::evidence::{Explanation, Gram, prior, smooth};
+use crate::identify::in_deviations;
+use crate::model::ErrorCurve;
+use crate::observations::Residual;
+
+/// What was found, and the sums it was found from.
+pub struct From<'s, 'a> {
+    /// The linearised data.
+    pub all: &'s Explained<'s, 'a>,
+    /// What was found.
+    pub found: &'s Explanation,
+    /// Rows by fold and half.
+    pub parts: &'s Parts,
+    /// Their sums.
+    pub grams: &'s [Gram],
+}
+
+/// Each curve with its worth: the fall of the cost that geometry and the curve
+/// have to explain the same, and of the error of either half.
+#[must_use]
+pub fn worth(from: &From, curves: &[Curve], tables: &[ErrorCurve]) -> Vec<Curved> {
+    let (all, scale) = (from.all, from.found.scale);
+    let whole = joined(from.grams.iter(), all.sheet.size());
+    let geometry = whole.geometry(all.precision, scale);
+    let solution = all.solution(&whole, &geometry, from.found);
+    let out = tables.iter().filter_map(|table| {
+        let k = curves.iter().position(|c| c.joint == usize::from(table.joint()))?;
+        let half_gain = [0, 1].map(|half| gain(from, k, half));
+        let columns = all.sheet.columns_of_curve(k);
+        let evidence = geometry.worth(all.precision, &solution.geometry, columns);
+        let log_odds = evidence + prior::log_odds(all.q.problem.nominal.len(), smooth::PRIORS);
+        Some(Curved { table: table.clone(), length: curves[k].prior.length, log_odds, half_gain })
+    });
+    out.collect()
+}
+
+/// Fall of the error of one random half by a curve fitted to the other one.
+fn gain(from: &From, k: usize, half: usize) -> f64 {
+    let of = |h: usize| (0..from.grams.len()).filter(move |p| from.parts.half[*p][0] == h);
+    let rows: Vec<usize> = of(half).flat_map(|p| from.parts.rows[p].clone()).collect();
+    let rms = |precision: &DVector<f64>| {
+        let all = Explained { precision, ..*from.all };
+        let sum = joined(of(1 - half).map(|p| &from.grams[p]), all.sheet.size());
+        let part = all.part(sum, from.found.scale);
+        let (_, solution) = all.refitted(&part, from.found, &from.found.best.members);
+        all.sheet.misfit(&rows, &solution).sqrt()
+    };
+    // A curve that is held at nothing.
+    let mut without = from.all.precision.clone();
+    let columns = from.all.sheet.columns_of_curve(k);
+    without.rows_mut(columns.start, columns.len()).fill(sheet::HELD);
+    1.0 - rms(from.all.precision) / rms(&without).max(f64::MIN_POSITIVE)
+}
+
+/// Curves alone, then one effect after the other, the largest first; what does not
+/// lower the error of held-out poses is left out.
+#[must_use]
+pub fn stages(from: &From) -> Vec<Stage> {
+    let members = &from.found.best.members;
+    let name = |m: &usize| match &from.all.possible[*m].what {
+        What::Effect(candidate) => Some(candidate.name()),
+        What::Nameless(_) => None,
+    };
+    let mut sizes: Vec<(&'static str, f64)> = Vec::new();
+    for (m, floors) in members.iter().zip(&from.found.floors) {
+        let Some(name) = name(m) else { continue };
+        match sizes.iter_mut().find(|s| s.0 == name) {
+            Some(known) => known.1 = known.1.hypot(*floors),
+            None => sizes.push((name, *floors)),
+        }
+    }
+    sizes.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // Moments bend springs: without those they are as stated.
+    let held = from.all.sheet.holding_moments(from.all.precision);
+    let stiff = Explained { precision: &held, ..*from.all };
+    let [sprung, stiff] = [from.all, &stiff].map(|all| Sums::new(from, all));
+    let stage = |names: Vec<&'static str>| {
+        let of = |m: &usize| name(m).is_some_and(|n| names.contains(&n));
+        let own: Vec<usize> = members.iter().copied().filter(of).collect();
+        let bends = names.iter().any(|name| moments::bends(name));
+        let sums = if bends { &sprung } else { &stiff };
+        let tables = sums.all.tables(&sums.whole, from.found, &own);
+        Stage { tables, names, held_out: sums.held_out(from, &own) }
+    };
+    let mut out = vec![stage(Vec::new())];
+    for (name, _) in sizes {
+        let last = &out[out.len() - 1];
+        let next = stage([last.names.as_slice(), &[name]].concat());
+        if square(from, &next.held_out) < square(from, &last.held_out) {
+            out.push(next);
+        }
+    }
+    out
+}
+
+/// Sum of squares of what is left of all rows, in standard deviations.
+fn square(from: &From, rows: &[Option<Residual>]) -> f64 {
+    let noise = &from.all.q.problem.noise;
+    let rows = rows.iter().zip(&from.all.q.problem.data.rows);
+    rows.filter_map(|(left, row)| Some(in_deviations(&(*left)?, row, noise).norm_squared())).sum()
+}
+
+/// Sums without each fold and of all rows, under a prior of geometry.
+struct Sums<'e, 's, 'a> {
+    all: &'e Explained<'s, 'a>,
+    folds: Vec<Part>,
+    whole: Part,
+}
+
+impl<'e, 's, 'a> Sums<'e, 's, 'a> {
+    fn new(from: &From, all: &'e Explained<'s, 'a>) -> Self {
+        let (size, scale) = (all.sheet.size(), from.found.scale);
+        let without = |k: usize| {
+            let others = (0..from.grams.len()).filter(|p| from.parts.fold[*p] != k);
+            all.part(joined(others.map(|p| &from.grams[p]), size), scale)
+        };
+        let folds = (0..all.q.folds.len()).map(without).collect();
+        Self { all, folds, whole: all.part(joined(from.grams.iter(), size), scale) }
+    }
+
+    /// Every row predicted without its fold, with these members.
+    fn held_out(&self, from: &From, members: &[usize]) -> Vec<Option<Residual>> {
+        let mut out = vec![None; self.all.q.problem.data.rows.len()];
+        for (part, fold) in self.folds.iter().zip(self.all.q.folds) {
+            let (_, solution) = self.all.refitted(part, from.found, members);
+            for (row, left) in self.all.sheet.left(&fold.held_out, &solution) {
+                out[row] = Some(left);
+            }
+        }
+        out
+    }
+}

@@ -1,0 +1,82 @@
+//! Curves of joints and moments of links: unknowns of geometry beside those of the
+//! problem.
+
+use nalgebra::{DVector, Vector3};
+
+use super::{Sheet, Solution};
+use crate::diagnose::weigh::joint_curves::{self, Curve};
+use crate::evidence;
+use crate::identify::Equations;
+use crate::model::ErrorCurve;
+use crate::model::arm::Derivatives;
+
+impl Sheet<'_> {
+    /// What the curves of the state do where the arm stands at a row.
+    pub(crate) fn bent(&self, index: usize, d: &Derivatives) -> Vector3<f64> {
+        let here = &self.problem.conditions.rows[index].curves;
+        let value = |c: &Curve| here.get(c.joint).copied().unwrap_or(0.0);
+        self.curves.iter().map(|c| self.of_joint(c, d) * value(c)).sum()
+    }
+
+    fn of_joint(&self, curve: &Curve, d: &Derivatives) -> Vector3<f64> {
+        *d.links[curve.joint].joint(self.problem.nominal[curve.joint].kind)
+    }
+
+    /// What the moments of the state do in a row's equations.
+    pub(crate) fn by_moments(&self, e: &Equations) -> DVector<f64> {
+        let held = DVector::from_column_slice(&self.held_moments);
+        e.block.columns(self.unknowns() - held.len(), held.len()) * held
+    }
+
+    /// Columns of moments.
+    pub(crate) fn of_moments(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
+        let Some(bending) = &self.bending else { return Vec::new() };
+        let mut columns = bending.columns(self.problem, index, d);
+        let Some(shares) = &self.shares else { return columns };
+        let actions = bending.actions(self.problem, index, d);
+        for (column, of) in columns.iter_mut().zip(shares.column_iter()) {
+            actions.iter().zip(of.iter()).for_each(|(action, share)| *column -= action * *share);
+        }
+        columns
+    }
+
+    /// Columns of the curves' coefficients.
+    pub(crate) fn of_curves(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
+        let q = &self.problem.data.rows[index].q;
+        let of = |c: &Curve| {
+            let joint = self.of_joint(c, d);
+            c.basis(q[c.joint]).into_iter().map(move |value| joint * value)
+        };
+        self.curves.iter().flat_map(of).collect()
+    }
+
+    /// What the curves of a solution do where the arm stands at a row.
+    pub(crate) fn by_curves(&self, index: usize, d: &Derivatives, of: &Solution) -> Vector3<f64> {
+        let columns = self.of_curves(index, d);
+        let own = of.geometry.rows(self.unknowns(), columns.len());
+        columns.iter().zip(own.iter()).map(|(column, c)| column * *c).sum()
+    }
+
+    /// Where the columns of a curve stand in geometry.
+    #[must_use]
+    pub fn columns_of_curve(&self, k: usize) -> std::ops::Range<usize> {
+        let first = self.unknowns() + joint_curves::columns(&self.curves[..k]);
+        first..first + 2 * self.curves[k].orders()
+    }
+
+    /// The functions of a solution as tables.
+    #[must_use]
+    pub fn tables(&self, solution: &Solution, geometry: &evidence::Geometry) -> Vec<ErrorCurve> {
+        let mut first = self.unknowns();
+        let mut out = Vec::new();
+        for curve in self.curves {
+            let count = 2 * curve.orders();
+            let own = solution.geometry.rows(first, count).into_owned();
+            let rows = self.problem.data.rows.iter().map(|row| row.q[curve.joint]);
+            let band = joint_curves::band(curve, rows, geometry, first);
+            out.extend(curve.table(own.as_slice(), band));
+            first += count;
+        }
+        out
+    }
+}

@@ -1,0 +1,120 @@
+//! The covariance that a blob carries: of base, tool point, links and terms in
+//! the commanded frame, tracker and other reflectors marginalised away.
+
+use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector3, Vector6};
+use truearm::Pose;
+use truearm::blob::uncertain_parameters;
+
+use crate::identify::problem::accumulate::{CHUNK, tree};
+use crate::identify::problem::{Problem, State};
+use crate::model::arm::{Kinematics, RowInputs, chain};
+use crate::model::{Instrument, ModelTerm};
+
+/// Covariance of the parameters in the order of a blob, SI, from that of all
+/// unknowns. The small base between identified and commanded frame is no
+/// unknown: it is the rigid fit of identified to nominal tool points over the
+/// poses of `rows`, so its errors follow from theirs, here to first order. The
+/// nominal points, nominal links with the tool point of the blob, are what the
+/// commanded frame is defined by, and have no error.
+#[must_use]
+pub fn of_arm(
+    problem: &Problem,
+    state: &State,
+    rows: &[usize],
+    unknowns: &DMatrix<f64>,
+    frame: &Pose<f64>,
+) -> DMatrix<f64> {
+    let columns = &problem.unknowns;
+    let joints = state.links.len();
+    let is_arm = |t: &ModelTerm| matches!(t, ModelTerm::Arm(_));
+    let terms = state.terms.iter().filter(|t| is_arm(t)).count();
+
+    let mut map = DMatrix::zeros(uncertain_parameters(joints, terms), columns.list().len());
+    map.rows_mut(0, 6).copy_from(&base(problem, state, rows, frame));
+    let marker =
+        crate::identify::start::tool::of(problem.data).and_then(|marker| columns.marker(marker));
+    for (k, column) in (0..3).zip(marker.into_iter().flat_map(|first| first..)) {
+        map[(6 + k, column)] = 1.0;
+    }
+    for k in 0..5 * joints {
+        map[(9 + k, columns.free() + k)] = 1.0;
+    }
+    let estimated = state.terms.iter().zip(columns.terms()).filter(|(t, _)| is_arm(t));
+    for (k, (_, column)) in estimated.enumerate() {
+        map[(9 + 5 * joints + k, column)] = 1.0;
+    }
+    &map * unknowns * map.transpose()
+}
+
+/// Change of the base, translation then rotation, with every unknown.
+fn base(problem: &Problem, state: &State, rows: &[usize], frame: &Pose<f64>) -> Matrix6xX<f64> {
+    let columns = &problem.unknowns;
+    let arms: Vec<Box<dyn Kinematics>> =
+        state.markers.iter().map(|m| chain(&state.links, *frame, *m)).collect();
+    let leaf = |rows: &[usize]| {
+        let mut normal = Matrix6::zeros();
+        let mut pull = Matrix6xX::zeros(columns.list().len());
+        for row in rows.iter().map(|r| &problem.data.rows[*r]) {
+            let real = arms[row.marker].derivatives(&row.q, &[], &RowInputs::default());
+            let [rx, ry, rz, tx, ty, tz] = real.base;
+            let motion = nalgebra::Matrix3x6::from_columns(&[tx, ty, tz, rx, ry, rz]);
+            normal += motion.transpose() * motion;
+            let mut add = |column: usize, change: Vector3<f64>| {
+                let sum: Vector6<f64> = pull.column(column) - motion.transpose() * change;
+                pull.set_column(column, &sum);
+            };
+            for (i, link) in real.links.iter().enumerate() {
+                for (k, change) in link.to_array().iter().enumerate() {
+                    add(columns.free() + 5 * i + k, *change);
+                }
+            }
+            for (k, column) in
+                columns.marker(row.marker).into_iter().flat_map(|m| m..).take(3).enumerate()
+            {
+                add(column, real.tool[k]);
+            }
+        }
+        (normal, pull)
+    };
+    let (normal, pull) = tree(rows, CHUNK, &leaf, &|a, b| (a.0 + b.0, a.1 + b.1));
+    match normal.cholesky() {
+        Some(normal) => normal.solve(&pull),
+        // Points on a line: the frame is then the nominal one, and exact.
+        None => pull * 0.0,
+    }
+}
+
+/// The lower triangle L of a covariance `L L'`, column by column, as a blob
+/// holds it. The covariance may be singular.
+#[must_use]
+pub fn factor(covariance: &DMatrix<f64>) -> Vec<f32> {
+    let size = covariance.nrows();
+    // Rows of one size, or rounding in metres drowns radians per newton metre.
+    let scale = covariance.diagonal().map(|v| if v > 0.0 { v.sqrt() } else { 1.0 });
+    let scaled = DMatrix::from_fn(size, size, |i, j| covariance[(i, j)] / scale[i] / scale[j]);
+    let eigen = scaled.symmetric_eigen();
+    let root = eigen.eigenvalues.map(|e| e.max(0.0).sqrt());
+    // C = W W' with W = V sqrt(e); W' = Q R gives C = R' R.
+    let r = (DMatrix::from_diagonal(&root) * eigen.eigenvectors.transpose()).qr().r();
+    let mut out = Vec::with_capacity(size * (size + 1) / 2);
+    for j in 0..size {
+        let sign = if r[(j, j)] < 0.0 { -1.0 } else { 1.0 };
+        out.extend((j..size).map(|i| (sign * r[(j, i)] * scale[i]) as f32));
+    }
+    out
+}
+
+/// Instruments of a state, and how well they were found, from the covariance of all
+/// unknowns, SI.
+#[must_use]
+pub fn instruments(problem: &Problem, state: &State, covariance: &DMatrix<f64>) -> Vec<Instrument> {
+    let found = |(i, instrument): (usize, &Instrument)| {
+        let own: Vec<usize> = problem.unknowns.instrument(i).map(|(column, _)| column).collect();
+        let entry = |a: usize, b: usize| covariance[(own[a], own[b])];
+        match own.is_empty() {
+            true => instrument.clone(),
+            false => instrument.found_within(&DMatrix::from_fn(own.len(), own.len(), entry)),
+        }
+    };
+    state.instruments.iter().enumerate().map(found).collect()
+}

@@ -1,0 +1,32 @@
+use crate::blob::arm_terms;
+use crate::model::{Model, Path};
+
+/// What a model would use of a path's state and is not told; a remark each.
+#[must_use]
+pub fn missing_inputs(model: &Model, path: &Path) -> Vec<String> {
+    let (file, rows) = (path.data.path.display(), &path.data.rows);
+    let terms: Vec<_> = arm_terms(model).collect();
+    let mut out = Vec::new();
+    let missing = rows.iter().filter(|row| row.directions.iter().all(|d| *d == 0)).count();
+    if missing > 0 && terms.iter().any(|t| t.effect.needs_approach()) {
+        out.push(format!(
+            "{file}: {missing} rows do not say in dir1.. from which side joints come to rest: the \
+             middle of the play is taken"
+        ));
+    }
+    let missing = rows.iter().filter(|row| row.temperature.is_none()).count();
+    if missing > 0 && terms.iter().any(|t| t.effect.needs_warmth()) {
+        out.push(format!(
+            "{file}: {missing} rows without temperature_c: {} degrees is taken",
+            model.robot.reference_temperature
+        ));
+    }
+    if model.loaded(&path.data).is_err() {
+        out.push(
+            "the model's springs were identified from torques that were read, and it has no masses \
+             to compute them from: its joints are taken as unloaded"
+                .to_owned(),
+        );
+    }
+    out
+}

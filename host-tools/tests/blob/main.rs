@@ -1,0 +1,5 @@
+//! Blobs packed, unpacked, and in the files that flash tools read.
+
+mod images;
+mod pack_terms;
+mod unpack;

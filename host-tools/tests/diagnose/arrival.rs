@@ -1,0 +1,216 @@
+//! Where joints came from, what they were read to hold, how the base settled: what
+//! a file tells without saying it, and columns that say it.
+
+use crate::simulated::{Truth, UR10_LIKE, csv_of, robot, vector};
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use truearm_host::diagnose::{DiagnoseOptions, Outcome, diagnose};
+use truearm_host::error::ErrorKind;
+use truearm_host::evaluate::{Reregister, evaluate};
+use truearm_host::model::{Measurements, Robot};
+
+const SIGMA: f64 = 3e-5;
+
+/// An arm of which nothing but geometry is known.
+fn arm() -> Robot {
+    let mut robot = robot(UR10_LIKE);
+    robot.sigma = SIGMA;
+    robot.links.clear();
+    robot.gravity = None;
+    robot
+}
+
+/// Points at random poses where the joints really are at `real` of what was read
+/// and what was read before, seen after the base moved by `moved` of the row.
+struct Session {
+    truth: Truth,
+    poses: Vec<Vec<f64>>,
+    points: Vec<Vector3<f64>>,
+}
+
+/// Where the joints are at what is read, and what was read before.
+type Real = dyn Fn(&[f64], &[f64]) -> Vec<f64>;
+
+fn session(rows: usize, seed: u64, real: &Real, moved: &dyn Fn(usize) -> Vector3<f64>) -> Session {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let truth = Truth::draw(&arm(), 1, 1, &mut rng);
+    let pose = |rng: &mut ChaCha8Rng| {
+        let degrees = |_| (rng.random_range(-140.0..140.0_f64) * 1e4).round() / 1e4;
+        (0..6).map(degrees).map(f64::to_radians).collect::<Vec<f64>>()
+    };
+    let poses: Vec<Vec<f64>> = (0..rows).map(|_| pose(&mut rng)).collect();
+    let point = |k: usize| {
+        let before = &poses[k.saturating_sub(1)];
+        truth.point(&real(&poses[k], before), 0, 0) + moved(k) + vector(&mut rng) * SIGMA
+    };
+    let points = (0..rows).map(point).collect();
+    Session { truth, poses, points }
+}
+
+/// The file with columns beside it, one text a row and the header.
+fn with(session: &Session, header: &str, cell: impl Fn(usize) -> String) -> String {
+    let text = csv_of(&session.truth.robot, &session.poses, &session.points);
+    let lines = text.lines().enumerate().map(|(k, line)| match (k, header) {
+        (_, "") => format!("{line}\n"),
+        (0, _) => format!("{line},{header}\n"),
+        _ => format!("{line},{}\n", cell(k - 1)),
+    });
+    lines.collect()
+}
+
+fn diagnosed(robot: &Robot, text: &str) -> Outcome {
+    let data = Measurements::parse("m.csv".as_ref(), text, robot).unwrap();
+    diagnose(robot, &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap().outcome
+}
+
+fn names(outcome: &Outcome) -> Vec<(&'static str, Vec<usize>)> {
+    outcome.effects.iter().map(|e| (e.name, e.joints.clone())).collect()
+}
+
+fn still(_: usize) -> Vector3<f64> {
+    Vector3::zeros()
+}
+
+/// One joint off by so much to the side that it moved to.
+fn aside(joint: usize, by: f64) -> impl Fn(&[f64], &[f64]) -> Vec<f64> {
+    move |q, before| {
+        let mut q = q.to_vec();
+        q[joint] += by * (q[joint] - before[joint]).signum() * f64::from(u8::from(q != before));
+        q
+    }
+}
+
+#[test]
+fn a_gap_is_found_from_the_order_of_the_rows() {
+    let session = session(150, 1, &aside(2, -1e-4), &still);
+    let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
+    assert_eq!(names(&outcome), [("backlash", vec![3])]);
+    let value = outcome.effects[0].coefficients[0].value;
+    assert!((value - 1e-4).abs() < 1e-5, "{value}");
+    let said = outcome.figures.warnings.iter().any(|w| w.contains("order of the rows"));
+    assert!(said, "{:?}", outcome.figures.warnings);
+}
+
+#[test]
+fn a_readout_that_lags_is_no_gap_of_the_wrong_sign_and_no_line() {
+    let session = session(150, 2, &aside(1, 4e-4), &still);
+    let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
+    assert_eq!(names(&outcome), [("readout-lag", vec![2])]);
+    let value = outcome.effects[0].coefficients[0].value;
+    assert!((value - 4e-4).abs() < 1e-5, "{value}");
+}
+
+/// Rows in no order: what they came from is not known, and nothing is named.
+#[test]
+fn rows_in_another_order_have_no_gap() {
+    let mut session = session(150, 3, &aside(2, -1e-4), &still);
+    session.poses.reverse();
+    session.points.reverse();
+    let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
+    assert!(names(&outcome).iter().all(|(name, _)| *name != "backlash"), "{:?}", names(&outcome));
+    // Their numbers tell.
+    let outcome = diagnosed(&arm(), &with(&session, "order", |k| format!("{}", 150 - k)));
+    assert_eq!(names(&outcome), [("backlash", vec![3])]);
+}
+
+#[test]
+fn where_rows_are_missing_no_side_is_known() {
+    let session = session(40, 4, &|q, _| q.to_vec(), &still);
+    let text = with(&session, "order", |k| format!("{}", if k < 20 { k } else { k + 5 }));
+    let data = Measurements::parse("m.csv".as_ref(), &text, &arm()).unwrap();
+    let known = |row: &truearm_host::model::Row| row.directions.iter().any(|side| *side != 0);
+    let unknown: Vec<usize> = (0..40).filter(|k| !known(&data.rows[*k])).collect();
+    assert_eq!(unknown, [0, 20]);
+}
+
+/// What a joint holds, N m, of an arm that nobody weighed.
+fn held(q: &[f64]) -> [f64; 6] {
+    let (shoulder, elbow) = (q[1], q[1] + q[2]);
+    let wrist = elbow + q[3];
+    let [c, b, a] = [3.0 * wrist.cos(), 25.0 * elbow.cos(), 60.0 * shoulder.cos()];
+    [0.0, a + b + c, b + c, c, 0.4 * wrist.sin() * q[4].sin(), 0.0]
+}
+
+/// What joints hold, or what loads them: without gravity's direction nobody knows.
+#[test]
+fn torques_that_were_read_stand_in_for_masses() {
+    for sign in [1.0, -1.0] {
+        springs_of_read_torques(sign);
+    }
+}
+
+fn springs_of_read_torques(sign: f64) {
+    let bent = |q: &[f64], _: &[f64]| {
+        let mut q = q.to_vec();
+        q[1] -= 4e-6 * held(&q)[1];
+        q
+    };
+    let session = session(120, 5, &bent, &still);
+    let header = "torque1_nm,torque2_nm,torque3_nm,torque4_nm,torque5_nm,torque6_nm";
+    let cells = |k: usize| held(&session.poses[k]).map(|t| format!("{:.4}", sign * t)).join(",");
+    let outcome = diagnosed(&arm(), &with(&session, header, cells));
+    assert_eq!(names(&outcome), [("joint-compliance", vec![2])]);
+    let value = outcome.effects[0].coefficients[0].value;
+    assert!((value - sign * 4e-6).abs() < 2e-7, "{value}");
+    let said = outcome.figures.warnings.iter().any(|w| w.contains("load the joints"));
+    assert_eq!(said, sign < 0.0, "{:?}", outcome.figures.warnings);
+}
+
+/// Springs that read torques showed say nothing of rows that read none.
+#[test]
+fn a_model_of_read_torques_refuses_rows_without() {
+    let bent = |q: &[f64], _: &[f64]| {
+        let mut q = q.to_vec();
+        q[1] -= 4e-6 * held(&q)[1];
+        q
+    };
+    let session = session(60, 8, &bent, &still);
+    let header = "torque1_nm,torque2_nm,torque3_nm,torque4_nm,torque5_nm,torque6_nm";
+    let cells = |k: usize| held(&session.poses[k]).map(|t| format!("{t:.4}")).join(",");
+    let parsed = |text: &str| Measurements::parse("m.csv".as_ref(), text, &arm()).unwrap();
+    let (told, silent) =
+        (parsed(&with(&session, header, cells)), parsed(&with(&session, "", |_| String::new())));
+    let found = |holdout| {
+        diagnose(&arm(), &told, holdout, &DiagnoseOptions::default(), &|_| {}).map(|d| d.model)
+    };
+    let model = found(Some(&told)).unwrap();
+    let left = evaluate(&model, &told, Reregister::Nothing).unwrap().stats.unwrap().rms_mm;
+    assert!(left < 2.0 * SIGMA * 1e3, "{left}");
+    let refused = evaluate(&model, &silent, Reregister::Nothing).unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::NoTorques, "{refused}");
+    let refused = found(Some(&silent)).unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::NoTorques, "{refused}");
+}
+
+/// Five joints say what they hold, the sixth does not.
+#[test]
+fn torques_are_read_from_all_joints_or_none() {
+    let session = session(30, 6, &|q, _| q.to_vec(), &still);
+    let header = "torque1_nm,torque2_nm,torque3_nm,torque4_nm,torque5_nm";
+    let text = with(&session, header, |_| "1,2,3,4,5".to_owned());
+    let refused = Measurements::parse("m.csv".as_ref(), &text, &arm()).unwrap_err().to_string();
+    assert!(refused.contains("torque6_nm"), "{refused}");
+}
+
+#[test]
+fn a_base_that_settles_is_told_from_one_that_creeps() {
+    let hours = |k: usize| 3.0 * k as f64 / 150.0;
+    let settles = |k: usize| Vector3::new(2e-4, -1.5e-4, 1e-4) * (1.0 - (-hours(k) / 0.3).exp());
+    let session = session(150, 7, &|q, _| q.to_vec(), &settles);
+    let outcome =
+        diagnosed(&arm(), &with(&session, "time_s", |k| format!("{}", 3600.0 * hours(k))));
+    assert_eq!(names(&outcome), [("measurement-drift", vec![])]);
+    let left = outcome.gap.last().unwrap().train_rms_mm;
+    assert!(left < 1.05 * SIGMA * 3_f64.sqrt() * 1e3, "{left}");
+}
+
+/// Without a clock the numbers of the rows stand in for it.
+#[test]
+fn a_drift_is_found_from_the_numbers_of_rows() {
+    let creeps = |k: usize| Vector3::new(2e-4, 1e-4, -1e-4) * (k as f64 / 150.0);
+    let session = session(150, 8, &|q, _| q.to_vec(), &creeps);
+    let outcome = diagnosed(&arm(), &with(&session, "order", |k| k.to_string()));
+    assert_eq!(names(&outcome), [("measurement-drift", vec![])]);
+    assert_eq!(outcome.effects[0].coefficients[3].unit, "m/1000 rows");
+}

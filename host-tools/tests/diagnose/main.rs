@@ -1,0 +1,13 @@
+//! What is missing, and its name.
+
+mod arrival;
+mod by_kind;
+mod curves;
+mod hidden_effects;
+#[path = "../judged/mod.rs"]
+mod judged;
+#[path = "../simulated/mod.rs"]
+mod simulated;
+mod springs;
+mod ur10;
+mod wrong_sigma;

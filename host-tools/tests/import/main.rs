@@ -1,0 +1,5 @@
+//! Tables of any shape.
+
+#[path = "../published/mod.rs"]
+mod published;
+mod tables;

@@ -1,0 +1,5 @@
+//! report.html.
+
+#[path = "../markup/mod.rs"]
+mod markup;
+mod page;

@@ -1,0 +1,5 @@
+//! Paths compensated.
+
+mod cli;
+mod compensated;
+mod reach;
