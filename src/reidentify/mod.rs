@@ -78,8 +78,10 @@ pub struct Reidentify<T, const P: usize> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reidentified<'t, T, const N: usize, const P: usize> {
     /// To be stored: the chosen parameters changed, `sequence` one higher; `created`,
-    /// `rms_before` and `rms_after` are 0, unknown. `covered` is that of the stored set:
-    /// these measurements mend its identification and do not replace it.
+    /// `rms_before` and `rms_after` are 0, unknown: a controller that counts with one of them,
+    /// as with the sigma of a [`DriftWatch`](crate::drift::DriftWatch), says what holds now
+    /// before it stores. `covered` is that of the stored set: these measurements mend its
+    /// identification and do not replace it.
     pub parameters: ArmParameters<'t, T, N>,
     /// From the commanded to the points' frame; the identity unless the
     /// tracker's place was unknown.

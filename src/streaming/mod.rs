@@ -92,8 +92,9 @@ pub enum Lambda<T> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Identified<'t, T, const N: usize, const P: usize> {
     /// To be stored: the chosen parameters of the arm changed, `sequence` one higher than
-    /// stored; `created`, `rms_before` and `rms_after` are 0, unknown. `covered` is that of
-    /// the stored set.
+    /// stored; `created`, `rms_before` and `rms_after` are 0, unknown: a controller that counts
+    /// with one of them says what holds now before it stores. `covered` is that of the stored
+    /// set.
     pub parameters: ArmParameters<'t, T, N>,
     /// By how much each parameter differs from the stored one, in its unit; of a plane or
     /// an anchor from where it is stated to be, see

@@ -124,8 +124,9 @@ fn fit<'t>(
     let all: Reidentify<f32, PARAMETERS> = all;
     let Reidentified { mut parameters, rms_after, .. } = all.run(stored, points)?;
     let count = POINTS as f32;
-    // At other poses the new parameters add their own uncertainty, on average so much.
-    parameters.rms_after *= Scalar::sqrt(1.0 + degrees / (3.0 * count));
+    // What points will scatter by from here on, which the watch counts with: as before, and
+    // at other poses the new parameters add their own uncertainty, on average so much.
+    parameters.rms_after = stored.rms_after * Scalar::sqrt(1.0 + degrees / (3.0 * count));
     Ok((parameters, count * rms_after * rms_after / (sigma * sigma) + PRICE * degrees))
 }
 
