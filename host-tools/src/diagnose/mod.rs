@@ -15,6 +15,7 @@ pub mod policy;
 pub mod question;
 mod remarks;
 mod show;
+mod start_sides;
 mod tell;
 mod verdict;
 pub mod weigh;
@@ -34,7 +35,7 @@ use crate::identify::{
     Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, blamed, enough,
     nominal_state,
 };
-use crate::model::{ErrorCurve, Measurements, Model, Robot};
+use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Robot};
 use crate::observations::{Residual, kind};
 use crate::statistics::Stats;
 use candidates::Candidate;
@@ -111,25 +112,36 @@ fn diagnosed(
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
     let read = data.has_torques();
-    let assumed = (!read).then(|| robot.with_assumed_masses()).flatten();
+    let stated = robot;
+    let assumed = (!read).then(|| robot.with_assumed_loads()).flatten();
     let robot = assumed.as_ref().unwrap_or(robot);
+    // Masses that were stated are as they are, however gravity pulls.
+    let weightless = assumed.is_some() && stated.links.is_empty();
     let few = Options { allow_few_poses: options.allow_few_poses, ..Options::default() };
     enough(&Problem::new(data, robot, Scaling::Prior), &few)?;
     let robot = &*as_measured(robot, data)?;
+    let unloaded = Robot { gravity: stated.gravity, links: stated.links.clone(), ..robot.clone() };
     let problem = Problem::new(data, robot, Scaling::Prior);
     let rows = problem.counted();
     let start = register(data, &problem.nominal, robot.tool)?;
     let mut problem = problem.about(&start);
     problem.noise = kinds::noise(&problem, &rows, &start, crowd)?;
-    let (offered, not_testable) = candidates::all(&problem, robot, assumed.is_some());
+    let flags = Flags { lambda: 1.0, gross: POLICY.gross, crowd };
+    let sided = start_sides::found(&problem, &rows, &start, flags)?;
+    let data = sided.as_ref().unwrap_or(data);
+    if sided.is_some() {
+        let noise = problem.noise;
+        problem = Problem { noise, ..Problem::new(data, robot, Scaling::Prior).about(&start) };
+    }
+    let (offered, not_testable) = candidates::all(&problem, robot, weightless);
     let folds = folds::random(data, &rows, folds::SEED);
     // Torques that were read need no masses.
-    let moments = (!read).then(|| Moments::of(robot, assumed.is_some())).flatten();
+    let moments = (!read).then(|| Moments::of(robot, weightless)).flatten();
     let mut question = Question {
         problem: &problem,
         offered: &offered,
         highest_order: options.highest_order,
-        flags: Flags { lambda: 1.0, gross: POLICY.gross, crowd },
+        flags,
         rows: &rows,
         folds: &folds,
         moments: moments.as_ref(),
@@ -158,8 +170,16 @@ fn diagnosed(
     let problem = with_curves(&rigid, &tables);
     let question = Question { problem: &problem, ..question };
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
-    let show = Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot };
+    let unloaded = assumed.is_some().then_some(&unloaded);
+    let show =
+        Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot, unloaded };
     shown(&show, Found { weighed, best, root, start, not_testable })
+}
+
+/// Whether a term of a state bends under loads.
+fn has_loads(state: &State) -> bool {
+    let loaded = |t: &ModelTerm| matches!(t, ModelTerm::Arm(term) if term.needs_load());
+    state.terms.iter().any(loaded)
 }
 
 /// Effects of the most probable model; where there are curves, those of the last stage.
@@ -213,13 +233,16 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
     let (verdict, unnamed) = verdict::verdict(problem, &weighed, &best);
     let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
-    let (alternatives, rivals) = alternatives.into_iter().unzip();
+    let (alternatives, rivals): (_, Vec<State>) = alternatives.into_iter().unzip();
+    // What was assumed and moves nothing is in no model.
+    let bent = rivals.iter().chain([&best.fit.fit.state]).any(has_loads);
+    let show = &Show { robot: show.unloaded.filter(|_| !bent).unwrap_or(show.robot), ..*show };
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
     let findings = findings(show, &terms, &best, nominal, held_out)?;
     let mut identified = findings.summarise();
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
-    identified.figures.warnings.extend(remarks::all(problem.data, &best));
+    identified.figures.warnings.extend(remarks::all(problem, &best, &weighed.names));
     let kinds = &mut identified.figures.kinds;
     kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
     let noise_scale = weighed.scale * problem.noise.middle(problem.data);

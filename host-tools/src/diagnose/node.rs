@@ -1,6 +1,7 @@
 //! A fitted explanation.
 
 use super::candidates::Candidate;
+use super::moments::bends;
 use super::policy::POLICY;
 use super::question::Question;
 use crate::effects;
@@ -27,27 +28,30 @@ pub struct Node {
 impl Node {
     /// The additions of which a term has an impossible sign or size.
     pub fn implausible(&self, conditions: &Conditions) -> Vec<Candidate> {
-        let either = conditions.torques_of_either_sign;
         let mut terms = self.fit.fit.state.terms.iter();
         let mut bad = |c: &&Candidate| {
             // Every term is taken, or the next addition would see this one's.
-            c.terms.iter().filter_map(|_| terms.next()).filter(|t| !plausible(t, either)).count()
-                > 0
+            let own = c.terms.iter().filter_map(|_| terms.next());
+            own.filter(|t| !plausible(t, conditions)).count() > 0
         };
         self.added.iter().filter(|c| bad(c)).cloned().collect()
     }
 }
 
+/// What noise may make of a spring that is none: so much against its largest load, rad.
+const AGAINST: f64 = 1e-5;
+
 /// A sign and size that the physics of its effect allows, where torques may count
 /// either way one of both signs.
-fn plausible(term: &ModelTerm, either: bool) -> bool {
-    let family = effects::family(term.effect_name());
+fn plausible(term: &ModelTerm, conditions: &Conditions) -> bool {
+    let Some(family) = effects::family(term.effect_name()) else { return true };
+    let mut range = family.plausible.clone();
     let loaded = matches!(term, ModelTerm::Arm(own) if own.needs_load());
-    family.is_none_or(|family| {
-        let range = &family.plausible;
-        range.contains(&term.coefficient())
-            || either && loaded && range.contains(&-term.coefficient())
-    })
+    if let (ModelTerm::Arm(own), true) = (term, bends(term.effect_name())) {
+        range.start -= AGAINST / conditions.largest_load(own);
+    }
+    let either = conditions.torques_of_either_sign && loaded;
+    range.contains(&term.coefficient()) || either && range.contains(&-term.coefficient())
 }
 
 /// Fits geometry alone, from a registered arm.

@@ -2,13 +2,62 @@
 
 use truearm::effects::{Effect, MAX_TERMS};
 
-use super::candidates;
+use super::candidates::{self, Candidate};
 use super::node::Node;
+use super::tell::place;
+use super::weigh::{Doubt, Named, scatter};
+use crate::evidence::poses::Scatter;
+use crate::identify::Problem;
 use crate::model::{Measurements, ModelTerm};
 
 /// All of them.
-pub fn all(data: &Measurements, best: &Node) -> impl Iterator<Item = String> {
-    [too_many(best), guessed(data, best), loads(data, best)].into_iter().flatten()
+pub fn all(problem: &Problem, best: &Node, names: &[Named]) -> impl Iterator<Item = String> {
+    let data = problem.data;
+    [
+        too_many(best),
+        guessed(data, best),
+        loads(data, best),
+        beyond_repeats(problem, best),
+        few_angles(data, best, names),
+    ]
+    .into_iter()
+    .flatten()
+}
+
+/// A remark where the model has a function of a joint's angle that few angles show: what
+/// held-out poses say is of these angles as well.
+fn few_angles(data: &Measurements, best: &Node, names: &[Named]) -> Option<String> {
+    let at_few = |name: &&Named| {
+        let own = |c: &Candidate| c.name() == name.name && c.joints() == name.joints;
+        name.doubt == Some(Doubt::Levels) && best.added.iter().any(own)
+    };
+    let effects: Vec<String> =
+        names.iter().filter(at_few).map(|n| place(n.name, &n.joints)).collect();
+    (!effects.is_empty()).then(|| {
+        format!(
+            "{}: {}: measured at so few angles that other functions do the same there; between \
+             them the correction may be worse than none: measure a few poses in between",
+            data.path.display(),
+            effects.join(", ")
+        )
+    })
+}
+
+/// Standard deviations of poses over those of their repeats from which on it is said.
+const BEYOND: f64 = 1.5;
+
+/// A remark where poses are farther off than their repeats scatter.
+fn beyond_repeats(problem: &Problem, best: &Node) -> Option<String> {
+    let Scatter { within, between } = scatter(problem, best)?;
+    let times = (between / within).max(0.0).sqrt();
+    (times > BEYOND && times.is_finite()).then(|| {
+        format!(
+            "{}: the model leaves poses off by {times:.1} times what their repeats scatter: most \
+             of what is left returns with the pose, is of the arm or of what measured it there, \
+             and has no name",
+            problem.data.path.display()
+        )
+    })
 }
 
 /// A remark where springs give way against the torques of the file.

@@ -10,7 +10,7 @@ pub(super) const FAMILY: Family = Family {
     offers: |data| {
         let conditions = data.conditions;
         match (conditions.time, conditions.ordered) {
-            (true, _) => Ok(offers(once(Course::Time).chain(SETTLING.map(Course::Settling)))),
+            (true, _) => Ok(offers(courses())),
             (false, true) => Ok(offers(once(Course::Rows))),
             (false, false) => Err("a column time_s or order"),
         }
@@ -22,6 +22,11 @@ pub(super) const FAMILY: Family = Family {
 /// Hours in which a floor or a stand settles: minutes after the arm was moved to
 /// its place, hours after the hall was heated.
 const SETTLING: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
+
+/// How what goes with time may go.
+pub fn courses() -> impl Iterator<Item = Course> + Clone {
+    once(Course::Time).chain(SETTLING.map(Course::Settling))
+}
 
 fn offers(courses: impl Iterator<Item = Course> + Clone) -> Vec<Offer> {
     let tried = courses.clone().count() as f64;

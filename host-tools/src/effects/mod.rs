@@ -24,8 +24,10 @@ mod thermal_expansion;
 mod tool_remount;
 
 pub use family::{Data, Family, Offer};
+pub use measurement_drift::courses;
 pub use outliers::OUTLIERS;
 pub use readout_lag::lag;
+pub use thermal_expansion::growing;
 
 /// Every effect that a report may name: those of the arm, then those of the
 /// measurement. As many families an explanation may come from.

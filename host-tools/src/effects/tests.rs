@@ -16,7 +16,7 @@ fn names_are_those_of_the_crate() {
         // What diagnosis may find a controller takes.
         let most = 1.000_001 * f64::from(effect.plausible());
         let range = &family.plausible;
-        assert!(range.start < 0.0 && range.end <= most && range.start >= -most, "{range:?}");
+        assert!(range.start <= 0.0 && range.end <= most && range.start >= -most, "{range:?}");
     }
     for family in measurement {
         assert!(Effect::from_name(family.name).is_none());

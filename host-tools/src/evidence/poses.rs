@@ -19,16 +19,34 @@ const MOST: f64 = 0.999;
 /// Residuals of the readings of one pose: one column a reading.
 pub type Readings = DMatrix<f64>;
 
+/// Variances of residuals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scatter {
+    /// Of the readings of a pose about their mean.
+    pub within: f64,
+    /// Of the poses, beyond what that makes of their means.
+    pub between: f64,
+}
+
 /// Share of the variance that is common to the readings of a pose, from the
 /// residuals of all poses; `used` equations were used up by the fit.
 #[must_use]
 pub fn common_share(poses: &[Readings], used: f64) -> f64 {
-    let repeated = || poses.iter().filter(|p| p.ncols() > 1);
-    if repeated().next().is_none() {
+    if poses.iter().all(|p| p.ncols() < 2) {
         return 0.0;
     }
-    if repeated().count() < ENOUGH {
-        return USUAL;
+    match scatter(poses, used) {
+        None => USUAL,
+        Some(Scatter { within, between }) if within + between <= 0.0 => MOST,
+        Some(Scatter { within, between }) => (between / (within + between)).clamp(0.0, MOST),
+    }
+}
+
+/// How readings and poses scatter; `None` where too few poses are repeated.
+#[must_use]
+pub fn scatter(poses: &[Readings], used: f64) -> Option<Scatter> {
+    if poses.iter().filter(|p| p.ncols() > 1).count() < ENOUGH {
+        return None;
     }
     let (mut within, mut freedom) = (0.0, 0.0);
     let (mut between, mut equations, mut noise) = (0.0, 0.0, 0.0);
@@ -43,10 +61,7 @@ pub fn common_share(poses: &[Readings], used: f64) -> f64 {
     }
     let within = within / freedom;
     let between = between / (equations - used).max(1.0) - within * noise / equations;
-    if within + between <= 0.0 {
-        return MOST;
-    }
-    (between / (within + between)).clamp(0.0, MOST)
+    Some(Scatter { within, between })
 }
 
 /// Multiplies the equations of one pose by `V^-1/2`: `repeats` readings of

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use super::clock::{is_of_day, past_midnight, seconds};
 use super::config::{Config, Join, Pick};
 use super::join::RowRef;
 use super::native::{Own, has_point, own};
-use super::number::{plain, seconds};
+use super::number::plain;
 use super::table::Table;
 use super::turn::{Form, quaternion};
 use crate::error::{Error, Result};
@@ -68,10 +69,10 @@ pub(super) fn convert(
     header.extend(
         form.iter().flat_map(|_| Form::Quaternion.columns().iter().map(|c| (*c).to_owned())),
     );
-    let start = start(tables, config, rows);
+    let times = times(tables, config, rows);
     let (mut lines, mut joints, mut incomplete) = (Vec::new(), Vec::new(), Vec::new());
-    for row in rows {
-        let reader = Reader { tables, row, start, kind: config.columns.get("kind") };
+    for (row, time) in rows.iter().zip(times) {
+        let reader = Reader { tables, row, time, kind: config.columns.get("kind") };
         let cells = outputs.iter().map(|o| reader.cell(o)).collect::<Result<Vec<String>>>();
         let cells = match cells {
             Err(_) if skip_incomplete && outputs.iter().any(|o| reader.missing(o)) => {
@@ -136,27 +137,33 @@ fn form(columns: &BTreeMap<String, Pick>) -> Option<Form> {
     Form::ALL.into_iter().find(|f| f.columns().iter().all(|c| columns.contains_key(*c)))
 }
 
-/// The first time, if times are dates: seconds then count from it.
-fn start(tables: &[Table], config: &Config, rows: &[RowRef]) -> f64 {
-    let Some(pick) = config.columns.get("time") else { return 0.0 };
-    let times: Vec<f64> = rows
-        .iter()
-        .filter_map(|row| Reader { tables, row, start: 0.0, kind: None }.time(pick))
-        .collect();
-    let text = rows.first().is_some_and(|row| {
+/// Seconds of every row; from the first on, if they are dates or times of day.
+fn times(tables: &[Table], config: &Config, rows: &[RowRef]) -> Vec<Option<f64>> {
+    let Some(pick) = config.columns.get("time") else { return vec![None; rows.len()] };
+    let reader = |row| Reader { tables, row, time: None, kind: None };
+    let mut times: Vec<Option<f64>> = rows.iter().map(|row| reader(row).seconds(pick)).collect();
+    let text = |row: &RowRef| {
         let (file, at) = row.at(pick.file);
         tables[file].number(at, pick.column).is_none()
-    });
-    let least = times.iter().copied().fold(f64::INFINITY, f64::min);
+    };
+    let mut said = rows.iter().filter(|row| !reader(row).text(pick).is_empty());
+    if said.all(|row| text(row) && is_of_day(reader(row).text(pick))) {
+        past_midnight(&mut times);
+    }
+    let least = times.iter().flatten().copied().fold(f64::INFINITY, f64::min);
     // More seconds than a session has: a date.
-    if least.is_finite() && (text || least > 1e8) { least } else { 0.0 }
+    if least.is_finite() && (rows.first().is_some_and(text) || least > 1e8) {
+        times.iter_mut().flatten().for_each(|time| *time -= least);
+    }
+    times
 }
 
 /// One row being read.
 struct Reader<'a> {
     tables: &'a [Table],
     row: &'a RowRef,
-    start: f64,
+    /// Seconds in the session.
+    time: Option<f64>,
     /// The column that says what a row measured.
     kind: Option<&'a Pick>,
 }
@@ -208,7 +215,7 @@ impl Reader<'_> {
         }
     }
 
-    fn time(&self, pick: &Pick) -> Option<f64> {
+    fn seconds(&self, pick: &Pick) -> Option<f64> {
         let (file, at) = self.row.at(pick.file);
         let number = self.tables[file].number(at, pick.column).map(|v| pick.unit.to_file(v));
         number.or_else(|| seconds(self.text(pick)))
@@ -220,16 +227,16 @@ impl Reader<'_> {
             return Ok(self.text(pick).to_owned());
         }
         if output.kind == Kind::Time {
-            let time = self.time(pick);
-            if time.is_none() && !self.text(pick).is_empty() {
+            if self.time.is_none() && !self.text(pick).is_empty() {
                 let message = format!("\"{}\" is no time", self.text(pick));
                 return Err(self.fail(
                     pick,
                     message,
-                    "give seconds, 12:03:55 or 2021-03-05 12:03:55",
+                    "give seconds, 12:03:55 or 2021-03-05 12:03:55; of 03/05/2021 nothing says which is the \
+                     month",
                 ));
             }
-            return Ok(time.map_or(String::new(), |t| plain(t - self.start, 6)));
+            return Ok(self.time.map_or(String::new(), |time| plain(time, 6)));
         }
         let decimals = match pick.unit.quantity() {
             Quantity::Angle => ANGLE,

@@ -6,6 +6,7 @@
 //! its evidence, and what cannot be told is an error that names the flag.
 
 mod agreement;
+mod clock;
 mod config;
 mod convert;
 mod decode;

@@ -1,4 +1,4 @@
-//! Numbers and times as they stand in tables.
+//! Numbers as they stand in tables.
 
 use crate::headings::{Quantity, Unit};
 
@@ -38,52 +38,6 @@ fn without_thousands(text: &str, group: char, decimal: char) -> Option<String> {
     (sound && !fraction.contains(group)).then(|| text.replace(group, ""))
 }
 
-/// Seconds of a date and a time of day, since the year 1970, or of a time of day
-/// since midnight: `2021-03-05 12:03:55.2`, `05.03.2021 12:03:55`, `12:03:55`.
-pub(super) fn seconds(text: &str) -> Option<f64> {
-    let text = text.trim().trim_end_matches('Z');
-    let (date, clock) = match text.split_once(['T', ' ']) {
-        Some((date, clock)) => (Some(date), clock.trim()),
-        None => (None, text),
-    };
-    let mut parts = clock.split(':');
-    let mut part = |most: f64| {
-        let value: f64 = parts.next()?.replace(',', ".").parse().ok()?;
-        (0.0..most).contains(&value).then_some(value)
-    };
-    let (hours, minutes) = (part(24.0)?, part(60.0)?);
-    let seconds = part(61.0).unwrap_or(0.0);
-    let days = match date {
-        Some(date) => days(date)? as f64,
-        None => 0.0,
-    };
-    parts.next().is_none().then_some(((days * 24.0 + hours) * 60.0 + minutes) * 60.0 + seconds)
-}
-
-/// Days since 1970 of `2021-03-05`, `2021/03/05` or `05.03.2021`. Slashes with
-/// the year behind are days first to some and months first to others: `None`.
-fn days(date: &str) -> Option<i64> {
-    let cut = |separator| {
-        date.split(separator).map(|p| p.parse::<i64>().ok()).collect::<Option<Vec<_>>>()
-    };
-    let [year, month, day] = match (cut('-'), cut('/'), cut('.')) {
-        (Some(p), _, _) | (_, Some(p), _) if p.len() == 3 && p[0] > 31 => [p[0], p[1], p[2]],
-        (_, _, Some(p)) if p.len() == 3 => [p[2], p[1], p[0]],
-        _ => return None,
-    };
-    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1900..3000).contains(&year) {
-        return None;
-    }
-    // Howard Hinnant, days_from_civil.
-    let year = if month <= 2 { year - 1 } else { year };
-    let of_era = year.rem_euclid(400);
-    let of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
-    Some(
-        year.div_euclid(400) * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year
-            - 719_468,
-    )
-}
-
 /// With at most so many decimals, and no zeros behind the last one that counts.
 pub(super) fn plain(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
@@ -113,21 +67,6 @@ mod tests {
             ("d", '.', None),
         ] {
             assert_eq!(number(text, decimal), value, "{text}");
-        }
-    }
-
-    #[test]
-    fn times() {
-        for (text, value) in [
-            ("12:03:55", Some(43_435.0)),
-            ("1970-01-02 00:00:01", Some(86_401.0)),
-            ("05.03.2021 12:03:55,5", Some(1_614_945_835.5)),
-            ("2021-03-05T12:03:55.5Z", Some(1_614_945_835.5)),
-            ("03/05/2021 12:03:55", None),
-            ("25:00", None),
-            ("12", None),
-        ] {
-            assert_eq!(seconds(text), value, "{text}");
         }
     }
 

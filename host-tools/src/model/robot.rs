@@ -101,6 +101,9 @@ pub struct LinkMass {
     pub com: Vector3<f64>,
 }
 
+/// Gravity of an arm that stands upright, in its base, m/s^2.
+const UPRIGHT: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+
 impl Robot {
     /// Whether gravity's torques can be computed.
     #[must_use]
@@ -108,16 +111,35 @@ impl Robot {
         self.gravity.is_some() && !self.links.is_empty()
     }
 
-    /// The arm with masses assumed where none are given: every link 1 kg, half
-    /// way to the next joint. Gravity torques then have about the right shape
-    /// and an unknown size, which the compliance coefficient takes up. `None`
-    /// where masses are known, or not even the direction of gravity is.
+    /// The arm with what its loads need where that is not stated. Without gravity it
+    /// stands upright. Without masses every link has 1 kg half way to the next joint:
+    /// gravity torques then have about the right shape and an unknown size, which the
+    /// compliance coefficient takes up. `None` where both are stated.
     #[must_use]
-    pub fn with_assumed_masses(&self) -> Option<Self> {
-        if !self.links.is_empty() || self.gravity.is_none() {
+    pub fn with_assumed_loads(&self) -> Option<Self> {
+        if self.is_weighed() {
             return None;
         }
-        let n = self.joints.len();
+        let mut robot = self.clone();
+        let path = self.path.display();
+        if self.gravity.is_none() {
+            robot.gravity = Some(UPRIGHT);
+            robot.warnings.push(format!(
+                "{path}: no gravity_m_s2: springs are tested as of an arm that stands upright \
+                 (gravity along -z of the frame before joint 1); state it if the arm hangs or leans"
+            ));
+        }
+        if self.links.is_empty() {
+            robot.links = self.assumed_masses();
+            robot.warnings.push(format!(
+                "{path}: no [[links]]: compliance is tested with 1 kg assumed half way along every \
+                 link; its coefficients are per assumed N m"
+            ));
+        }
+        Some(robot)
+    }
+
+    fn assumed_masses(&self) -> Vec<LinkMass> {
         let next = |i: usize| match self.joints.get(i + 1) {
             // Origin of the next joint's frame, seen from this one's.
             Some(joint) => {
@@ -126,15 +148,7 @@ impl Robot {
             }
             None => self.tool,
         };
-        let links = (0..n).map(|i| LinkMass { mass: 1.0, com: next(i) / 2.0 });
-        let mut robot = self.clone();
-        robot.links = links.collect();
-        robot.warnings.push(format!(
-            "{}: no [[links]]: compliance is tested with 1 kg assumed half way along every link; \
-             its coefficients are per assumed N m",
-            self.path.display()
-        ));
-        Some(robot)
+        (0..self.joints.len()).map(|i| LinkMass { mass: 1.0, com: next(i) / 2.0 }).collect()
     }
 
     /// Where the nominal target is at joint values, in the coordinates of the

@@ -54,6 +54,16 @@ pub struct RowInputs {
 }
 
 impl RowInputs {
+    /// What the coefficient of a spring is multiplied by; 0 without loads.
+    #[must_use]
+    pub fn load(&self, spring: &Term<f64>) -> f64 {
+        let still = vec![0.0; self.torque.len()];
+        if still.is_empty() {
+            return 0.0;
+        }
+        with_joints!(still.len(), N => spring.basis(&self.fixed::<N>(&still)))
+    }
+
     /// For so many joints; what is not known is zero or [`Approach::Unknown`].
     pub(crate) fn fixed<const N: usize>(&self, q: &[f64]) -> TermInputs<f64, N> {
         let or_zero = |v: &[f64]| v.try_into().unwrap_or([0.0; N]);

@@ -92,6 +92,44 @@ fn a_gap_is_found_from_the_order_of_the_rows() {
     assert!(said, "{:?}", outcome.figures.warnings);
 }
 
+/// A session that turns one joint after another, from where all rested on some side that
+/// nobody wrote down: most rows of the last joints are before they first moved.
+#[test]
+fn gaps_of_joints_that_are_moved_one_after_another() {
+    for (seed, rested) in [(11, [1.0, 1.0, -1.0]), (12, [-1.0, 1.0, 1.0]), (13, [-1.0; 3])] {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let truth = Truth::draw(&arm(), 1, 1, &mut rng);
+        let gaps = [(1, 8e-5), (2, 1e-4), (4, 3e-4)];
+        let mut sides = [1.0; 6];
+        for ((joint, _), side) in gaps.iter().zip(rested) {
+            sides[*joint] = side;
+        }
+        let home = [0.3, -1.2, 1.4, -0.9, 1.1, 0.4];
+        let (mut poses, mut points, mut before) = (Vec::new(), Vec::new(), home);
+        for k in 0..180 {
+            let mut q = home;
+            let degrees: f64 = rng.random_range(-70.0..70.0);
+            q[k / 30] += degrees.to_radians();
+            for j in 0..6 {
+                // As files say it: six digits of a degree.
+                q[j] = (q[j].to_degrees() * 1e4).round().to_radians() / 1e4;
+                if k > 0 && q[j] != before[j] {
+                    sides[j] = (q[j] - before[j]).signum();
+                }
+            }
+            let mut real = q;
+            gaps.iter().for_each(|(j, half)| real[*j] -= sides[*j] * half);
+            points.push(truth.point(&real, 0, 0) + vector(&mut rng) * SIGMA);
+            poses.push(q.to_vec());
+            before = q;
+        }
+        let outcome = diagnosed(&arm(), &csv_of(&truth.robot, &poses, &points));
+        let joints = gaps.map(|(joint, _)| joint + 1).to_vec();
+        assert_eq!(names(&outcome), [("backlash", joints)], "{rested:?}: {:?}", outcome.suspected);
+        assert!(outcome.figures.outliers.is_empty());
+    }
+}
+
 #[test]
 fn a_readout_that_lags_is_no_gap_of_the_wrong_sign_and_no_line() {
     let session = session(150, 2, &aside(1, 4e-4), &still);
@@ -191,6 +229,32 @@ fn torques_are_read_from_all_joints_or_none() {
     let text = with(&session, header, |_| "1,2,3,4,5".to_owned());
     let refused = Measurements::parse("m.csv".as_ref(), &text, &arm()).unwrap_err().to_string();
     assert!(refused.contains("torque6_nm"), "{refused}");
+}
+
+/// Its motors warm its links, which no column says: what measures it stands still.
+#[test]
+fn an_arm_that_warms_up_is_no_drift_of_what_measures() {
+    let hours = |k: usize| 3.0 * k as f64 / 150.0;
+    let mut session = session(150, 9, &|q, _| q.to_vec(), &still);
+    let mut rng = ChaCha8Rng::seed_from_u64(10);
+    let cold = session.truth.links.clone();
+    for (k, q) in session.poses.iter().enumerate() {
+        // Eight kelvin of aluminium.
+        let grown = 1.0 + 8.0 * 2.4e-5 * (1.0 - (-hours(k) / 0.5).exp());
+        for (link, cold) in session.truth.links.iter_mut().zip(&cold) {
+            link.parameters.a = cold.parameters.a * grown;
+            link.parameters.d = cold.parameters.d * grown;
+        }
+        session.points[k] = session.truth.point(q, 0, 0) + vector(&mut rng) * SIGMA;
+    }
+    let cell = |k: usize| format!("{:.1}", hours(k) * 3600.0);
+    let outcome = diagnosed(&arm(), &with(&session, "time_s", cell));
+    assert_eq!(names(&outcome), []);
+    assert!(
+        outcome.unnamed.iter().any(|w| w.contains("arm grows with time")),
+        "{:?}",
+        outcome.unnamed
+    );
 }
 
 #[test]

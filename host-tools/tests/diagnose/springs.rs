@@ -1,23 +1,30 @@
 //! Springs of arms that another simulator made: the model that is written is the one that
 //! was judged, and moments that nobody knows take no spring's name.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
 use truearm_host::model::{Measurements, Robot};
 
-fn outcome(name: &str) -> Outcome {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/springs").join(name);
-    let robot = Robot::read(&folder.join("robot.toml")).unwrap();
-    let read = |file: &str| Measurements::read(&folder.join(file), &robot).unwrap();
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/springs").join(name)
+}
+
+fn stated(name: &str) -> Robot {
+    Robot::read(&folder(name).join("robot.toml")).unwrap()
+}
+
+fn outcome(name: &str, robot: &Robot) -> Outcome {
+    let folder = folder(name);
+    let read = |file: &str| Measurements::read(&folder.join(file), robot).unwrap();
     let (data, fresh) = (read("measurements.csv"), read("fresh.csv"));
     let options = DiagnoseOptions::default();
-    diagnose(&robot, &data, Some(&fresh), &options, &|_| ()).unwrap().outcome
+    diagnose(robot, &data, Some(&fresh), &options, &|_| ()).unwrap().outcome
 }
 
 /// No other names, and fitted, held-out and fresh poses agree.
-fn holds(name: &str, springs: &[&str], joints: &[usize]) -> Outcome {
-    let told = outcome(name);
+fn holds(name: &str, robot: &Robot, springs: &[&str], joints: &[usize]) -> Outcome {
+    let told = outcome(name, robot);
     assert_eq!(told.verdict, Verdict::Explained, "{name}: {:?}", told.unnamed);
     for effect in told.effects.iter().chain(&told.suspected) {
         let right =
@@ -38,7 +45,8 @@ fn holds(name: &str, springs: &[&str], joints: &[usize]) -> Outcome {
 /// nothing beside it: the fit stopped where it began.
 #[test]
 fn a_heavy_arm_that_stiffens_is_fitted_to_the_end() {
-    let told = holds("stiffening", &["joint-compliance", "joint-stiffening"], &[2]);
+    let told =
+        holds("stiffening", &stated("stiffening"), &["joint-compliance", "joint-stiffening"], &[2]);
     assert!(told.effects.iter().any(|e| e.name == "joint-compliance"));
 }
 
@@ -46,9 +54,23 @@ fn a_heavy_arm_that_stiffens_is_fitted_to_the_end() {
 /// eccentricities stood in for it.
 #[test]
 fn springs_of_an_unweighed_arm_at_one_payload() {
-    let told = holds("unweighed", &["joint-compliance"], &[2, 4]);
+    springs_of_joints_2_and_4(&stated("unweighed"));
+}
+
+/// It stands upright, as nearly all do; so much is said.
+#[test]
+fn springs_of_an_arm_of_which_nothing_but_geometry_is_stated() {
+    let robot = Robot { gravity: None, ..stated("unweighed") };
+    let told = springs_of_joints_2_and_4(&robot);
+    let said = |w: &String| w.contains("no gravity_m_s2") && w.contains("stands upright");
+    assert!(told.figures.warnings.iter().any(said), "{:?}", told.figures.warnings);
+}
+
+fn springs_of_joints_2_and_4(robot: &Robot) -> Outcome {
+    let told = holds("unweighed", robot, &["joint-compliance"], &[2, 4]);
     let found = told.effects.iter().chain(&told.suspected).flat_map(|e| e.joints.clone());
     let mut joints: Vec<usize> = found.collect();
     joints.sort_unstable();
     assert_eq!(joints, [2, 4]);
+    told
 }

@@ -19,7 +19,8 @@ use crate::run::{Result, call, cargo, root};
 
 /// Studies of the package `truearm-study`, for the help.
 pub const OF_ARMS: &str = "Of arms whose truth is known (cargo xtask study NAME --help): \
-                           blind, power, coverage, planning, fleet, lambda, lines, ties, reproduce";
+                           blind, dirty, power, ties, check, coverage, planning, fleet, instruments, \
+                           lambda, lines, reproduce";
 
 #[derive(Subcommand)]
 pub enum Study {

@@ -22,7 +22,7 @@ pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
         return Vec::new();
     }
     let weights = Weights { rows: vec![1.0; problem.data.rows.len()], common: 0.0 };
-    let columns = scan::joints(problem, &root.fit.fit.state, rows, &weights, (lambda, 1.0));
+    let columns = scan::columns(problem, &root.fit.fit.state, rows, &weights, (lambda, 1.0)).joints;
     let order = slips::in_order(problem, rows);
     let steps = columns.iter().map(|(joint, column)| (joint, slips::strongest(column, &order)));
     let strongest = steps.max_by(|a, b| a.1.explained.total_cmp(&b.1.explained));

@@ -41,6 +41,7 @@ use start::Start;
 pub use start::with_curves;
 use unweighed_springs::sprung;
 pub use weighed::{Curved, Named, Stage, Weighed};
+pub use weights::scatter;
 
 /// Rounds of linearising and weighing.
 const ROUNDS: usize = 4;

@@ -4,9 +4,12 @@
 //! describes.
 
 use nalgebra::Vector3;
+use truearm::effects::Term;
 
+use crate::effects::{Offer, courses, growing};
 use crate::identify::Problem;
 use crate::model::arm::{Derivatives, RowInputs};
+use crate::model::{Course, ModelTerm};
 
 /// An action of a joint and what it goes with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +35,16 @@ pub enum Nameless {
     Creep {
         /// Counted from 0.
         joint: usize,
+        /// How.
+        course: Course,
+    },
+    /// The arm grows with time, which no temperature says: it warms up, or later than
+    /// where its temperature is read.
+    Growth {
+        /// The term of what grows: all links, or that of a joint.
+        grown: Term<f64>,
+        /// How.
+        course: Course,
     },
     /// The joint's zero is another from a row on, in the order of measurement.
     Slip {
@@ -67,8 +80,24 @@ impl Nameless {
                 out.push((Self::Bend { joint }, n));
             }
             out.push((Self::Memory { joint }, n));
-            if problem.conditions.time {
-                out.push((Self::Creep { joint }, n));
+        }
+        if problem.conditions.time {
+            out.extend(Self::of_time(problem, joints));
+        }
+        out
+    }
+
+    fn of_time(problem: &Problem, joints: &[usize]) -> Vec<(Self, usize)> {
+        let tried = courses().count();
+        let creep = |joint: &usize| {
+            let joint = *joint;
+            courses().map(move |course| (Self::Creep { joint, course }, tried * joints.len()))
+        };
+        let mut out: Vec<_> = joints.iter().flat_map(creep).collect();
+        for Offer { terms, tried: price } in growing(&problem.nominal) {
+            if let [ModelTerm::Arm(grown)] = terms[..] {
+                let price = tried * price as usize;
+                out.extend(courses().map(|course| (Self::Growth { grown, course }, price)));
             }
         }
         out
@@ -81,8 +110,9 @@ impl Nameless {
             Self::Wobble { joint, .. }
             | Self::Bend { joint }
             | Self::Memory { joint }
-            | Self::Creep { joint }
+            | Self::Creep { joint, .. }
             | Self::Slip { joint, .. } => Some(*joint),
+            Self::Growth { grown, .. } => grown.own_joint().map(usize::from),
             Self::Reseated { .. } | Self::Shifted { .. } => None,
         }
     }
@@ -98,6 +128,7 @@ impl Nameless {
             Self::Slip { .. } => 4,
             Self::Reseated { .. } => 5,
             Self::Shifted { .. } => 6,
+            Self::Growth { .. } => 7,
         }
     }
 
@@ -112,7 +143,7 @@ impl Nameless {
     pub fn count(&self) -> usize {
         match self {
             Self::Wobble { .. } | Self::Bend { .. } => 4,
-            Self::Memory { .. } | Self::Creep { .. } | Self::Slip { .. } => 1,
+            Self::Memory { .. } | Self::Creep { .. } | Self::Slip { .. } | Self::Growth { .. } => 1,
             Self::Reseated { .. } => 3,
             Self::Shifted { .. } => 6,
         }
@@ -143,6 +174,10 @@ impl Nameless {
                 format!("joint {joint} is off by a share of its move from the pose before")
             }
             Self::Creep { .. } => format!("the zero of joint {joint} wanders with time"),
+            Self::Growth { .. } => match self.joint() {
+                None => "the arm grows with time".to_owned(),
+                Some(joint) => format!("the link of joint {} grows with time", joint + 1),
+            },
             Self::Slip { row, .. } => {
                 format!("the zero of joint {joint} is another from row {} on", row + 1)
             }
@@ -183,7 +218,11 @@ impl Nameless {
             Self::Slip { joint, row } => vec![moved(joint) * after(row)],
             Self::Reseated { row } => d.tool.iter().map(|way| way * after(row)).collect(),
             Self::Shifted { row } => d.base.iter().map(|way| way * after(row)).collect(),
-            Self::Creep { joint } => vec![moved(joint) * (row.time.unwrap_or(0.0) / 3600.0)],
+            Self::Creep { joint, course } => vec![moved(joint) * course.at(row)],
+            Self::Growth { grown, course } => {
+                let warm = RowInputs { warmth: course.at(row), ..RowInputs::default() };
+                vec![d.column(&grown, &warm, &row.q, &problem.nominal)]
+            }
         }
     }
 }

@@ -1,13 +1,13 @@
-//! What geometry leaves of each joint's column: ready for lines and steps of
-//! unknown place.
+//! What geometry leaves of each column: ready for lines and steps of unknown place.
 
-use rayon::prelude::*;
+use nalgebra::Vector3;
 
 use super::possible::revolute;
 use super::sheet::{Sheet, Weights};
-use crate::evidence::Geometry;
 use crate::evidence::lines::JointColumn;
 use crate::identify::{Problem, State};
+use crate::model::arm::Derivatives;
+use crate::observations::postures;
 
 /// What a scan is made of.
 pub struct Columns {
@@ -26,38 +26,33 @@ pub fn columns(
     state: &State,
     rows: &[usize],
     weights: &Weights,
-    noise: (f64, f64),
+    (lambda, scale): (f64, f64),
 ) -> Columns {
     let bare = Sheet::new(problem, state, &[], weights, &[]);
-    let (geometry, scale) = geometry(&bare, rows, noise);
-    let all = revolute(problem);
-    let target = (0..3).into_par_iter().map(|k| bare.along(rows, &|d| d.tool[k], &geometry, scale));
-    let base = (0..6).into_par_iter().map(|k| bare.along(rows, &|d| d.base[k], &geometry, scale));
-    Columns {
-        joints: all.par_iter().map(|j| (*j, bare.joint(rows, *j, &geometry, scale))).collect(),
-        target: target.collect(),
-        base: base.collect(),
-    }
-}
-
-/// The joints alone.
-#[must_use]
-pub fn joints(
-    problem: &Problem,
-    state: &State,
-    rows: &[usize],
-    weights: &Weights,
-    noise: (f64, f64),
-) -> Vec<(usize, JointColumn)> {
-    let bare = Sheet::new(problem, state, &[], weights, &[]);
-    let (geometry, scale) = geometry(&bare, rows, noise);
-    let all = revolute(problem);
-    all.par_iter().map(|j| (*j, bare.joint(rows, *j, &geometry, scale))).collect()
-}
-
-fn geometry(bare: &Sheet, rows: &[usize], (lambda, scale): (f64, f64)) -> (Geometry, f64) {
     let gram = bare.gram(rows);
     let precision = bare.precision(lambda);
     let scale = if scale > 0.0 { scale } else { gram.scale_of_geometry(&precision) };
-    (gram.geometry(&precision, scale), scale)
+    let geometry = gram.geometry(&precision, scale);
+    let joints = revolute(problem);
+    let ways = |d: &Derivatives| -> Vec<Vector3<f64>> {
+        let turned = |j: &usize| *d.links[*j].joint(problem.nominal[*j].kind);
+        joints.iter().map(turned).chain(d.tool).chain(d.base).collect()
+    };
+    let count = joints.len() + TARGET + BASE;
+    let mut all = bare.along(rows, (count, &ways), &geometry, scale);
+    let base = all.split_off(joints.len() + TARGET);
+    let target = all.split_off(joints.len());
+    let data = &problem.data.rows;
+    let stood = postures(data, rows);
+    let with_values = |(joint, column): (usize, JointColumn)| {
+        (joint, JointColumn { q: stood.iter().map(|r| data[*r].q[joint]).collect(), ..column })
+    };
+    let joints = joints.into_iter().zip(all).map(with_values).collect();
+    Columns { joints, target, base }
 }
+
+/// Axes that the target moves along.
+const TARGET: usize = 3;
+
+/// Axes that the base turns about and moves along.
+const BASE: usize = 6;

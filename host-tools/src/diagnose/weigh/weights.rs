@@ -3,7 +3,7 @@
 
 use super::sheet::Weights;
 use crate::diagnose::node::Node;
-use crate::evidence::poses::{Readings, common_share};
+use crate::evidence::poses::{self, Readings, Scatter, common_share};
 use crate::evidence::tails::{Rest, Tails};
 use crate::identify::Problem;
 use crate::observations::Reading;
@@ -12,10 +12,9 @@ use crate::observations::Reading;
 #[must_use]
 pub fn after(problem: &Problem, node: &Node) -> Weights {
     let at = problem.linearise(&node.fit.fit.state);
-    let scaled =
-        |row: usize| at.residual(row).values().zip_map(&problem.scale(row), |r, s| r / s).to_vec();
     let kept = &node.fit.kept;
-    let residuals: Vec<Vec<f64>> = kept.iter().map(|row| scaled(*row)).collect();
+    let residuals: Vec<Vec<f64>> =
+        kept.iter().map(|row| at.scaled_residual(*row).to_vec()).collect();
     let rest = |r: &Vec<f64>| Rest { square: r.iter().map(|x| x * x).sum(), equations: r.len() };
     let rests: Vec<Rest> = residuals.iter().map(rest).collect();
     let used = problem.unknowns.list().len() as f64;
@@ -24,11 +23,23 @@ pub fn after(problem: &Problem, node: &Node) -> Weights {
     for (row, rest) in kept.iter().zip(&rests) {
         rows[*row] = tails.weight(*rest);
     }
-    Weights { rows, common: common(problem, kept, &residuals, used) }
+    // Share of the noise that the readings of a pose have in common.
+    let common = common_share(&readings(problem, kept, &residuals), used);
+    Weights { rows, common }
 }
 
-/// Share of the noise that the readings of a pose have in common.
-fn common(problem: &Problem, kept: &[usize], residuals: &[Vec<f64>], used: f64) -> f64 {
+/// How readings of a pose, and poses, scatter after a fit of so many unknowns, in sigmas.
+#[must_use]
+pub fn scatter(problem: &Problem, node: &Node) -> Option<Scatter> {
+    let at = problem.linearise(&node.fit.fit.state);
+    let of = |row: &usize| at.scaled_residual(*row).to_vec();
+    let residuals: Vec<Vec<f64>> = node.fit.kept.iter().map(of).collect();
+    let used = problem.unknowns.list().len() as f64;
+    poses::scatter(&readings(problem, &node.fit.kept, &residuals), used)
+}
+
+/// Residuals by the pose that they were read at.
+fn readings(problem: &Problem, kept: &[usize], residuals: &[Vec<f64>]) -> Vec<Readings> {
     let key = |k: usize| Reading::of(&problem.data.rows, kept[k]);
     let mut order: Vec<usize> = (0..kept.len()).collect();
     order.sort_by_cached_key(|k| (key(*k), *k));
@@ -36,5 +47,5 @@ fn common(problem: &Problem, kept: &[usize], residuals: &[Vec<f64>], used: f64) 
         let equations = residuals[readings[0]].len();
         Readings::from_fn(equations, readings.len(), |e, r| residuals[readings[r]][e])
     });
-    common_share(&poses.collect::<Vec<_>>(), used)
+    poses.collect()
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use truearm::effects::Term;
 use truearm::{Approach, Pose};
 
 use crate::model::arm::{ArmMasses, Kinematics, RowInputs, chain};
@@ -126,6 +127,13 @@ impl Conditions {
         Self::new(data, &model.robot).with_curves(data, &model.curves)
     }
 
+    /// The largest load of a spring, at least so much that it can be divided by.
+    #[must_use]
+    pub fn largest_load(&self, spring: &Term<f64>) -> f64 {
+        let loads = self.rows.iter().map(|row| row.load(spring).abs());
+        loads.fold(f64::MIN_POSITIVE, f64::max)
+    }
+
     /// The same with gravity at the masses of another robot.
     #[must_use]
     pub fn with_loads(mut self, data: &Measurements, robot: &Robot) -> Self {
@@ -155,7 +163,9 @@ fn read_torques(rows: &mut [RowInputs], data: &Measurements, robot: &Robot) -> b
     if !data.has_torques() {
         return false;
     }
-    let assumed = robot.with_assumed_masses().map(|robot| Surroundings::new(&robot));
+    // Without gravity's direction nothing tells.
+    let assumed = robot.gravity.and_then(|_| robot.with_assumed_loads());
+    let assumed = assumed.map(|robot| Surroundings::new(&robot));
     let alike = |(inputs, row): (&RowInputs, &Row)| {
         let guessed = assumed.as_ref().map(|s| s.inputs(row, &row.q).torque);
         let computed = guessed.as_ref().unwrap_or(&inputs.torque);

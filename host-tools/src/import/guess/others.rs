@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use super::clues::{Clues, Place};
 use crate::headings::{Named, Quantity, Role, Unit};
+use crate::import::clock::seconds;
 use crate::import::config::Pick;
 use crate::import::native::own;
-use crate::import::number::seconds;
 use crate::import::table::Table;
 
 /// Adds what names and numbers tell; what is not clear is left out, and so

@@ -1,71 +1,70 @@
-//! What a scan for lines needs of a joint.
+//! What a scan for lines and steps needs.
 
 use nalgebra::{DMatrix, Vector3};
 use rayon::prelude::*;
 
 use super::Sheet;
 use crate::evidence;
+use crate::evidence::lines::JointColumn;
 use crate::model::arm::Derivatives;
 use crate::observations::postures;
 
 impl Sheet<'_> {
-    /// A joint's column wherever the arm stood for these rows, for a scan.
-    #[must_use]
-    pub fn joint(
-        &self,
-        rows: &[usize],
-        joint: usize,
-        geometry: &evidence::Geometry,
-        scale: f64,
-    ) -> evidence::lines::JointColumn {
-        let kind = self.problem.nominal[joint].kind;
-        let data = &self.problem.data.rows;
-        let q = postures(data, rows).iter().map(|r| data[*r].q[joint]).collect();
-        let column = self.along(rows, &|d| *d.links[joint].joint(kind), geometry, scale);
-        evidence::lines::JointColumn { q, ..column }
-    }
-
-    /// How the target moves along a way wherever the arm stood, in the order of
-    /// [`postures`], and the residual along it. What both ends of a pair have in common is
-    /// left to the evidence: of many it is nothing on the average.
+    /// How the target moves along each of `count` ways wherever the arm stood, in the order
+    /// of [`postures`], and the residual along it; without joint values. All ways in one
+    /// pass of the rows, whose equations cost more than the ways. What both ends of a pair
+    /// have in common is left to the evidence: of many it is nothing on the average.
     #[must_use]
     pub fn along(
         &self,
         rows: &[usize],
-        way: &(dyn Fn(&Derivatives) -> Vector3<f64> + Sync),
+        (count, ways): (usize, &(dyn Fn(&Derivatives) -> Vec<Vector3<f64>> + Sync)),
         geometry: &evidence::Geometry,
         scale: f64,
-    ) -> evidence::lines::JointColumn {
+    ) -> Vec<JointColumn> {
         let p = self.problem.unknowns.list().len();
         let data = &self.problem.data.rows;
         let one = |index: &usize| {
             let ends = postures(data, &[*index]);
             let own = |i: usize, d: &Derivatives, end: usize| match i == end {
-                true => way(d),
-                false => Vector3::zeros(),
+                true => ways(d),
+                false => vec![Vector3::zeros(); count],
             };
-            let beside = |i: usize, d: &Derivatives| ends.iter().map(|e| own(i, d, *e)).collect();
+            let beside =
+                |i: usize, d: &Derivatives| ends.iter().flat_map(|e| own(i, d, *e)).collect();
             let e = self.at.equations_beside(*index, &beside);
-            let weight = self.weights.rows[*index];
-            let residual = e.scaled_residual();
+            let weight = self.weights.rows[*index].sqrt();
+            let moved = e.block.columns(p, ends.len() * count) * (weight / scale);
+            let right = moved.tr_mul(&e.scaled_residual().column()) * (weight / scale);
+            let products = e.block.columns(0, p).tr_mul(&moved) * (weight * scale);
             let of_end = |end: usize| {
-                let column = e.block.column(p + end) * (weight.sqrt() / scale);
-                let right: f64 = column.iter().zip(residual.iter()).map(|(c, r)| c * r).sum();
-                let products = e.block.columns(0, p).tr_mul(&column) * (weight.sqrt() * scale);
-                (column.norm_squared(), right * weight.sqrt() / scale, products)
+                let range = end * count..(end + 1) * count;
+                let squares = range.clone().map(|k| moved.column(k).norm_squared()).collect();
+                let products = products.columns(range.start, count).into_owned();
+                Posture { squares, rights: right.as_slice()[range].to_vec(), products }
             };
             (0..ends.len()).map(of_end).collect::<Vec<_>>()
         };
-        let all: Vec<_> = rows.par_iter().flat_map_iter(one).collect();
-        let mut imitated = DMatrix::zeros(p, all.len());
-        for (k, (_, _, products)) in all.iter().enumerate() {
-            imitated.set_column(k, products);
-        }
-        evidence::lines::JointColumn {
-            q: Vec::new(),
-            square: all.iter().map(|a| a.0).collect(),
-            right: all.iter().map(|a| a.1).collect(),
-            imitated: geometry.whiten(&imitated),
-        }
+        let all: Vec<Posture> = rows.par_iter().flat_map_iter(one).collect();
+        let of_way = |way: usize| {
+            let mut imitated = DMatrix::zeros(p, all.len());
+            for (k, posture) in all.iter().enumerate() {
+                imitated.set_column(k, &posture.products.column(way));
+            }
+            JointColumn {
+                q: Vec::new(),
+                square: all.iter().map(|a| a.squares[way]).collect(),
+                right: all.iter().map(|a| a.rights[way]).collect(),
+                imitated: geometry.whiten(&imitated),
+            }
+        };
+        (0..count).into_par_iter().map(of_way).collect()
     }
+}
+
+/// Where the arm stood once: an entry or a column for each way.
+struct Posture {
+    squares: Vec<f64>,
+    rights: Vec<f64>,
+    products: DMatrix<f64>,
 }
