@@ -98,6 +98,11 @@ impl Import {
         let config = self.config.as_deref().zip(text.as_deref());
         let done = import(&self.files, robot.as_ref(), config, &self.options())?;
         let beside = self.out.with_file_name("import.toml");
+        if self.config.is_none() && self.out == beside {
+            let help = "give the table another name, as measurements.csv: import.toml beside it says how \
+                        it was read";
+            return Err(Error::usage("--out import.toml is the name of what says how", help));
+        }
         let wrote = match &self.config {
             Some(path) => path.clone(),
             None => {

@@ -145,17 +145,7 @@ impl Pack {
                 false => Ok(own),
             };
         }
-        let labels: Vec<String> = model.measured().map(|(l, _)| format!("\"{l}\"")).collect();
-        if labels.len() > 1 && model.tool_marker().is_some_and(|(label, _)| !label.is_empty()) {
-            return Err(Error::usage(
-                format!(
-                    "{}: the points of {} markers were measured",
-                    self.model.display(),
-                    labels.len()
-                ),
-                format!("say which of them is the tool with --marker: {}", labels.join(", ")),
-            ));
-        }
+        model.clear_tool()?;
         Ok(model)
     }
 

@@ -8,6 +8,7 @@ pub mod candidates;
 mod chi_square;
 mod kinds;
 pub mod moments;
+mod mounting;
 mod node;
 mod outcome;
 mod pipeline;
@@ -15,8 +16,8 @@ pub mod policy;
 pub mod question;
 mod remarks;
 mod show;
-mod start_sides;
 mod tell;
+mod torques;
 mod verdict;
 pub mod weigh;
 mod white;
@@ -25,7 +26,7 @@ pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Ve
 pub use tell::{instead, place};
 pub use weigh::Doubt;
 
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::{ErrorKind, Result};
 use crate::identify::fit::estimate::Estimate;
 use crate::identify::fit::folds;
 use crate::identify::fit::robust::{Crowd, Flags};
@@ -35,7 +36,7 @@ use crate::identify::{
     Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, blamed, enough,
     nominal_state,
 };
-use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Robot};
+use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Mounting, Robot};
 use crate::observations::{Residual, kind};
 use crate::statistics::Stats;
 use candidates::Candidate;
@@ -45,6 +46,7 @@ use pipeline::answered;
 use policy::POLICY;
 use question::Question;
 use show::{HeldOut, Show};
+use torques::same_torques;
 use weigh::{Weighed, with_curves};
 
 /// The result.
@@ -60,6 +62,8 @@ pub struct Diagnosis {
     pub state: State,
     /// The alternatives of the report, in its order.
     pub alternatives: Vec<State>,
+    /// Springs fitted, but gave way against gravity as it was assumed.
+    pub against_gravity: bool,
 }
 
 /// What the user may choose.
@@ -95,12 +99,13 @@ pub fn diagnose(
     if let Some(held) = holdout {
         same_torques(robot, data, held)?;
     }
-    let with = |crowd| diagnosed(robot, data, holdout, options, crowd, progress);
-    let done = match with(Crowd::Refused) {
-        Err(error) if error.kind() == ErrorKind::Contradiction => with(Crowd::Described),
+    let with =
+        |crowd, mounting| diagnosed(robot, data, holdout, options, (crowd, mounting), progress);
+    let mounted = |mounting| match with(Crowd::Refused, mounting) {
+        Err(error) if error.kind() == ErrorKind::Contradiction => with(Crowd::Described, mounting),
         done => done,
     };
-    done.map_err(|error| blamed(robot, data, error))
+    mounting::tried(&mounted).map_err(|error| blamed(robot, data, error))
 }
 
 fn diagnosed(
@@ -108,12 +113,12 @@ fn diagnosed(
     data: &Measurements,
     holdout: Option<&Measurements>,
     options: &DiagnoseOptions,
-    crowd: Crowd,
+    (crowd, mounting): (Crowd, Mounting),
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
     let read = data.has_torques();
     let stated = robot;
-    let assumed = (!read).then(|| robot.with_assumed_loads()).flatten();
+    let assumed = (!read).then(|| robot.with_assumed_loads(mounting)).flatten();
     let robot = assumed.as_ref().unwrap_or(robot);
     // Masses that were stated are as they are, however gravity pulls.
     let weightless = assumed.is_some() && stated.links.is_empty();
@@ -127,7 +132,7 @@ fn diagnosed(
     let mut problem = problem.about(&start);
     problem.noise = kinds::noise(&problem, &rows, &start, crowd)?;
     let flags = Flags { lambda: 1.0, gross: POLICY.gross, crowd };
-    let sided = start_sides::found(&problem, &rows, &start, flags)?;
+    let sided = weigh::start_sides::found(&problem, &rows, &start, flags)?;
     let data = sided.as_ref().unwrap_or(data);
     if sided.is_some() {
         let noise = problem.noise;
@@ -191,24 +196,6 @@ fn kept(weighed: &Weighed) -> Vec<Candidate> {
     added
 }
 
-/// Torques that were read count in place of computed ones: in both files or in none.
-fn same_torques(robot: &Robot, data: &Measurements, holdout: &Measurements) -> Result<()> {
-    let alone = match (data.has_torques(), holdout.has_torques()) {
-        (true, false) => holdout,
-        (false, true) => data,
-        _ => return Ok(()),
-    };
-    if robot.is_weighed() {
-        return Ok(());
-    }
-    Err(Error::data(
-        ErrorKind::NoTorques,
-        format!("{}: no columns torque1_nm.., which the other file has", alone.path.display()),
-        "springs that one file's torques show say nothing of rows without: give both files the \
-         columns, or the robot gravity and [[links]]",
-    ))
-}
-
 /// What was found.
 struct Found {
     weighed: Weighed,
@@ -236,9 +223,12 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let (alternatives, rivals): (_, Vec<State>) = alternatives.into_iter().unzip();
     // What was assumed and moves nothing is in no model.
     let bent = rivals.iter().chain([&best.fit.fit.state]).any(has_loads);
-    let show = &Show { robot: show.unloaded.filter(|_| !bent).unwrap_or(show.robot), ..*show };
+    let robot = show.unloaded.filter(|_| !bent).unwrap_or(show.robot);
+    let show = &Show { robot, ..*show };
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
     let findings = findings(show, &terms, &best, nominal, held_out)?;
+    let against_gravity = show.unloaded.is_some_and(|stated| stated.gravity.is_none())
+        && weighed.refused.iter().any(|c| moments::bends(c.name()));
     let mut identified = findings.summarise();
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
@@ -269,6 +259,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         rows: identified.rows,
         state: best.fit.fit.state,
         alternatives: rivals,
+        against_gravity,
     })
 }
 

@@ -57,6 +57,10 @@ pub struct Policy {
     /// structure: with 8 covariates chance gets there once in 400,000 sets.
     pub white: f64,
 
+    /// Noise over the stated standard deviation from which on something is wrong, as in
+    /// `check`: a drawing 5 mm off left 34 to 800, and no study misstates by more than 3.
+    pub far_off: f64,
+
     /// Explanations that are told beside the best one.
     pub alternatives: usize,
     /// Poses proposed to tell two explanations apart...
@@ -101,6 +105,7 @@ pub const POLICY: Policy = Policy {
     named: 0.9,
     worth_saying: 0.5,
     white: 5.0,
+    far_off: 50.0,
     alternatives: 5,
     proposed: 5,
     tried: 4000,

@@ -9,7 +9,8 @@ use crate::identify::Problem;
 
 /// The verdict on a model, and in words what it leaves: structure without a name
 /// that is more probable than not, and neighbours that are alike. How large the
-/// rest is has no part in it: nobody knows the noise.
+/// rest is has no part in it, as nobody knows the noise, unless it is beyond what any
+/// instrument is misstated by.
 #[must_use]
 pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, Vec<String>) {
     let nameless = weighed.nameless.iter().filter(|(_, p)| *p >= POLICY.worth_saying);
@@ -17,6 +18,13 @@ pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, V
         nameless.map(|(what, p)| format!("{} (probability {})", what.words(), said(*p))).collect();
     let alike = white::left(problem, best).filter(|a| a.deviations > POLICY.white);
     left.extend(alike.map(|a| a.words()));
+    let noise = weighed.scale * problem.noise.middle(problem.data);
+    if noise > POLICY.far_off {
+        left.push(format!(
+            "the rest, {noise:.0} times the stated standard deviation: that, the arm's drawing or the \
+             files are wrong, see truearm check"
+        ));
+    }
     if weighed.no_room > 0 && best.added.is_empty() {
         left.push(format!("{} effects that --most-terms has no room for", weighed.no_room));
     }

@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use super::instruments::Gathered;
 use super::source::Source;
 use crate::error::{Error, Result};
+use crate::headings::{Heading, Named, Role};
 use crate::model::{Coordinates, Measurements, Path, Placement, Robot, Row, Target};
 use crate::units::{joint_column, point_from_mm};
 
@@ -53,12 +54,14 @@ impl Path {
             Gathered::default(),
         )?;
         let cells = cells(&source, &data.rows);
+        remark_idle(&mut data);
         if joints {
             data.remark_joints(robot);
             let coordinates = Coordinates::Joints;
             return Ok(Self { data, targets: Vec::new(), coordinates, names, cells });
         }
         let poses = Poses::find(&source, &header)?;
+        poses.refuse_other_turns(&data.extra_columns)?;
         let targets = data.rows.iter().enumerate();
         let targets =
             targets.map(|(i, row)| poses.target(&cells[i], row)).collect::<Result<_>>()?;
@@ -96,6 +99,25 @@ impl Path {
             }
         }
         Ok(())
+    }
+}
+
+/// What a heading means that no reader of these files takes.
+fn meant(name: &str) -> Option<Role> {
+    Named::of(&Heading::new(name)).map(|named| named.role)
+}
+
+/// A remark where a column says a state in another way than is read.
+fn remark_idle(data: &mut Measurements) {
+    let state = |role| matches!(role, Role::Payload | Role::Temperature | Role::Direction(_));
+    let idle = data.extra_columns.iter().filter(|name| meant(name).is_some_and(state));
+    let idle: Vec<&str> = idle.map(String::as_str).collect();
+    if !idle.is_empty() {
+        data.warnings.push(format!(
+            "{}: carried along without use: {}; payload_kg, temperature_c and dir1.. are read",
+            data.path.display(),
+            idle.join(", ")
+        ));
     }
 }
 
@@ -177,6 +199,26 @@ impl<'a> Poses<'a> {
             ));
         }
         Ok(Self { source, point, rpy, quaternion })
+    }
+
+    /// A path of points that has orientations in another way than is read would turn the
+    /// tool anyhow.
+    fn refuse_other_turns(&self, others: &[String]) -> Result<()> {
+        let turn = |role| {
+            matches!(role, Role::Quaternion(_) | Role::Rpy(_) | Role::Turn(_) | Role::Matrix(..))
+        };
+        // A, B, C of a KUKA are joints to no path.
+        let kuka = |name: &str| ["a", "b", "c"].contains(&name.to_lowercase().as_str());
+        let of = |name: &&String| kuka(name) || meant(name).is_some_and(turn);
+        let turns: Vec<&str> = others.iter().filter(of).map(String::as_str).collect();
+        if self.coordinates() != Coordinates::Point || turns.is_empty() {
+            return Ok(());
+        }
+        Err(self.source.in_headings(
+            format!("orientations that are not read: {}", turns.join(", ")),
+            "name them qx, qy, qz, qw or roll_deg, pitch_deg, yaw_deg (R = Rz Ry Rx), in which case \
+             they are followed; delete them where the point alone is meant",
+        ))
     }
 
     fn coordinates(&self) -> Coordinates {

@@ -30,6 +30,8 @@ pub(super) struct Converted {
     pub poses: usize,
     /// Lines left out because cells are missing.
     pub incomplete: Vec<usize>,
+    /// How often the time of a row is before that of the row before.
+    pub back: usize,
 }
 
 /// One column of measurements.csv.
@@ -70,6 +72,8 @@ pub(super) fn convert(
         form.iter().flat_map(|_| Form::Quaternion.columns().iter().map(|c| (*c).to_owned())),
     );
     let times = times(tables, config, rows);
+    let known: Vec<f64> = times.iter().flatten().copied().collect();
+    let back = known.windows(2).filter(|pair| pair[1] < pair[0]).count();
     let (mut lines, mut joints, mut incomplete) = (Vec::new(), Vec::new(), Vec::new());
     for (row, time) in rows.iter().zip(times) {
         let reader = Reader { tables, row, time, kind: config.columns.get("kind") };
@@ -94,7 +98,7 @@ pub(super) fn convert(
     let reach = Reach::uniform(config.joints().len(), SAME);
     let poses = reach.number(joints.iter().map(Vec::as_slice)).1;
     let csv = csv_text(header.iter().map(String::as_str), lines);
-    Ok(Converted { csv, rows: count, poses, incomplete })
+    Ok(Converted { csv, rows: count, poses, incomplete, back })
 }
 
 fn stem(table: &Table) -> String {

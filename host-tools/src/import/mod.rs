@@ -81,12 +81,24 @@ fn converted(
     let base = config.columns.get("x").map_or(0, |pick| pick.file);
     // Said once: the guess joined the same rows.
     let mut said = Vec::new();
-    let rows = join::rows(tables, &config.join, base, &mut said)?;
+    let mut rows = join::rows(tables, &config.join, base, &mut said)?;
+    // The arm moved in the order of its own file.
+    if let (Join::Key(_), Some(moved)) = (&config.join, config.columns.get("q1")) {
+        rows.sort_by_key(|row| (row.rows[moved.file], row.rows[base]));
+    }
     warnings.extend(said.into_iter().filter(|w| !warnings.contains(w)).collect::<Vec<_>>());
     let done = convert::convert(tables, config, &rows, options.skip_incomplete)?;
     if !done.incomplete.is_empty() {
         let lines: Vec<String> = done.incomplete.iter().map(usize::to_string).collect();
         warnings.push(format!("rows left out for missing cells, lines {}", lines.join(", ")));
+    }
+    if done.back > 0 {
+        warnings.push(format!(
+            "times go back {} times in the order of the rows, as of several days, or of files that \
+             begin anew: rows are followed in the order of their times. Give dates, or times that \
+             go on; without the column rows are followed as they stand",
+            done.back
+        ));
     }
     if done.rows == 0 {
         let help = "every row lacks a joint or a coordinate: are the columns the right ones?";

@@ -94,6 +94,13 @@ fn lines(range: &Range<Data>) -> Vec<Line> {
 
 fn text(cell: &Data) -> String {
     match cell {
+        // A time of day reads as one, so that it goes on after midnight.
+        Data::DateTime(days) if days.is_datetime() && (0.0..1.0).contains(&days.as_f64()) => {
+            let seconds = days.as_f64() * DAY;
+            let (hours, minutes) = ((seconds / 3600.0).floor(), (seconds / 60.0).floor() % 60.0);
+            let rest = seconds - 3600.0 * hours - 60.0 * minutes;
+            format!("{hours:02}:{minutes:02}:{rest:09.6}")
+        }
         Data::DateTime(days) => format!("{}", days.as_f64() * DAY),
         Data::Error(_) | Data::Empty => String::new(),
         other => other.to_string().trim().to_owned(),

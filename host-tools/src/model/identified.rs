@@ -145,6 +145,22 @@ impl Model {
         self.markers.iter().find(|(own, _)| own == label)
     }
 
+    /// Whether it is clear which marker stands for the tool.
+    ///
+    /// # Errors
+    /// Points of several were measured, and none is without a label.
+    pub fn clear_tool(&self) -> Result<()> {
+        let labels: Vec<String> =
+            self.measured().map(|(label, _)| format!("\"{label}\"")).collect();
+        if labels.len() > 1 && self.tool_marker().is_some_and(|(label, _)| !label.is_empty()) {
+            return Err(Error::usage(
+                format!("the points of {} markers were measured", labels.len()),
+                format!("say which of them is the tool with --marker: {}", labels.join(", ")),
+            ));
+        }
+        Ok(())
+    }
+
     /// Where the tool is in the last frame, m: its marker, or else as robot.toml has it.
     #[must_use]
     pub fn tool(&self) -> Vector3<f64> {

@@ -22,7 +22,7 @@ pub use instrument::{Form, Instrument};
 pub use measurements::{Commanded, KindId, Measurements, Row};
 pub use path::{Coordinates, Path, Target};
 pub use prior::LinkPrior;
-pub use robot::{Joint, LinkMass, Placement, Robot};
+pub use robot::{Joint, LinkMass, Mounting, Placement, Robot};
 pub use term::{Course, ModelTerm, friction, friction_unit, part};
 pub(crate) use term::{DRIFT, XYZ};
 pub use values::Values;

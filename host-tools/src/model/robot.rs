@@ -101,8 +101,17 @@ pub struct LinkMass {
     pub com: Vector3<f64>,
 }
 
-/// Gravity of an arm that stands upright, in its base, m/s^2.
-const UPRIGHT: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
+/// How an arm may be mounted of which no file says it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mounting {
+    /// z of the files' coordinates is up.
+    Upright,
+    /// It is down.
+    Hanging,
+}
+
+/// Gravity where files do not state it, m/s^2.
+const DOWN: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
 impl Robot {
     /// Whether gravity's torques can be computed.
@@ -112,21 +121,25 @@ impl Robot {
     }
 
     /// The arm with what its loads need where that is not stated. Without gravity it
-    /// stands upright. Without masses every link has 1 kg half way to the next joint:
+    /// is mounted so. Without masses every link has 1 kg half way to the next joint:
     /// gravity torques then have about the right shape and an unknown size, which the
     /// compliance coefficient takes up. `None` where both are stated.
     #[must_use]
-    pub fn with_assumed_loads(&self) -> Option<Self> {
+    pub fn with_assumed_loads(&self, mounting: Mounting) -> Option<Self> {
         if self.is_weighed() {
             return None;
         }
         let mut robot = self.clone();
         let path = self.path.display();
         if self.gravity.is_none() {
-            robot.gravity = Some(UPRIGHT);
+            let (sign, stands) = match mounting {
+                Mounting::Upright => (1.0, "stands upright (gravity along -z"),
+                Mounting::Hanging => (-1.0, "hangs, as they say (gravity along +z"),
+            };
+            robot.gravity = Some(self.base.pose().rotation.tr_mul(&DOWN) * sign);
             robot.warnings.push(format!(
-                "{path}: no gravity_m_s2: springs are tested as of an arm that stands upright \
-                 (gravity along -z of the frame before joint 1); state it if the arm hangs or leans"
+                "{path}: no gravity_m_s2: springs are tested as of an arm that {stands} of the \
+                 files' coordinates, [base]); state it"
             ));
         }
         if self.links.is_empty() {

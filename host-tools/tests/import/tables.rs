@@ -737,6 +737,42 @@ fn payloads_in_their_own_unit() {
     }
 }
 
+/// Two rows a minute, over midnight, in the ways that people write times.
+#[test]
+fn times_go_on() {
+    let robot = robot();
+    let at = |k: usize| 23 * 60 + 56 + k / 2;
+    let clock = |k: usize| format!("{:02}:{:02}:{:02}", at(k) / 60 % 24, at(k) % 60, 30 * (k % 2));
+    let day = |k: usize| 5 + at(k) / 1440;
+    let twelve = |k: usize| {
+        let hour = at(k) / 60 % 24;
+        let half = if hour < 12 { "AM" } else { "PM" };
+        format!("{}:{:02}:{:02} {half}", (hour + 11) % 12 + 1, at(k) % 60, 30 * (k % 2))
+    };
+    let ways: [&dyn Fn(usize) -> String; 5] = [
+        &clock,
+        &|k| format!("2026-03-{:02}T{}+01:00", day(k), clock(k)),
+        &|k| format!("{:02}.03.2026 {}", day(k), clock(k)),
+        &|k| format!("3/{}/2026 {}", day(k), twelve(k)),
+        &twelve,
+    ];
+    for way in ways {
+        let mut k = 0;
+        let mut table = String::new();
+        for (line, text) in plain().lines().enumerate() {
+            let cell = if line == 0 { "time".to_owned() } else { way(k) };
+            k += usize::from(line > 0);
+            table += &format!("{text},{cell}\n");
+        }
+        let done =
+            imported(&vec![("m.csv", table.into())], Some(&robot), &ImportOptions::default());
+        let read = Measurements::parse("m.csv".as_ref(), &done.csv, &robot).unwrap();
+        let times: Vec<f64> = read.rows.iter().map(|row| row.time.unwrap()).collect();
+        let expected: Vec<f64> = (0..k).map(|k| 30.0 * k as f64).collect();
+        assert_eq!(times, expected, "{}", way(0));
+    }
+}
+
 /// Whatever a heading holds, the import.toml that is written reads the file alike.
 #[test]
 fn headings_with_control_characters() {

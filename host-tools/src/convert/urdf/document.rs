@@ -1,6 +1,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use urdf_rs::JointType;
+
 use crate::error::{Error, Place, Result};
 use crate::files;
 
@@ -14,6 +16,12 @@ pub struct Document {
 
 /// Beyond this a length is no length of an arm, m.
 const FARTHEST: f64 = 10.0;
+/// No frame is turned by more than a turn, rad.
+const TURNED: f64 = 6.3;
+/// No joint turns farther, rad...
+const WIDEST: f64 = 40.0;
+/// ...but one without limits, of which some files say a large number.
+const UNLIMITED: f64 = 1000.0;
 
 /// A URDF has elements within each other to a depth of six; what it is read by goes down
 /// with every one, and has a stack.
@@ -124,6 +132,15 @@ impl Document {
             if let Some(wrong) = numbers.into_iter().find(|x| !x.is_finite()) {
                 let message = format!("has {wrong} in its origin or axis");
                 return Err(self.at("joint", &joint.name, &message, "give finite numbers"));
+            }
+            let limits = [joint.limit.lower, joint.limit.upper];
+            let turns = joint.joint_type == JointType::Revolute;
+            let wide = |x: &&f64| turns && x.abs() > WIDEST && x.abs() < UNLIMITED;
+            let turned = joint.origin.rpy.iter().find(|x| x.abs() > TURNED);
+            if let Some(angle) = turned.or(limits.iter().find(wide)) {
+                let message = format!("has an angle of {angle} in its rpy or its limits");
+                let help = "URDF is in radians; is this in degrees?";
+                return Err(self.at("joint", &joint.name, &message, help));
             }
             if joint.origin.xyz.iter().any(|x| x.abs() > FARTHEST) {
                 let message = format!("is {FARTHEST} m or more from its parent");

@@ -65,6 +65,7 @@ pub fn answer(
         rivals: rivals(of, found),
         scale: found.scale,
         nested,
+        refused: Vec::new(),
         moments: None,
         no_room: 0,
         curves: Vec::new(),

@@ -2,6 +2,7 @@
 //! so far, weighing every candidate by its evidence, and fitting what was found.
 
 mod doubts;
+mod given_back;
 mod halves;
 mod joint_curves;
 mod judge;
@@ -17,6 +18,7 @@ mod settled;
 mod sheet;
 pub mod slips;
 mod start;
+pub mod start_sides;
 mod unweighed_springs;
 mod weighed;
 mod weights;
@@ -28,6 +30,7 @@ use super::question::Question;
 use crate::error::Result;
 use crate::evidence::{Effort, Known, explain};
 pub use doubts::Doubt;
+use given_back::given_back;
 use joint_curves::choice::Chosen;
 use lines::Held;
 pub use nameless::Nameless;
@@ -55,6 +58,8 @@ const REFUSALS: usize = 4;
 /// # Errors
 /// When a fit does not converge.
 pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> {
+    let regained = given_back(q, root)?;
+    let root = regained.as_ref().unwrap_or(root);
     let mut plain = search(q, Start::at(q, root), FIRST, progress)?;
     let found = (&plain.best.added[..], &plain.best.fit.fit.state);
     if let Some((node, bent)) = sprung(q, found, &plain.weights, plain.found.scale)? {

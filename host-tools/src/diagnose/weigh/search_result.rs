@@ -78,6 +78,7 @@ impl Searched {
             }
         };
         let mut answer = judge::answer(&all, best, &self.found, &parts, &grams);
+        answer.refused = self.refused;
         answer.moments = self.bent.moments;
         answer.no_room = no_room;
         if !self.curves.is_empty() {

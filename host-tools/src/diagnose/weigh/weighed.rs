@@ -43,6 +43,8 @@ pub struct Weighed {
     /// Effects of the most probable model that are not in the best one, as there is
     /// no room for their terms.
     pub no_room: usize,
+    /// Effects that fitted, of signs or sizes that physics refuses.
+    pub refused: Vec<Candidate>,
     /// Moments of the links that go with its springs.
     pub moments: Option<Moments>,
     /// Error curves of joints, and what each is worth.

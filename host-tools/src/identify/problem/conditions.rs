@@ -6,7 +6,7 @@ use truearm::effects::Term;
 use truearm::{Approach, Pose};
 
 use crate::model::arm::{ArmMasses, Kinematics, RowInputs, chain};
-use crate::model::{ErrorCurve, JointTables, Measurements, Model, Robot, Row};
+use crate::model::{ErrorCurve, JointTables, Measurements, Model, Mounting, Robot, Row};
 
 /// Inputs of every row, and which of them are known at all.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -164,7 +164,7 @@ fn read_torques(rows: &mut [RowInputs], data: &Measurements, robot: &Robot) -> b
         return false;
     }
     // Without gravity's direction nothing tells.
-    let assumed = robot.gravity.and_then(|_| robot.with_assumed_loads());
+    let assumed = robot.gravity.and_then(|_| robot.with_assumed_loads(Mounting::Upright));
     let assumed = assumed.map(|robot| Surroundings::new(&robot));
     let alike = |(inputs, row): (&RowInputs, &Row)| {
         let guessed = assumed.as_ref().map(|s| s.inputs(row, &row.q).torque);

@@ -1,0 +1,29 @@
+//! An arm of which nobody said how it is mounted: it stands; where springs would give way
+//! upwards then it hangs; and where they do so either way nobody knows.
+
+use super::{Diagnosis, Verdict};
+use crate::error::Result;
+use crate::model::Mounting;
+
+/// What is left of springs that no direction along z bends.
+const NEITHER: &str = "springs, but neither as of an arm that stands nor of one that hangs: state \
+                       gravity_m_s2";
+
+/// The diagnosis as the arm is mounted.
+///
+/// # Errors
+/// As of the first.
+pub fn tried(with: &dyn Fn(Mounting) -> Result<Diagnosis>) -> Result<Diagnosis> {
+    let mut upright = with(Mounting::Upright)?;
+    if !upright.against_gravity {
+        return Ok(upright);
+    }
+    match with(Mounting::Hanging) {
+        Ok(hanging) if !hanging.against_gravity => Ok(hanging),
+        _ => {
+            upright.outcome.verdict = Verdict::Unexplained;
+            upright.outcome.unnamed.push(NEITHER.to_owned());
+            Ok(upright)
+        }
+    }
+}

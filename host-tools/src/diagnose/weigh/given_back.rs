@@ -1,0 +1,38 @@
+//! Rows that were flagged as gross errors and are none: where joints have play, those that
+//! one of them came to from the other side.
+//!
+//! A joint that comes from one side nearly always puts a few rows off by its whole gap.
+//! Geometry fits the many and flags the few, and of what is flagged no evidence is left.
+
+use truearm::effects::Effect;
+
+use crate::diagnose::candidates::Candidate;
+use crate::diagnose::node::{Node, fitted};
+use crate::diagnose::question::Question;
+use crate::error::Result;
+use crate::identify::fit::robust::Flags;
+use crate::model::ModelTerm;
+
+/// Fewer flagged rows are looked at one by one.
+const FEWEST: usize = 3;
+
+/// Geometry fitted beside the gaps of all joints, if that gives at least half of the flagged
+/// rows back.
+///
+/// # Errors
+/// When a fit does not converge.
+pub fn given_back(q: &Question, root: &Node) -> Result<Option<Node>> {
+    let flagged = root.fit.outliers.len();
+    let plain = |c: &&Candidate| {
+        let gap = |t: &ModelTerm| matches!(t, ModelTerm::Arm(t) if t.effect == Effect::Backlash && t.order == 0.0);
+        c.terms.iter().all(gap)
+    };
+    let gaps: Vec<Candidate> = q.offered.iter().filter(plain).cloned().collect();
+    if flagged < FEWEST || gaps.is_empty() {
+        return Ok(None);
+    }
+    let none_flagged = Flags { gross: f64::INFINITY, ..q.flags };
+    let all = fitted(&Question { flags: none_flagged, ..*q }, gaps.clone(), &root.fit.fit.state)?;
+    let node = fitted(q, gaps, &all.fit.fit.state)?;
+    Ok((2 * node.fit.outliers.len() <= flagged).then_some(node))
+}
