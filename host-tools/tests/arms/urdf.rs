@@ -384,6 +384,24 @@ fn a_hand_needs_a_tip() {
     );
 }
 
+/// Numbers that are angles of no arm in radians.
+#[test]
+fn degrees_are_refused() {
+    let arm = include_str!("../data/urdf/ur5e.urdf");
+    let read = |text: String| Document::parse(Path::new("arm.urdf"), text);
+    read(arm.to_owned()).unwrap();
+    let turned = arm.replacen("rpy=\"1.570796327 0 0\"", "rpy=\"0 90 0\"", 1);
+    let limit = arm.find("upper=\"").unwrap();
+    let end = limit + 7 + arm[limit + 7..].find('"').unwrap();
+    let wide = format!("{}upper=\"170{}", &arm[..limit], &arm[end..]);
+    for (text, angle) in [(turned, 90), (wide, 170)] {
+        let error = read(text).err().expect("degrees");
+        let said = format!("{error} -> {}", error.help());
+        assert!(said.contains(&format!("an angle of {angle} in its rpy or")), "{said}");
+        assert!(said.contains("radians"), "{said}");
+    }
+}
+
 /// What reads XML goes down with every element, and has a stack.
 #[test]
 fn elements_without_end_within_each_other_are_refused() {

@@ -3,8 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
+use nalgebra::Vector3;
 use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
-use truearm_host::model::{Measurements, Robot};
+use truearm_host::model::{Measurements, Placement, Robot};
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/springs").join(name)
@@ -63,6 +64,18 @@ fn springs_of_an_arm_of_which_nothing_but_geometry_is_stated() {
     let robot = Robot { gravity: None, ..stated("unweighed") };
     let told = springs_of_joints_2_and_4(&robot);
     let said = |w: &String| w.contains("no gravity_m_s2") && w.contains("stands upright");
+    assert!(told.figures.warnings.iter().any(said), "{:?}", told.figures.warnings);
+}
+
+/// It hangs, and springs would give way upwards if it stood.
+#[test]
+fn springs_of_an_arm_that_hangs() {
+    let half = Vector3::new(std::f64::consts::PI, 0.0, 0.0);
+    let base = Placement { rpy: half, ..Placement::default() };
+    // Upright in these coordinates, on its head in those of [base].
+    let robot = Robot { gravity: None, base, ..stated("unweighed") };
+    let told = springs_of_joints_2_and_4(&robot);
+    let said = |w: &String| w.contains("no gravity_m_s2") && w.contains("hangs");
     assert!(told.figures.warnings.iter().any(said), "{:?}", told.figures.warnings);
 }
 

@@ -24,6 +24,23 @@ fn named(folder: &Path, factor: f64) -> (Names, f64, bool) {
     (names, report.noise_scale, !report.unnamed.is_empty())
 }
 
+/// A sigma may be any, but not by two orders of magnitude: then the drawing or the files are
+/// wrong, and what is left is not called noise.
+#[test]
+fn a_rest_beyond_any_sigma_is_said() {
+    let set =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/hidden-effects/cases/case_014");
+    for (factor, expected) in [(0.05, Verdict::Clean), (0.01, Verdict::Unexplained)] {
+        let mut robot = Robot::read(&set.join("robot.toml")).unwrap();
+        robot.sigma *= factor;
+        let data = Measurements::read(&set.join("measurements.csv"), &robot).unwrap();
+        let found = diagnose(&robot, &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap();
+        assert_eq!(found.outcome.verdict, expected, "{factor}: {:?}", found.outcome.unnamed);
+        let said = found.outcome.unnamed.iter().any(|w| w.contains("see truearm check"));
+        assert_eq!(said, expected == Verdict::Unexplained, "{factor}");
+    }
+}
+
 #[test]
 fn names_do_not_hang_on_the_stated_sigma() {
     let sets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/hidden-effects/cases");

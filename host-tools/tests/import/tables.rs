@@ -178,11 +178,12 @@ fn two_files_on_a_key() {
     let data = Measurements::parse(Path::new("m.csv"), &found.csv, &arm).unwrap();
     let plain = Measurements::parse(Path::new("m.csv"), &plain(), &arm).unwrap();
     assert_eq!(data.rows.len(), 18);
-    for (row, expected) in data.rows.iter().zip(plain.rows.iter().rev()) {
+    // In the order of the joints' file: so the arm moved.
+    for (row, expected) in data.rows.iter().zip(&plain.rows) {
         assert_eq!((&row.q, row.measured), (&expected.q, expected.measured));
         assert_eq!(row.temperature, Some(21.5));
     }
-    assert_eq!(data.rows[0].time, Some(7.0 * 60.0), "of 12:07:30, the first at 12:00:30");
+    assert_eq!(data.rows[17].time, Some(7.0 * 60.0), "of 12:07:30, the first at 12:00:30");
     assert!(found.join.unwrap().contains("same labels"));
     let (_folder, paths) = written(&files);
     let again = import(&paths, None, Some((Path::new("import.toml"), &found.config)), &options);
@@ -773,6 +774,25 @@ fn times_go_on() {
     }
 }
 
+/// Two sessions, or two days by a clock without dates: that the order of the rows is another
+/// than that of the times is said.
+#[test]
+fn times_that_go_back_are_said() {
+    let robot = robot();
+    let timed = |at: &dyn Fn(usize) -> String| {
+        let cell = |line: usize| if line == 0 { "time_s".to_owned() } else { at(line) };
+        plain().lines().enumerate().map(|(k, text)| format!("{text},{}\n", cell(k))).collect()
+    };
+    let warned = |table: String| {
+        let done =
+            imported(&vec![("m.csv", table.into())], Some(&robot), &ImportOptions::default());
+        done.warnings.iter().any(|w| w.contains("times go back 1 times"))
+    };
+    assert!(!warned(timed(&|k| format!("{}", 20 * k))));
+    assert!(warned(timed(&|k| format!("{}", 20 * (k % 10)))));
+    assert!(warned(timed(&|k| format!("{}:20:{:02}", if k < 9 { 14 } else { 10 }, k))));
+}
+
 /// Whatever a heading holds, the import.toml that is written reads the file alike.
 #[test]
 fn headings_with_control_characters() {
@@ -844,6 +864,8 @@ fn the_program() {
     assert_eq!(read("out/m.csv"), plain());
     assert!(read("out/import.toml").contains("# q1: column 1 \"J1\", rad, because"));
     assert!(run("import a.csv --out out/m.csv").status.success(), "the same again");
+    let own = run("import a.csv --out import.toml --force");
+    assert_eq!(own.status.code(), Some(2), "the name of what says how");
     assert!(run("import a.csv --config out/import.toml --out again.csv").status.success());
     assert_eq!(read("again.csv"), plain());
     fs::write(folder.path().join("out/import.toml"), read("out/import.toml") + "# mine\n").unwrap();
