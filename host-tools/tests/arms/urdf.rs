@@ -395,7 +395,7 @@ fn degrees_are_refused() {
     let end = limit + 7 + arm[limit + 7..].find('"').unwrap();
     let wide = format!("{}upper=\"170{}", &arm[..limit], &arm[end..]);
     for (text, angle) in [(turned, 90), (wide, 170)] {
-        let error = read(text).err().expect("degrees");
+        let error = read(text).expect_err("degrees");
         let said = format!("{error} -> {}", error.help());
         assert!(said.contains(&format!("an angle of {angle} in its rpy or")), "{said}");
         assert!(said.contains("radians"), "{said}");

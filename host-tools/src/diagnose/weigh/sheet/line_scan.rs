@@ -9,6 +9,9 @@ use crate::evidence::lines::JointColumn;
 use crate::model::arm::Derivatives;
 use crate::observations::postures;
 
+/// How the target moves along each of some ways.
+pub type Ways<'w> = dyn Fn(&Derivatives) -> Vec<Vector3<f64>> + Sync + 'w;
+
 impl Sheet<'_> {
     /// How the target moves along each of `count` ways wherever the arm stood, in the order
     /// of [`postures`], and the residual along it; without joint values. All ways in one
@@ -18,7 +21,7 @@ impl Sheet<'_> {
     pub fn along(
         &self,
         rows: &[usize],
-        (count, ways): (usize, &(dyn Fn(&Derivatives) -> Vec<Vector3<f64>> + Sync)),
+        (count, ways): (usize, &Ways),
         geometry: &evidence::Geometry,
         scale: f64,
     ) -> Vec<JointColumn> {
