@@ -17,7 +17,8 @@ use crate::model::ModelTerm;
 const FEWEST: usize = 3;
 
 /// Geometry fitted beside the gaps of all joints, if that gives at least half of the flagged
-/// rows back.
+/// rows back at no more noise than geometry alone leaves of the others: what a slip spread
+/// over all rows would flag none as well.
 ///
 /// # Errors
 /// When a fit does not converge.
@@ -34,5 +35,9 @@ pub fn given_back(q: &Question, root: &Node) -> Result<Option<Node>> {
     let none_flagged = Flags { gross: f64::INFINITY, ..q.flags };
     let all = fitted(&Question { flags: none_flagged, ..*q }, gaps.clone(), &root.fit.fit.state)?;
     let node = fitted(q, gaps, &all.fit.fit.state)?;
-    Ok((2 * node.fit.outliers.len() <= flagged).then_some(node))
+    let noise = root.reduced.max(f64::MIN_POSITIVE);
+    let cost =
+        |node: &Node| node.misfit / noise + q.flags.gross.powi(2) * node.fit.outliers.len() as f64;
+    let better = 2 * node.fit.outliers.len() <= flagged && cost(&node) < cost(root);
+    Ok(better.then_some(node))
 }
