@@ -9,7 +9,6 @@ use truearm::effects::Effect;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::question::Question;
-use crate::error::Result;
 use crate::identify::fit::robust::Flags;
 use crate::model::ModelTerm;
 
@@ -19,10 +18,7 @@ const FEWEST: usize = 3;
 /// Geometry fitted beside the gaps of all joints, if that gives at least half of the flagged
 /// rows back at no more noise than geometry alone leaves of the others: what a slip spread
 /// over all rows would flag none as well.
-///
-/// # Errors
-/// When a fit does not converge.
-pub fn given_back(q: &Question, root: &Node) -> Result<Option<Node>> {
+pub fn given_back(q: &Question, root: &Node) -> Option<Node> {
     let flagged = root.fit.outliers.len();
     let plain = |c: &&Candidate| {
         let gap = |t: &ModelTerm| matches!(t, ModelTerm::Arm(t) if t.effect == Effect::Backlash && t.order == 0.0);
@@ -30,14 +26,16 @@ pub fn given_back(q: &Question, root: &Node) -> Result<Option<Node>> {
     };
     let gaps: Vec<Candidate> = q.offered.iter().filter(plain).cloned().collect();
     if flagged < FEWEST || gaps.is_empty() {
-        return Ok(None);
+        return None;
     }
     let none_flagged = Flags { gross: f64::INFINITY, ..q.flags };
-    let all = fitted(&Question { flags: none_flagged, ..*q }, gaps.clone(), &root.fit.fit.state)?;
-    let node = fitted(q, gaps, &all.fit.fit.state)?;
+    // What is metres off fits nothing: it stays flagged.
+    let unflagged = Question { flags: none_flagged, ..*q };
+    let all = fitted(&unflagged, gaps.clone(), &root.fit.fit.state).ok()?;
+    let node = fitted(q, gaps, &all.fit.fit.state).ok()?;
     let noise = root.reduced.max(f64::MIN_POSITIVE);
     let cost =
         |node: &Node| node.misfit / noise + q.flags.gross.powi(2) * node.fit.outliers.len() as f64;
     let better = 2 * node.fit.outliers.len() <= flagged && cost(&node) < cost(root);
-    Ok(better.then_some(node))
+    better.then_some(node)
 }

@@ -58,7 +58,7 @@ const REFUSALS: usize = 4;
 /// # Errors
 /// When a fit does not converge.
 pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> {
-    let regained = given_back(q, root)?;
+    let regained = given_back(q, root);
     let root = regained.as_ref().unwrap_or(root);
     let mut plain = search(q, Start::at(q, root), FIRST, progress)?;
     let found = (&plain.best.added[..], &plain.best.fit.fit.state);
