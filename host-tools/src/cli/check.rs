@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use truearm_host::check::mend::{MENDED, mend};
 use truearm_host::check::{Finding, Verdict, check};
-use truearm_host::files::{foreign, read_text, write};
+use truearm_host::files::{foreign, read_text, write_all};
 use truearm_host::identify::Figures;
 use truearm_host::methods::Comparison;
 use truearm_host::model::{Measurements, Robot};
@@ -86,9 +86,8 @@ impl Check {
         for (path, text) in targets.iter().zip(&made) {
             self.spared(path, text)?;
         }
-        for (path, text) in targets.iter().zip(&made) {
-            write(path, text.as_bytes())?;
-        }
+        let made = made.map(String::into_bytes);
+        write_all(&targets.into_iter().zip(made).collect::<Vec<_>>())?;
         Ok(format!("wrote {}\n", folder.join("{robot.toml,measurements.csv}").display()))
     }
 }

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use truearm_host::Result;
-use truearm_host::files::write;
+use truearm_host::files::write_all;
 use truearm_host::methods::{self, Frames};
 use truearm_host::model::Measurements;
 use truearm_host::observations::points_only;
@@ -11,7 +11,7 @@ use truearm_host::report::{CompareReport, to_json};
 
 use super::check::{Ended, explained, remark};
 use super::evaluate::Frames as Anew;
-use super::page::write_page;
+use super::page::page_files;
 use super::{Said, overwrite, read_both, warn, words};
 
 /// The paper's methods side by side: errors, reduction, time, size of the corrections.
@@ -66,8 +66,9 @@ impl Compare {
         if let Some(folder) = &self.out {
             let [report, rows, methods, page] = FILES.map(|name| folder.join(name));
             overwrite::pictures(&report, &[rows, methods, page.clone()], self.force)?;
-            write(&report, json.as_bytes())?;
-            write_page(&page, &compared(&found), true)?;
+            let mut made = page_files(&page, &compared(&found), true)?;
+            made.push((report, json.clone().into_bytes()));
+            write_all(&made)?;
             let files = folder.join(format!("{{{}}}", FILES.join(",")));
             wrote = format!("wrote {}\n", files.display());
         }

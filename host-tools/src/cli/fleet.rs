@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use truearm_host::error::Place;
-use truearm_host::files::{Comment, overwritable, read_text, signed, with_priors, write};
+use truearm_host::files::{Comment, overwritable, read_text, signed, with_priors, write_all};
 use truearm_host::fleet::{Arm, Fleet as Learned};
 use truearm_host::identify::{Figures, Identification, Options, identify};
 use truearm_host::model::{Measurements, Robot};
@@ -76,8 +76,9 @@ impl Fleet {
         let mut wrote = String::new();
         if let Some(out) = &self.out {
             let text = with_priors(&read_text(&robot.path)?, &fleet.prior_of(&robot))?;
-            write(&out.join(ROBOT), signed(Comment::Hash, &text).as_bytes())?;
-            write(&out.join(REPORT), json.as_bytes())?;
+            let text = signed(Comment::Hash, &text);
+            let report = (out.join(REPORT), json.clone().into_bytes());
+            write_all(&[(out.join(ROBOT), text.into_bytes()), report])?;
             wrote = format!("wrote {}\n", out.join("{robot.toml,fleet.json}").display());
         }
         Ok(if self.json { json.into() } else { (words::fleet(&report) + &wrote).into() })

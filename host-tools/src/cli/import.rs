@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use truearm_host::error::Place;
-use truearm_host::files::{foreign, overwritable_like, read_text, write};
+use truearm_host::files::{foreign, overwritable_like, read_text, write_all};
 use truearm_host::headings::Unit;
 use truearm_host::import::{FileConfig, ImportOptions, JoinAsked, import};
 use truearm_host::model::Robot;
@@ -111,10 +111,11 @@ impl Import {
             }
         };
         self.spared(&wrote, &done.csv)?;
-        write(&self.out, done.csv.as_bytes())?;
+        let mut made = vec![(self.out.clone(), done.csv.clone().into_bytes())];
         if self.config.is_none() {
-            write(&wrote, done.config.as_bytes())?;
+            made.push((wrote.clone(), done.config.clone().into_bytes()));
         }
+        write_all(&made)?;
         let show = |path: &Path| path.display().to_string();
         let report = ImportReport::new(done, show(&self.out), show(&wrote));
         warn(&report.made.warnings);

@@ -39,7 +39,7 @@ use std::time::Instant;
 use clap::{CommandFactory, Parser, Subcommand};
 use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::blob::explain;
-use truearm_host::files::write;
+use truearm_host::files::write_all;
 use truearm_host::model::{Measurements, Model, Robot};
 use truearm_host::page::Page;
 use truearm_host::report::to_json;
@@ -193,10 +193,13 @@ fn deliver(
     if let Some(folder) = folder {
         let text = model.to_sound_toml()?;
         overwrite::in_folder(folder, model, force)?;
-        write(&folder.join("model.toml"), text.as_bytes())?;
-        write(&folder.join("report.json"), json.as_bytes())?;
-        write(&folder.join("residuals.csv"), residuals().as_bytes())?;
-        page::write_page(&folder.join("report.html"), &pictures()?, figures)?;
+        let mut made = page::page_files(&folder.join("report.html"), &pictures()?, figures)?;
+        made.extend([
+            (folder.join("model.toml"), text.into_bytes()),
+            (folder.join("report.json"), json.clone().into_bytes()),
+            (folder.join("residuals.csv"), residuals().into_bytes()),
+        ]);
+        write_all(&made)?;
         let files = folder.join("{model.toml,report.json,residuals.csv,report.html}");
         wrote = format!("wrote {}\n", files.display());
     }

@@ -1,33 +1,27 @@
 use std::path::Path;
 
 use truearm_host::Result;
-use truearm_host::files::write;
+use truearm_host::files::ToWrite;
 use truearm_host::page::{Next, Page, commands};
 
-/// Writes a page and, where they are asked for, its figures beside it.
-pub fn write_page(path: &Path, page: &Page, figures: bool) -> Result<()> {
-    write(path, page.html().as_bytes())?;
-    if figures {
-        write_figures(path.parent().unwrap_or(Path::new("")), page)?;
-    }
-    Ok(())
-}
-
-/// Writes every figure of a page as a file of its own, with the feature `png` as two.
-pub fn write_figures(folder: &Path, page: &Page) -> Result<()> {
-    page.figures().try_for_each(|figure| {
-        let (path, svg) = (folder.join(format!("{}.svg", figure.name)), figure.svg());
+/// A page and, where they are asked for, its figures beside it: with the feature `png` each
+/// as two.
+pub fn page_files(path: &Path, page: &Page, figures: bool) -> Result<Vec<ToWrite>> {
+    let mut files = vec![(path.to_owned(), page.html().into_bytes())];
+    for figure in page.figures().filter(|_| figures) {
+        let (path, svg) = (path.with_file_name(format!("{}.svg", figure.name)), figure.svg());
         #[cfg(feature = "png")]
-        write_png(&path.with_extension("png"), &svg)?;
-        write(&path, svg.as_bytes())
-    })
+        files.push(png(path.with_extension("png"), &svg)?);
+        files.push((path, svg.into_bytes()));
+    }
+    Ok(files)
 }
 
 #[cfg(feature = "png")]
-fn write_png(path: &Path, svg: &str) -> Result<()> {
+fn png(path: std::path::PathBuf, svg: &str) -> Result<ToWrite> {
     let drawn = truearm_host::plot::png::png(svg);
-    let drawn = drawn.map_err(|why| truearm_host::Error::io(path, std::io::Error::other(why)))?;
-    write(path, &drawn)
+    let drawn = drawn.map_err(|why| truearm_host::Error::io(&path, std::io::Error::other(why)))?;
+    Ok((path, drawn))
 }
 
 /// The command that comes next, for the end of what is said.

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose, instead};
-use truearm_host::files::poses_csv;
+use truearm_host::files::{overwritable_like, poses_csv, write_all};
 use truearm_host::model::{Measurements, Robot, Workspace};
 use truearm_host::observations::by_name;
 use truearm_host::page::{Page, Planned, after_measuring, planned, separated};
@@ -11,7 +11,7 @@ use truearm_host::report::{PlanReport, SeparatedAlternative, SeparationReport, t
 use truearm_host::units::MICRO;
 use truearm_host::{Error, ErrorKind, Result};
 
-use super::page::write_page;
+use super::page::page_files;
 use super::progress::Bar;
 use super::workspace::Where;
 use super::{End, Said, overwrite, warn, words};
@@ -90,10 +90,10 @@ impl Plan {
         let found = plan(&robot, &options, &|done, total| bar.update(done, total));
         bar.finish();
         let found = found?;
-        self.write(&poses_csv(&robot, "q", &found.poses, &[]))?;
         warn(&robot.warnings);
         let report = PlanReport::new(&robot, &found, self.candidates, self.target_um);
-        self.page(|| planned(&report, &self.of(&robot, &workspace, &found.poses)))?;
+        let page = || planned(&report, &self.of(&robot, &workspace, &found.poses));
+        self.write(poses_csv(&robot, "q", &found.poses, &[]), page)?;
         let text = if self.json {
             to_json(&report)
         } else {
@@ -126,21 +126,20 @@ impl Plan {
         Planned { robot, limits: &workspace.limits, poses, file: &self.out, then }
     }
 
-    fn page(&self, made: impl FnOnce() -> Page) -> Result<()> {
-        match &self.html {
-            Some(path) => write_page(path, &made(), self.figures),
-            None => Ok(()),
-        }
-    }
-
-    fn write(&self, poses: &str) -> Result<()> {
+    /// The poses and, where one is asked for, the page.
+    fn write(&self, poses: String, page: impl FnOnce() -> Page) -> Result<()> {
         let inputs = [&self.robot].into_iter().chain(&self.discriminate);
         let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
-        if let Some(page) = &self.html {
-            overwrite::apart([page.as_path()], inputs.iter().copied())?;
-            overwrite::page_file(page, self.force)?;
+        let mut made = Vec::new();
+        if let Some(path) = &self.html {
+            overwrite::apart([path.as_path()], inputs.iter().copied())?;
+            overwrite::page_file(path, self.force)?;
+            made = page_files(path, &page(), self.figures)?;
         }
-        overwrite::write_like(&self.out, poses, &inputs, self.force)
+        overwrite::apart([self.out.as_path()], inputs.iter().copied())?;
+        overwritable_like(&self.out, &poses, self.force)?;
+        made.push((self.out.clone(), poses.into_bytes()));
+        write_all(&made)
     }
 
     fn separate(&self, robot: &Robot, path: &Path, workspace: &Workspace) -> Result<Said> {
@@ -163,7 +162,6 @@ impl Plan {
         let planned = discriminate(&found.model.robot, &data, &explained, workspace, draw)?;
         let told = data.rows[0].directions.iter().any(|d| *d != 0);
         let directions = if told { planned.directions.as_slice() } else { &[] };
-        self.write(&poses_csv(robot, "q", &planned.poses, directions))?;
         let warnings = found.outcome.figures.warnings.clone();
         warn(&warnings);
         let named = [found.outcome.effects.clone(), found.outcome.suspected.clone()].concat();
@@ -186,7 +184,8 @@ impl Plan {
             alternatives,
             warnings,
         };
-        self.page(|| separated(&report, &self.of(robot, workspace, &planned.poses)))?;
+        let page = || separated(&report, &self.of(robot, workspace, &planned.poses));
+        self.write(poses_csv(robot, "q", &planned.poses, directions), page)?;
         if self.json {
             return Ok(to_json(&report).into());
         }

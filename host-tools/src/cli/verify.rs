@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use truearm_host::files::{csv_text, overwritable, overwritable_like, poses_csv, write};
+use truearm_host::files::{csv_text, overwritable, overwritable_like, poses_csv, write_all};
 use truearm_host::model::{Commanded, KindId, Measurements, Model, Row};
 use truearm_host::observations::kind;
 use truearm_host::page::verified;
@@ -10,7 +10,7 @@ use truearm_host::units::to_mm;
 use truearm_host::verify::{Conformity, STANDARD_REPEATS, Verification, test_poses, verify};
 use truearm_host::{Error, Result};
 
-use super::page::write_page;
+use super::page::page_files;
 use super::workspace::Where;
 use super::{End, Said, overwrite, session, warn, words};
 
@@ -121,10 +121,10 @@ impl Verify {
             let errors = errors(&data.data, &report.after);
             overwritable(&to_report, self.force)?;
             overwritable_like(&to_errors, &errors, self.force)?;
-            write(&to_report, json.as_bytes())?;
-            write(&to_errors, errors.as_bytes())?;
             let page = verified(&report, &model, &data);
-            write_page(&to_page, &page, self.figures)?;
+            let mut made = page_files(&to_page, &page, self.figures)?;
+            made.extend([(to_report, json.into_bytes()), (to_errors, errors.into_bytes())]);
+            write_all(&made)?;
         }
         let end = match report.conformity {
             None | Some(Conformity::Pass) => End::Good,

@@ -32,7 +32,7 @@ pub use robot::{RobotDraft, prior_tables, with_priors};
 pub use signed::{Comment, foreign, overwritable, overwritable_like, signed};
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
@@ -97,32 +97,72 @@ fn temporary(path: &Path) -> tempfile::Builder<'static, 'static> {
     builder
 }
 
+/// A file to be written, and what will be in it.
+pub type ToWrite = (PathBuf, Vec<u8>);
+
+/// A file that is written but for its name.
+enum Staged<'a> {
+    /// Beside the place that it takes.
+    Beside(tempfile::NamedTempFile, PathBuf),
+    /// What is no file, such as a pipe or /dev/stdout, is written to as it is.
+    Device(&'a Path, &'a [u8]),
+}
+
+impl<'a> Staged<'a> {
+    /// A link stays a link.
+    fn new(path: &'a Path, bytes: &'a [u8]) -> Result<Self> {
+        if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+            return Ok(Self::Device(path, bytes));
+        }
+        let error = |e| Error::io(path, e);
+        let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let folder = match target.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        if folder.is_file() {
+            let what = format!("{} is a file, and no folder to write into", folder.display());
+            return Err(Error::usage(what, "give a folder, or a name that is free"));
+        }
+        if target.is_dir() {
+            return Err(error(std::io::ErrorKind::IsADirectory.into()));
+        }
+        std::fs::create_dir_all(folder).map_err(error)?;
+        let mut file = temporary(&target).tempfile_in(folder).map_err(error)?;
+        file.write_all(bytes).map_err(error)?;
+        file.as_file().sync_all().map_err(error)?;
+        Ok(Self::Beside(file, target))
+    }
+
+    fn named(self) -> Result<()> {
+        match self {
+            Self::Beside(file, path) => {
+                file.persist(&path).map(drop).map_err(|e| Error::io(&path, e.error))
+            }
+            Self::Device(path, bytes) => {
+                let device = std::fs::OpenOptions::new().write(true).open(path);
+                device.and_then(|mut to| to.write_all(bytes)).map_err(|e| Error::io(path, e))
+            }
+        }
+    }
+}
+
 /// Writes a file whole or not at all: into a temporary file beside it, which
-/// then takes its name. A link stays a link, and what is no file, such as a
-/// pipe or /dev/stdout, is written to as it is.
+/// then takes its name.
 ///
 /// # Errors
 /// What the system says; an existing file is then as it was.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    let error = |e| Error::io(path, e);
-    if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
-        let device = std::fs::OpenOptions::new().write(true).open(path);
-        return device.and_then(|mut device| device.write_all(bytes)).map_err(error);
-    }
-    let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let path = target.as_path();
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    if folder.is_file() {
-        let what = format!("{} is a file, and no folder to write into", folder.display());
-        return Err(Error::usage(what, "give a folder, or a name that is free"));
-    }
-    std::fs::create_dir_all(folder).map_err(error)?;
-    let mut file = temporary(path).tempfile_in(folder).map_err(error)?;
-    file.write_all(bytes).map_err(error)?;
-    file.as_file().sync_all().map_err(error)?;
-    file.persist(path).map_err(|e| error(e.error))?;
-    Ok(())
+    Staged::new(path, bytes)?.named()
+}
+
+/// Writes files that belong together: all are on the disk before the first takes its
+/// name, so that a full disk or a stop leaves no new file beside an old one.
+///
+/// # Errors
+/// As for [`write`].
+pub fn write_all(files: &[ToWrite]) -> Result<()> {
+    let staged: Result<Vec<Staged>> =
+        files.iter().map(|(path, bytes)| Staged::new(path, bytes)).collect();
+    staged?.into_iter().try_for_each(Staged::named)
 }

@@ -118,6 +118,42 @@ fn a_device_is_written_to_and_not_replaced() {
     assert_eq!(written, packed);
 }
 
+/// The files of a folder change together: where one of them cannot, none does.
+#[test]
+fn a_folder_changes_as_a_whole() {
+    let folder = folder();
+    for line in [
+        "identify robot.toml m.csv --figures --out out",
+        "diagnose robot.toml m.csv --figures --out out",
+        "verify model.toml c.csv --out out --figures",
+        "compare robot.toml m.csv --out out",
+    ] {
+        let out = folder.path().join("out");
+        let quietly = || truearm(&folder, line, Stdio::null(), Stdio::piped());
+        assert_eq!(quietly().status.code(), Some(0), "{line}");
+        let text = |name: &str| fs::read(out.join(name)).unwrap_or_default();
+        let names = ["model.toml", "report.json", "residuals.csv", "report.html"];
+        // Signed by another run: what is written anew would differ.
+        for name in names.iter().filter(|name| out.join(name).is_file()) {
+            let mut longer = text(name);
+            longer.extend(b"\n");
+            fs::write(out.join(name), longer).unwrap();
+        }
+        let before = names.map(text);
+        let drawn: Vec<_> = fs::read_dir(&out).unwrap().map(|f| f.unwrap().file_name()).collect();
+        let drawn: Vec<_> = drawn.iter().map(|name| name.to_str().unwrap()).collect();
+        let blocked = drawn.iter().find(|name| name.ends_with(".svg")).unwrap();
+        fs::remove_file(out.join(blocked)).unwrap();
+        fs::create_dir(out.join(blocked)).unwrap();
+        let output = quietly();
+        assert_eq!(output.status.code(), Some(1), "{line}");
+        assert!(message(&output).contains(blocked), "{line}: {}", message(&output));
+        assert!(before == names.map(text), "{line}: new files beside old ones");
+        assert_eq!(fs::read_dir(&out).unwrap().count(), drawn.len(), "{line}: files left over");
+        fs::remove_dir_all(&out).unwrap();
+    }
+}
+
 #[test]
 fn one_table_of_exit_statuses() {
     let folder = folder();
