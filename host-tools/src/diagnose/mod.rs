@@ -6,6 +6,7 @@
 
 pub mod candidates;
 mod chi_square;
+mod crowd;
 mod kinds;
 pub mod moments;
 mod mounting;

@@ -2,7 +2,6 @@
 
 use super::candidates::Candidate;
 use super::moments::bends;
-use super::policy::POLICY;
 use super::question::Question;
 use crate::effects;
 use crate::error::Result;
@@ -92,12 +91,4 @@ fn node(q: &Question, added: Vec<Candidate>, problem: &Problem, fit: RobustFit) 
     let unknowns = problem.unknowns.list().len() as f64;
     let freedom = (problem.equations(&fit.kept) as f64 - unknowns).max(1.0);
     Node { added, misfit: square + prior, reduced: square / freedom, freedom, fit }
-}
-
-/// Whether more rows are flagged than can be gross errors.
-#[must_use]
-pub fn crowded(node: &Node) -> bool {
-    let flagged = node.fit.outliers.len() as f64;
-    let rows = flagged + node.fit.kept.len() as f64;
-    flagged > (POLICY.crowd_share * rows).max(POLICY.crowd_rows)
 }

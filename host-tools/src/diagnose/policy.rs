@@ -13,8 +13,10 @@ pub struct Policy {
     pub gross: f64,
     /// More flagged rows than this share...
     pub crowd_share: f64,
-    /// ...and than so many are structure and no gross errors.
+    /// ...and than so many are structure and no gross errors, unless they lie scattered...
     pub crowd_rows: f64,
+    /// ...and are no more than this share, as `identify` has it.
+    pub scattered_share: f64,
     /// Lambda is never lowered below this for corrections that are large all
     /// over: tolerances are then seven times wider than stated.
     pub least_lambda: f64,
@@ -92,6 +94,7 @@ pub const POLICY: Policy = Policy {
     gross: 6.0,
     crowd_share: 0.08,
     crowd_rows: 3.0,
+    scattered_share: 0.25,
     least_lambda: 0.02,
     tool_prior: 1.0,
     base_prior: 10.0,

@@ -1,6 +1,7 @@
 //! Whether anything but noise is left.
 
-use super::node::{Node, crowded};
+use super::crowd::crowded;
+use super::node::Node;
 use super::outcome::{Verdict, said};
 use super::policy::POLICY;
 use super::weigh::Weighed;
@@ -28,7 +29,7 @@ pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, V
     if weighed.no_room > 0 && best.added.is_empty() {
         left.push(format!("{} effects that --most-terms has no room for", weighed.no_room));
     }
-    let verdict = if !left.is_empty() || crowded(best) {
+    let verdict = if !left.is_empty() || crowded(problem, best) {
         Verdict::Unexplained
     } else if best.added.is_empty() && best.fit.outliers.is_empty() && weighed.curves.is_empty() {
         Verdict::Clean

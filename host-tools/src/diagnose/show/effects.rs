@@ -3,7 +3,8 @@ use truearm::effects::ActsOn;
 
 use super::certainty::sigmas;
 use super::gap::stage_name;
-use crate::diagnose::node::{Node, crowded};
+use crate::diagnose::crowd::crowded;
+use crate::diagnose::node::Node;
 use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::weigh::{Curved, Doubt, Weighed};
@@ -47,7 +48,7 @@ pub fn effects(
     }
     let gross = best.fit.outliers.iter().any(|o| !other_side(findings, best, o));
     // Where more rows stand out than can be wrong, no row can be called so.
-    if gross && !crowded(best) {
+    if gross && !crowded(findings.problem, best) {
         named.push(gross_rows(findings));
     }
     (named, suspected)

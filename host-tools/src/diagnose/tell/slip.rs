@@ -1,12 +1,12 @@
 //! Rows that look as if a joint had slipped on its encoder.
 
 use crate::diagnose::chi_square::{chance, chi_square};
+use crate::diagnose::crowd::slipped;
 use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::weigh::slips::{self, Step};
 use crate::diagnose::weigh::{Weights, scan};
 use crate::identify::Problem;
-use crate::model::arm::Derivatives;
 use crate::units::{joint_to_file, joint_unit};
 
 /// The joint value's step, from some row to the last in the order of
@@ -49,28 +49,11 @@ pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
 /// slipped.
 #[must_use]
 pub fn contradiction(problem: &Problem, root: &Node) -> Vec<String> {
-    let (at, outliers) = (problem.linearise(&root.fit.fit.state), &root.fit.outliers);
-    let rows: Vec<usize> = outliers.iter().map(|o| o.row + 1).collect();
+    let rows: Vec<usize> = root.fit.outliers.iter().map(|o| o.row + 1).collect();
     let of = problem.data.rows.len();
     let mut out =
         vec![format!("{} of {of} rows contradict the others: {}", rows.len(), ranges(&rows))];
-    // Least squares of one shift of a joint in all of them.
-    let fitted = |joint: usize| {
-        let kind = problem.nominal[joint].kind;
-        let moved = |_: usize, d: &Derivatives| vec![*d.links[joint].joint(kind)];
-        let (mut cc, mut cr, mut rr) = (0.0, 0.0, 0.0);
-        for outlier in outliers {
-            let e = at.equations_beside(outlier.row, &moved);
-            let column = e.block.column(e.block.ncols() - 1);
-            let residual = e.scaled(&outlier.residual);
-            cc += column.norm_squared();
-            cr += column.dot(&residual.column());
-            rr += residual.norm_squared();
-        }
-        (cr * cr / (cc * rr), joint, cr / cc)
-    };
-    let best = (0..problem.nominal.len()).map(fitted).max_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((share, joint, shift)) = best.filter(|best| best.0 > POLICY.slipped) {
+    if let Some((share, joint, shift)) = slipped(problem, root) {
         let kind = problem.nominal[joint].kind;
         let (shift, unit) = (joint_to_file(kind, shift), joint_unit(kind));
         out.push(format!(

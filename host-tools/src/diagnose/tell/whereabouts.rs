@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::slip::{contradiction, step};
 use crate::diagnose::chi_square::{chance, chi_square};
-use crate::diagnose::node::{Node, crowded};
+use crate::diagnose::crowd::crowded;
+use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;
 use crate::identify::Problem;
 use crate::model::{KindId, Values};
@@ -18,7 +19,8 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     let at = problem.linearise(&root.fit.fit.state);
     // Where many rows are flagged, the flags are what is to be placed.
     let all: Vec<usize> = (0..problem.data.rows.len()).collect();
-    let rows = if crowded(root) { &all } else { &root.fit.kept };
+    let crowded = crowded(problem, root);
+    let rows = if crowded { &all } else { &root.fit.kept };
     let scaled = |r: &usize| (problem.data.rows[*r].kind, at.scaled_residual(*r));
     let residuals: Vec<(KindId, Values)> = rows.iter().map(scaled).collect();
     let row = |i: usize| &problem.data.rows[rows[i]];
@@ -61,8 +63,7 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
         let place = if own { target } else { target.map(|x| (x / PLACE).round() * PLACE) };
         Some(place.iter().copied().collect())
     });
-    let slips =
-        if crowded(root) { contradiction(problem, root) } else { step(problem, root, lambda) };
+    let slips = if crowded { contradiction(problem, root) } else { step(problem, root, lambda) };
     slips.into_iter().chain(significant(&residuals, tests)).collect()
 }
 

@@ -1,0 +1,69 @@
+//! Whether flagged rows are gross errors, each of its own cause, or structure.
+
+use super::chi_square::chi_square;
+use super::node::Node;
+use super::policy::POLICY;
+use crate::identify::Problem;
+use crate::model::Row;
+use crate::model::arm::Derivatives;
+
+/// Whether more rows are flagged than can be gross errors: a few always may, more only where
+/// nothing that was recorded has them together and no slip of a joint explains them.
+#[must_use]
+pub fn crowded(problem: &Problem, node: &Node) -> bool {
+    let flagged = node.fit.outliers.len() as f64;
+    let rows = flagged + node.fit.kept.len() as f64;
+    if flagged <= (POLICY.crowd_share * rows).max(POLICY.crowd_rows) {
+        return false;
+    }
+    flagged > POLICY.scattered_share * rows
+        || together(problem, node)
+        || slipped(problem, node).is_some()
+}
+
+/// Whether flagged rows are neighbours more often than chance has them: in the order of
+/// measurement, by a joint's value or by where the arm was.
+fn together(problem: &Problem, node: &Node) -> bool {
+    let data = problem.data;
+    let flagged: Vec<usize> = node.fit.outliers.iter().map(|o| o.row).collect();
+    let mut rows: Vec<usize> = flagged.iter().chain(&node.fit.kept).copied().collect();
+    let at = problem.linearise(&node.fit.fit.state);
+    let mut orders: Vec<Vec<f64>> = Vec::new();
+    let mut by = |of: &dyn Fn(usize, &Row) -> f64| {
+        orders.push((0..data.rows.len()).map(|row| of(row, &data.rows[row])).collect());
+    };
+    by(&|row, _| data.when(row));
+    (0..problem.nominal.len()).for_each(|joint| by(&|_, row| row.q[joint]));
+    (0..3).for_each(|axis| by(&|row, _| at.target(row).0[axis]));
+    let (few, all) = (flagged.len() as f64, rows.len() as f64);
+    let expected = few * (few - 1.0) / all;
+    orders.iter().any(|order| {
+        rows.sort_by(|a, b| order[*a].total_cmp(&order[*b]).then(a.cmp(b)));
+        let pairs = rows.windows(2).filter(|pair| pair.iter().all(|row| flagged.contains(row)));
+        let chance = 1.0 - chi_square(2.0 * expected, 2 * pairs.count());
+        chance * (orders.len() as f64) < POLICY.significant
+    })
+}
+
+/// The one shift of a joint that explains flagged rows: its share of their residuals, the
+/// joint and the shift, rad or m.
+#[must_use]
+pub fn slipped(problem: &Problem, root: &Node) -> Option<(f64, usize, f64)> {
+    let (at, outliers) = (problem.linearise(&root.fit.fit.state), &root.fit.outliers);
+    let fitted = |joint: usize| {
+        let kind = problem.nominal[joint].kind;
+        let moved = |_: usize, d: &Derivatives| vec![*d.links[joint].joint(kind)];
+        let (mut cc, mut cr, mut rr) = (0.0, 0.0, 0.0);
+        for outlier in outliers {
+            let e = at.equations_beside(outlier.row, &moved);
+            let column = e.block.column(e.block.ncols() - 1);
+            let residual = e.scaled(&outlier.residual);
+            cc += column.norm_squared();
+            cr += column.dot(&residual.column());
+            rr += residual.norm_squared();
+        }
+        (cr * cr / (cc * rr), joint, cr / cc)
+    };
+    let best = (0..problem.nominal.len()).map(fitted).max_by(|a, b| a.0.total_cmp(&b.0));
+    best.filter(|best| best.0 > POLICY.slipped)
+}
