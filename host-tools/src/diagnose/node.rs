@@ -1,5 +1,7 @@
 //! A fitted explanation.
 
+use truearm::effects::Effect;
+
 use super::candidates::Candidate;
 use super::moments::bends;
 use super::question::Question;
@@ -40,6 +42,9 @@ impl Node {
 /// What noise may make of a spring that is none: so much against its largest load, rad.
 const AGAINST: f64 = 1e-5;
 
+/// No spring gives way by more beside its compliance, rad or m, at its largest torque.
+const GIVES: f64 = 5e-3;
+
 /// A sign and size that the physics of its effect allows, where torques may count
 /// either way one of both signs.
 fn plausible(term: &ModelTerm, conditions: &Conditions) -> bool {
@@ -48,6 +53,12 @@ fn plausible(term: &ModelTerm, conditions: &Conditions) -> bool {
     let loaded = matches!(term, ModelTerm::Arm(own) if own.needs_load());
     if let (ModelTerm::Arm(own), true) = (term, bends(term.effect_name())) {
         range.start -= AGAINST / conditions.largest_load(own);
+    }
+    if let ModelTerm::Arm(own) = term
+        && own.effect == Effect::JointStiffening
+        && term.coefficient().abs() * conditions.largest_load(own) > GIVES
+    {
+        return false;
     }
     let either = conditions.torques_of_either_sign && loaded;
     range.contains(&term.coefficient()) || either && range.contains(&-term.coefficient())

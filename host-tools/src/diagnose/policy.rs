@@ -50,6 +50,8 @@ pub struct Policy {
     pub odds: f64,
     /// Halves whose coefficients differ with a smaller p value disagree.
     pub halves_disagree: f64,
+    /// Unless, in time, they differ by no more than this share of their mean.
+    pub halves_apart: f64,
 
     /// Probability from which on an effect is named, if both halves agree.
     pub named: f64,
@@ -64,6 +66,13 @@ pub struct Policy {
     /// wrong sign) left 834, 89 and 34: the last stays `clean`. No study set it; none misstates
     /// by more than 3.
     pub far_off: f64,
+    /// Standard deviation of poses over that of their repeats from which on it is said, and
+    /// from which on...
+    pub beyond_repeats: f64,
+    /// ...it is structure, if it is as many times the stated one: repeats without moving do
+    /// not hold what the arm scatters, but what was stated does. Three times is what sets of
+    /// the study `dirty` misstate it by.
+    pub beyond_stated: f64,
 
     /// Explanations that are told beside the best one.
     pub alternatives: usize,
@@ -107,6 +116,9 @@ pub const POLICY: Policy = Policy {
     worth_a_word: 0.02,
     odds: 0.01,
     halves_disagree: 1e-3,
+    halves_apart: 0.5,
+    beyond_repeats: 1.5,
+    beyond_stated: 3.0,
     named: 0.9,
     worth_saying: 0.5,
     white: 5.0,

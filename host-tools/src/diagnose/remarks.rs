@@ -4,6 +4,7 @@ use truearm::effects::{Effect, MAX_TERMS};
 
 use super::candidates::{self, Candidate};
 use super::node::Node;
+use super::policy::POLICY;
 use super::tell::place;
 use super::weigh::{Doubt, Named, scatter};
 use crate::evidence::poses::Scatter;
@@ -43,14 +44,16 @@ fn few_angles(data: &Measurements, best: &Node, names: &[Named]) -> Option<Strin
     })
 }
 
-/// Standard deviations of poses over those of their repeats from which on it is said.
-const BEYOND: f64 = 1.5;
+/// How many times farther off poses are than their repeats scatter, where that is many.
+pub fn over_repeats(problem: &Problem, best: &Node) -> Option<f64> {
+    let Scatter { within, between } = scatter(problem, best)?;
+    let times = (between / within).max(0.0).sqrt();
+    (times > POLICY.beyond_repeats && times.is_finite()).then_some(times)
+}
 
 /// A remark where poses are farther off than their repeats scatter.
 fn beyond_repeats(problem: &Problem, best: &Node) -> Option<String> {
-    let Scatter { within, between } = scatter(problem, best)?;
-    let times = (between / within).max(0.0).sqrt();
-    (times > BEYOND && times.is_finite()).then(|| {
+    over_repeats(problem, best).map(|times| {
         format!(
             "{}: the model leaves poses off by {times:.1} times what their repeats scatter: most \
              of what is left returns with the pose, is of the arm or of what measured it there, \

@@ -4,6 +4,7 @@ use super::crowd::crowded;
 use super::node::Node;
 use super::outcome::{Verdict, said};
 use super::policy::POLICY;
+use super::remarks::over_repeats;
 use super::weigh::Weighed;
 use super::white;
 use crate::identify::Problem;
@@ -26,6 +27,13 @@ pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, V
              files are wrong, see truearm check"
         ));
     }
+    let over = over_repeats(problem, best).filter(|_| noise > POLICY.beyond_stated);
+    left.extend(over.map(|times| {
+        format!(
+            "poses are off by {times:.1} times what their repeats scatter, and by {noise:.1} times \
+             the stated standard deviation"
+        )
+    }));
     if weighed.no_room > 0 && best.added.is_empty() {
         left.push(format!("{} effects that --most-terms has no room for", weighed.no_room));
     }

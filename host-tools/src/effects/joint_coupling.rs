@@ -9,7 +9,8 @@ const EFFECT: Effect = Effect::JointCoupling;
 pub(super) const FAMILY: Family = Family {
     name: EFFECT.name(),
     offers: |data| Ok(offers(data)),
-    plausible: -2e-2..2e-2,
+    // What a controller takes: gears of a wrist that nobody compensates couple by such shares.
+    plausible: -5e-2..5e-2,
     several: false,
 };
 

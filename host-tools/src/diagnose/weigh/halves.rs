@@ -65,10 +65,21 @@ pub fn of_claim(
                 (a.value - b.value).powi(2) / variance.max(f64::MIN_POSITIVE)
             })
             .sum();
+        // In one half of the time other poses were measured, at other loads and temperatures
+        // that a sigma does not know of: what is small beside the effect is no disagreement.
+        let size: f64 = coefficients[0]
+            .iter()
+            .zip(&coefficients[1])
+            .map(|(a, b)| {
+                let variance = a.sigma.powi(2) + b.sigma.powi(2);
+                ((a.value + b.value) / 2.0).powi(2) / variance.max(f64::MIN_POSITIVE)
+            })
+            .sum();
+        let near = kind == 1 && apart < POLICY.halves_apart.powi(2) * size;
         // How a base moves with time is another thing at the begin of a session than
         // at its end, unless the course is known exactly.
         let alike = chi_square(apart, coefficients[0].len()) > POLICY.halves_disagree;
-        agree &= alike || kind == 1 && of_time;
+        agree &= alike || near || kind == 1 && of_time;
         // A series or a temperature may be in one half of the time only.
         agree &= kind == 1 || gains[kind][0] + gains[kind][1] > 0.0;
     }

@@ -22,12 +22,23 @@ const SECTIONS: usize = 16;
 /// A line that the model has: its joint, counted from 0, and order.
 pub type Held = (usize, f64);
 
-/// Lines as candidates.
+/// Lines that a fitted model has.
+#[must_use]
+pub fn of(added: &[Candidate]) -> Vec<Held> {
+    let line = |c: &&Candidate| c.name() == Effect::JointPeriodicError.name();
+    let held = added.iter().filter(line).filter_map(|c| {
+        let term = c.terms.first()?;
+        Some((term.joints().first()? - 1, term.order()?))
+    });
+    held.collect()
+}
+
+/// Lines as candidates: those held and, but of joints that are closed, those of a scan.
 pub fn offered(
     state: &State,
     columns: &[(usize, JointColumn)],
     highest: f64,
-    held: &[Held],
+    (held, closed): (&[Held], &[usize]),
     numbers: &mut Numbers,
 ) -> Vec<Possible> {
     let found = columns.par_iter().map(|(joint, column)| {
@@ -52,6 +63,9 @@ pub fn offered(
             variants.sort_by(f64::total_cmp);
             variants.dedup();
             lines.push((line, variants));
+        }
+        if closed.contains(joint) {
+            return (*joint, orders, lines);
         }
         for line in orders.lines(column, POLICY.lines_a_joint + known.len()) {
             let fresh = !known.iter().any(|k| near(*k, line.order));
@@ -82,7 +96,7 @@ pub fn offered(
 }
 
 /// A line in a state.
-struct Wave {
+pub(super) struct Wave {
     order: f64,
     /// Coefficients of cosine and sine.
     size: [f64; 2],
@@ -103,7 +117,7 @@ fn middle(waves: &[Wave]) -> f64 {
 }
 
 /// Coefficients of cosine and sine of a line in a state.
-fn size(state: &State, joint: usize, order: f64) -> [f64; 2] {
+pub(super) fn size(state: &State, joint: usize, order: f64) -> [f64; 2] {
     let mut out = [0.0; 2];
     for term in &state.terms {
         if term.effect_name() == Effect::JointPeriodicError.name()
@@ -118,7 +132,7 @@ fn size(state: &State, joint: usize, order: f64) -> [f64; 2] {
 }
 
 /// The order next to one at which a line explains most, with held ones added back.
-fn sharpened(column: &JointColumn, order: f64, step: f64, held: &[Wave]) -> f64 {
+pub(super) fn sharpened(column: &JointColumn, order: f64, step: f64, held: &[Wave]) -> f64 {
     let mut column = column.clone();
     for Wave { order, size: [cos, sin] } in held {
         for ((right, square), q) in column.right.iter_mut().zip(&column.square).zip(&column.q) {

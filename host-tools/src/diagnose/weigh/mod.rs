@@ -11,10 +11,12 @@ mod lines;
 mod nameless;
 mod partial_fits;
 mod possible;
+mod rescan;
 mod row_parts;
 pub mod scan;
 mod search_result;
 mod settled;
+mod settling;
 mod sheet;
 pub mod slips;
 mod start;
@@ -52,6 +54,9 @@ const ROUNDS: usize = 4;
 /// Further rounds where physics refuses what was found.
 const REFUSALS: usize = 4;
 
+/// Rounds of finding the orders of lines anew without a part of the poses.
+const RESCANS: usize = 3;
+
 /// Weighs everything, from a fit of geometry: first without error curves; where
 /// joints turn out to have some, again from nothing beside them.
 ///
@@ -78,7 +83,7 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
             // It went as far as it was let: farther.
             false => search(q, plain.again(), EFFORT, progress)?,
         };
-        return found.judged(q);
+        return replicated(q, found, EFFORT, progress)?.judged(q);
     }
     let (scale, refused) = (plain.found.scale, plain.refused);
     let start = Start { curves, scale, refused, bent: plain.bent, ..Start::at(q, root) };
@@ -88,14 +93,42 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
     let mut again = Start { curves, ..first.again() };
     // A curve that is no longer wanted must not stay in what is predicted.
     again.bent.tables.retain(|t| again.curves.iter().any(|c| c.joint == usize::from(t.joint())));
-    search(q, again, EFFORT, progress)?.judged(q)
+    replicated(q, search(q, again, EFFORT, progress)?, EFFORT, progress)?.judged(q)
+}
+
+/// The same without lines that do not predict poses held out of their scan; of their joints
+/// no other is looked for.
+fn replicated(
+    q: &Question,
+    mut found: Searched,
+    effort: Effort,
+    progress: &dyn Fn(),
+) -> Result<Searched> {
+    for _ in 0..RESCANS {
+        let ghosts = rescan::ghosts(q, &found);
+        if ghosts.is_empty() {
+            break;
+        }
+        let (out, kept): (Vec<_>, Vec<_>) =
+            found.best.added.iter().cloned().partition(|c: &Candidate| {
+                lines::of(std::slice::from_ref(c)).iter().any(|line| ghosts.contains(line))
+            });
+        let problem = found.bent.problem(q.problem);
+        let mut start = found.again();
+        start.node =
+            fitted(&Question { problem: &problem, ..*q }, kept, &found.best.fit.fit.state)?;
+        start.refused.extend(out);
+        start.closed.extend(ghosts.iter().map(|(joint, _)| *joint));
+        found = search(q, start, effort, progress)?;
+    }
+    Ok(found)
 }
 
 /// Rounds of linearising, weighing and fitting until nothing changes.
 fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Result<Searched> {
-    let Start { mut node, curves, mut bent, mut scale, mut refused, lines } = start;
+    let Start { mut node, curves, mut bent, mut scale, mut refused, lines, closed } = start;
     let lambda = q.flags.lambda;
-    let mut held = [lines_of(&node.added), lines].concat();
+    let mut held = [lines::of(&node.added), lines].concat();
     let mut round = 0;
     loop {
         round += 1;
@@ -103,7 +136,8 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let asked = Question { problem: &problem, ..*q };
         let (state, rows) = (node.fit.fit.state.clone(), node.fit.kept.clone());
         let weights = weights::after(&problem, &node);
-        let mut possible = candidates(&asked, &node, &weights, (lambda, scale), (&held, &refused));
+        let mut possible =
+            candidates(&asked, &node, &weights, (lambda, scale), (&held, &closed, &refused));
         possible.retain(|p| !p.is_within(&curves));
         let sheet = Sheet::new(&problem, &state, &possible, &weights, &curves).bending(
             bent.bending(&state),
@@ -119,7 +153,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         scale = found.scale;
         let added = cloned(&possible, &found.best.members);
         let same = are(&added, &node.added);
-        held = lines_of(&added);
+        held = lines::of(&added);
         let geometry = whole.geometry(&precision, scale);
         let all = Explained { q, possible: &possible, sheet: &sheet, precision: &precision };
         let solution = all.solution(&whole, &geometry, &found);
@@ -161,6 +195,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
                 weights,
                 found,
                 refused,
+                closed,
             });
         }
     }
@@ -173,15 +208,22 @@ fn candidates(
     node: &Node,
     weights: &Weights,
     noise: (f64, f64),
-    (held, refused): (&[Held], &[Candidate]),
+    (held, closed, refused): (&[Held], &[usize], &[Candidate]),
 ) -> Vec<Possible> {
     let (state, rows) = (&node.fit.fit.state, &node.fit.kept);
     let mut numbers = Numbers::default();
     let mut out: Vec<Possible> =
         q.offered.iter().map(|candidate| numbers.offered(candidate.clone())).collect();
+    out.extend(settling::near(&node.added, q.offered).map(|c| numbers.offered(c)));
     out.extend(lags::offered(q.problem, refused, &mut numbers));
     let columns = scan::columns(q.problem, state, rows, weights, noise);
-    out.extend(lines::offered(state, &columns.joints, q.highest_order, held, &mut numbers));
+    out.extend(lines::offered(
+        state,
+        &columns.joints,
+        q.highest_order,
+        (held, closed),
+        &mut numbers,
+    ));
     out.extend(slips::offered(q.problem, rows, &columns, &mut numbers));
     let joints = revolute(q.problem);
     for (nameless, tried) in Nameless::all(q.problem, &joints, POLICY.wobbles) {
@@ -204,13 +246,4 @@ fn are(members: &[Candidate], added: &[Candidate]) -> bool {
 /// Which of the candidates a fitted model has.
 fn members_of(possible: &[Possible], node: &Node) -> Vec<usize> {
     (0..possible.len()).filter(|k| possible[*k].is(&node.added)).collect()
-}
-
-fn lines_of(added: &[Candidate]) -> Vec<Held> {
-    let line = |c: &&Candidate| c.name() == truearm::effects::Effect::JointPeriodicError.name();
-    let held = added.iter().filter(line).filter_map(|c| {
-        let term = c.terms.first()?;
-        Some((term.joints().first()? - 1, term.order()?))
-    });
-    held.collect()
 }

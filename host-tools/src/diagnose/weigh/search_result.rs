@@ -30,6 +30,8 @@ pub struct Searched {
     pub weights: Weights,
     pub found: Explanation,
     pub refused: Vec<Candidate>,
+    /// Joints of which no scan is believed.
+    pub closed: Vec<usize>,
 }
 
 impl Searched {
@@ -42,6 +44,7 @@ impl Searched {
             scale: self.found.scale,
             refused: self.refused.clone(),
             lines: Vec::new(),
+            closed: self.closed.clone(),
         }
     }
 

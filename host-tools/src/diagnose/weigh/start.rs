@@ -24,6 +24,8 @@ pub struct Start {
     pub refused: Vec<Candidate>,
     /// Lines to be weighed beside those of the model.
     pub lines: Vec<Held>,
+    /// Joints, counted from 0, of which no scan is believed.
+    pub closed: Vec<usize>,
 }
 
 impl Start {
@@ -36,6 +38,7 @@ impl Start {
             scale: 0.0,
             refused: Vec::new(),
             lines: Vec::new(),
+            closed: Vec::new(),
         }
     }
 }
