@@ -4,7 +4,6 @@
 //! describes.
 
 use nalgebra::Vector3;
-use truearm::LinkParameter;
 use truearm::effects::Term;
 
 use crate::effects::{Offer, courses, growing};
@@ -21,19 +20,6 @@ pub enum Nameless {
         joint: usize,
         /// 1, 2, 3...
         times: usize,
-    },
-    /// The axis shifts as its own joint turns, so many times a turn: its bearings run out.
-    Runout {
-        /// Counted from 0.
-        joint: usize,
-        /// 1, 2...
-        times: usize,
-    },
-    /// The joint is off by the side from which its torque came since the pose before: its
-    /// spring has friction.
-    Hysteresis {
-        /// Counted from 0.
-        joint: usize,
     },
     /// The link behind the joint bends with the square of its load.
     Bend {
@@ -90,12 +76,8 @@ impl Nameless {
             for times in 1..=wobbles {
                 out.push((Self::Wobble { joint, times }, n * wobbles));
             }
-            for times in 1..=RUNOUTS {
-                out.push((Self::Runout { joint, times }, n * RUNOUTS));
-            }
             if problem.conditions.masses || problem.conditions.torques {
                 out.push((Self::Bend { joint }, n));
-                out.push((Self::Hysteresis { joint }, n));
             }
             out.push((Self::Memory { joint }, n));
         }
@@ -126,8 +108,6 @@ impl Nameless {
     pub fn joint(&self) -> Option<usize> {
         match self {
             Self::Wobble { joint, .. }
-            | Self::Runout { joint, .. }
-            | Self::Hysteresis { joint }
             | Self::Bend { joint }
             | Self::Memory { joint }
             | Self::Creep { joint, .. }
@@ -149,30 +129,21 @@ impl Nameless {
             Self::Reseated { .. } => 5,
             Self::Shifted { .. } => 6,
             Self::Growth { .. } => 7,
-            Self::Runout { .. } => 8,
-            Self::Hysteresis { .. } => 9,
         }
     }
 
     /// Which of several at one place.
     #[must_use]
     pub fn part(&self) -> usize {
-        match self {
-            Self::Wobble { times, .. } | Self::Runout { times, .. } => *times,
-            _ => 0,
-        }
+        if let Self::Wobble { times, .. } = self { *times } else { 0 }
     }
 
     /// How many columns.
     #[must_use]
     pub fn count(&self) -> usize {
         match self {
-            Self::Wobble { .. } | Self::Runout { .. } | Self::Bend { .. } => 4,
-            Self::Memory { .. }
-            | Self::Hysteresis { .. }
-            | Self::Creep { .. }
-            | Self::Slip { .. }
-            | Self::Growth { .. } => 1,
+            Self::Wobble { .. } | Self::Bend { .. } => 4,
+            Self::Memory { .. } | Self::Creep { .. } | Self::Slip { .. } | Self::Growth { .. } => 1,
             Self::Reseated { .. } => 3,
             Self::Shifted { .. } => 6,
         }
@@ -193,13 +164,8 @@ impl Nameless {
         let joint = self.joint().map_or(0, |joint| joint + 1);
         match self {
             Self::Wobble { times, .. } => {
-                format!("the axis of joint {joint} tilts {} a turn", often(*times))
-            }
-            Self::Runout { times, .. } => {
-                format!("the axis of joint {joint} shifts {} a turn", often(*times))
-            }
-            Self::Hysteresis { .. } => {
-                format!("joint {joint} is off by the side from which its torque came")
+                let times = if *times == 1 { "once".to_owned() } else { format!("{times} times") };
+                format!("the axis of joint {joint} tilts {times} a turn")
             }
             Self::Bend { .. } => {
                 format!("the link behind joint {joint} bends more than in proportion to its load")
@@ -238,20 +204,6 @@ impl Nameless {
                 let [x, y] = d.tilts(joint);
                 vec![x * cos, x * sin, y * cos, y * sin]
             }
-            Self::Runout { joint, times } => {
-                let (sin, cos) = (times as f64 * row.q[joint]).sin_cos();
-                let along = |p| *d.links[joint].get(p);
-                let (x, z) = (along(LinkParameter::A), along(LinkParameter::D));
-                let y = z.cross(&x);
-                vec![x * cos, x * sin, y * cos, y * sin]
-            }
-            Self::Hysteresis { joint } => {
-                let torque = |row: usize| problem.conditions.rows[row].torque[joint];
-                let before = problem.conditions.before[index];
-                let came = before.map_or(0.0, |before| torque(index) - torque(before));
-                let side = if came == 0.0 { 0.0 } else { came.signum() };
-                vec![moved(joint) * side]
-            }
             Self::Bend { joint } => {
                 let inputs = &problem.conditions.rows[index];
                 let turn = row.q[joint] + problem.nominal[joint].parameters.theta;
@@ -273,13 +225,6 @@ impl Nameless {
             }
         }
     }
-}
-
-/// Shifts of an axis that are looked for, up to so many times a turn.
-const RUNOUTS: usize = 2;
-
-fn often(times: usize) -> String {
-    if times == 1 { "once".to_owned() } else { format!("{times} times") }
 }
 
 /// How the target moves when the link behind a joint bends about its x and y: with the
