@@ -25,8 +25,10 @@ pub fn crowded(problem: &Problem, node: &Node) -> bool {
 /// measurement, by a joint's value or by where the arm was.
 fn together(problem: &Problem, node: &Node) -> bool {
     let data = problem.data;
-    let flagged: Vec<usize> = node.fit.outliers.iter().map(|o| o.row).collect();
-    let mut rows: Vec<usize> = flagged.iter().chain(&node.fit.kept).copied().collect();
+    let mut flagged = vec![false; data.rows.len()];
+    node.fit.outliers.iter().for_each(|o| flagged[o.row] = true);
+    let own = node.fit.outliers.iter().map(|o| o.row);
+    let mut rows: Vec<usize> = own.chain(node.fit.kept.iter().copied()).collect();
     let at = problem.linearise(&node.fit.fit.state);
     let mut orders: Vec<Vec<f64>> = Vec::new();
     let mut by = |of: &dyn Fn(usize, &Row) -> f64| {
@@ -35,11 +37,11 @@ fn together(problem: &Problem, node: &Node) -> bool {
     by(&|row, _| data.when(row));
     (0..problem.nominal.len()).for_each(|joint| by(&|_, row| row.q[joint]));
     (0..3).for_each(|axis| by(&|row, _| at.target(row).0[axis]));
-    let (few, all) = (flagged.len() as f64, rows.len() as f64);
+    let (few, all) = (node.fit.outliers.len() as f64, rows.len() as f64);
     let expected = few * (few - 1.0) / all;
     orders.iter().any(|order| {
         rows.sort_by(|a, b| order[*a].total_cmp(&order[*b]).then(a.cmp(b)));
-        let pairs = rows.windows(2).filter(|pair| pair.iter().all(|row| flagged.contains(row)));
+        let pairs = rows.windows(2).filter(|pair| pair.iter().all(|row| flagged[*row]));
         let chance = 1.0 - chi_square(2.0 * expected, 2 * pairs.count());
         chance * (orders.len() as f64) < POLICY.significant
     })

@@ -28,10 +28,12 @@ pub fn ghosts(q: &Question, found: &Searched) -> Vec<Held> {
     // What rows count for was learned with the lines, from the poses held out as well.
     let alike = Weights { rows: vec![1.0; problem.data.rows.len()], common: 0.0 };
     let columns = scan::columns(&problem, state, rows, &alike, noise).joints;
-    let fold_of = |row: &usize| {
-        q.folds.iter().position(|fold| fold.held_out.contains(row)).unwrap_or_default()
-    };
-    let folds: Vec<usize> = postures(&problem.data.rows, rows).iter().map(fold_of).collect();
+    let mut fold_of = vec![0; problem.data.rows.len()];
+    for (k, fold) in q.folds.iter().enumerate() {
+        fold.held_out.iter().for_each(|row| fold_of[*row] = k);
+    }
+    let stood = postures(&problem.data.rows, rows);
+    let folds: Vec<usize> = stood.iter().map(|row| fold_of[*row]).collect();
     let of_joint = |(joint, column): &(usize, JointColumn)| {
         let orders = held.iter().filter(|h| h.0 == *joint).map(|h| h.1);
         let waves = orders.map(|order| (order, wave(&column.q, order, size(state, *joint, order))));
