@@ -173,7 +173,8 @@ fn diagnosed(
     let rigid = Problem { noise: problem.noise, ..rigid };
     let root = node::geometry(&Question { problem: &rigid, ..question }, &root.fit.fit.state)?;
     let tables: Vec<ErrorCurve> = weighed.curves.iter().map(|c| c.table.clone()).collect();
-    let problem = with_curves(&rigid, &tables);
+    let mut problem = with_curves(&rigid, &tables);
+    problem.scattering.clone_from(&weighed.scattering);
     let question = Question { problem: &problem, ..question };
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
     let unloaded = assumed.is_some().then_some(&unloaded);
@@ -233,7 +234,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let mut identified = findings.summarise();
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
-    identified.figures.warnings.extend(remarks::all(problem, &best, &weighed.names));
+    identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
     let kinds = &mut identified.figures.kinds;
     kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
     let noise_scale = weighed.scale * problem.noise.middle(problem.data);

@@ -70,8 +70,8 @@ pub struct Policy {
     /// from which on...
     pub beyond_repeats: f64,
     /// ...it is structure, if it is as many times the stated one: repeats without moving do
-    /// not hold what the arm scatters, but what was stated does. Three times is what sets of
-    /// the study `dirty` misstate it by.
+    /// not hold what the arm scatters, but what was stated does. So it is with what a joint
+    /// scatters. Three times is what sets of the study `dirty` misstate it by.
     pub beyond_stated: f64,
 
     /// Explanations that are told beside the best one.

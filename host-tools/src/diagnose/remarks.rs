@@ -1,28 +1,34 @@
 //! What a reader of the model should know of how it came about.
 
+use truearm::JointKind;
 use truearm::effects::{Effect, MAX_TERMS};
 
 use super::candidates::{self, Candidate};
 use super::node::Node;
 use super::policy::POLICY;
 use super::tell::place;
-use super::weigh::{Doubt, Named, scatter};
+use super::weigh::{Doubt, Named, Weighed, scatter};
 use crate::evidence::poses::Scatter;
 use crate::identify::Problem;
 use crate::model::{Measurements, ModelTerm};
 
 /// All of them.
-pub fn all(problem: &Problem, best: &Node, names: &[Named]) -> impl Iterator<Item = String> {
+pub fn all<'a>(
+    problem: &'a Problem,
+    best: &Node,
+    weighed: &'a Weighed,
+) -> impl Iterator<Item = String> + 'a {
     let data = problem.data;
     [
         too_many(best),
         guessed(data, best),
         loads(data, best),
         beyond_repeats(problem, best),
-        few_angles(data, best, names),
+        few_angles(data, best, &weighed.names),
     ]
     .into_iter()
     .flatten()
+    .chain(weighed.scattering.iter().map(move |joint| scattering(problem, *joint)))
 }
 
 /// A remark where the model has a function of a joint's angle that few angles show: what
@@ -61,6 +67,26 @@ fn beyond_repeats(problem: &Problem, best: &Node) -> Option<String> {
             problem.data.path.display()
         )
     })
+}
+
+/// What a joint scatters by itself.
+pub fn scatters(problem: &Problem, (joint, size): (usize, f64)) -> String {
+    let unit = match problem.nominal[joint].kind {
+        JointKind::Revolute => "urad",
+        JointKind::Prismatic => "um",
+    };
+    format!(
+        "joint {} scatters by {:.0} {unit} (one standard deviation) beyond the noise of the \
+         measurement, by nothing that a column says",
+        joint + 1,
+        size * 1e6
+    )
+}
+
+/// A remark on such a joint.
+fn scattering(problem: &Problem, joint: (usize, f64)) -> String {
+    let path = problem.data.path.display();
+    format!("{path}: {}: look at its brake, servo and encoder", scatters(problem, joint))
 }
 
 /// A remark where springs give way against the torques of the file.

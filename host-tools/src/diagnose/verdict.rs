@@ -4,7 +4,7 @@ use super::crowd::crowded;
 use super::node::Node;
 use super::outcome::{Verdict, said};
 use super::policy::POLICY;
-use super::remarks::over_repeats;
+use super::remarks::{self, over_repeats};
 use super::weigh::Weighed;
 use super::white;
 use crate::identify::Problem;
@@ -34,6 +34,9 @@ pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, V
              the stated standard deviation"
         )
     }));
+    if noise > POLICY.beyond_stated {
+        left.extend(weighed.scattering.iter().map(|joint| remarks::scatters(problem, *joint)));
+    }
     if weighed.no_room > 0 && best.added.is_empty() {
         left.push(format!("{} effects that --most-terms has no room for", weighed.no_room));
     }

@@ -103,6 +103,12 @@ impl Gram {
         self.repeats.1 += square;
     }
 
+    /// Equations that do not repeat a pose.
+    #[must_use]
+    pub fn poses(&self) -> usize {
+        self.equations - self.repeats.0
+    }
+
     /// Adds the equations of another part of the rows.
     pub fn join(&mut self, other: &Self) {
         self.gg += &other.gg;
@@ -227,6 +233,13 @@ impl Geometry {
         let det: f64 = 2.0 * factor.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>();
         let prior: f64 = of.map(|i| precision[i].ln()).sum();
         0.5 * (mean.dot(&factor.solve(&mean)) + det + prior)
+    }
+
+    /// `log |G'G / k^2 + Lambda|`.
+    #[must_use]
+    pub fn log_det(&self) -> f64 {
+        let diagonal = self.factor.l_dirty().diagonal();
+        2.0 * diagonal.iter().zip(&self.unit).map(|(l, unit)| (l * unit).ln()).sum::<f64>()
     }
 
     /// Variance of a linear function of the unknowns.

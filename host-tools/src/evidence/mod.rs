@@ -3,7 +3,7 @@
 //! and nothing of arms. Method, thresholds and the studies that set them:
 //! `docs/evidence.md`.
 //!
-//! Rows go into a [`Gram`] once, whitened by [`poses`] and weighted by
+//! Rows go into a [`Gram`] once, whitened by [`poses`] and [`directed`] and weighted by
 //! [`tails`]; [`explain`] does the rest from it.
 //!
 //! ```
@@ -36,6 +36,7 @@ mod aliases;
 mod candidate;
 mod coefficients;
 mod curve;
+pub mod directed;
 mod gram;
 pub mod lines;
 mod noise;

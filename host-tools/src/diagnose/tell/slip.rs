@@ -21,7 +21,7 @@ pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
     if rows.iter().any(|row| kind_of(row) != kind_of(&rows[0]) || joined(row)) {
         return Vec::new();
     }
-    let weights = Weights { rows: vec![1.0; problem.data.rows.len()], common: 0.0 };
+    let weights = Weights::alike(problem.data.rows.len());
     let columns = scan::columns(problem, &root.fit.fit.state, rows, &weights, (lambda, 1.0)).joints;
     let order = slips::in_order(problem, rows);
     let steps = columns.iter().map(|(joint, column)| (joint, slips::strongest(column, &order)));

@@ -66,6 +66,7 @@ pub fn answer(
         scale: found.scale,
         nested,
         refused: Vec::new(),
+        scattering: Vec::new(),
         moments: None,
         no_room: 0,
         curves: Vec::new(),

@@ -14,6 +14,7 @@ mod possible;
 mod rescan;
 mod row_parts;
 pub mod scan;
+mod scattering;
 mod search_result;
 mod settled;
 mod settling;
@@ -96,14 +97,19 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
     replicated(q, search(q, again, EFFORT, progress)?, EFFORT, progress)?.judged(q)
 }
 
-/// The same without lines that do not predict poses held out of their scan; of their joints
-/// no other is looked for.
+/// The same where joints may scatter by themselves, without lines that do not predict poses
+/// held out of their scan; of their joints no other is looked for.
 fn replicated(
     q: &Question,
     mut found: Searched,
     effort: Effort,
     progress: &dyn Fn(),
 ) -> Result<Searched> {
+    while let Some(joint) = scattering::next(q, &found) {
+        let mut start = found.again();
+        start.scattering.push(joint);
+        found = search(q, start, effort, progress)?;
+    }
     for _ in 0..RESCANS {
         let ghosts = rescan::ghosts(q, &found);
         if ghosts.is_empty() {
@@ -126,7 +132,8 @@ fn replicated(
 
 /// Rounds of linearising, weighing and fitting until nothing changes.
 fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Result<Searched> {
-    let Start { mut node, curves, mut bent, mut scale, mut refused, lines, closed } = start;
+    let Start { mut node, curves, mut bent, mut scale, mut refused, lines, closed, scattering } =
+        start;
     let lambda = q.flags.lambda;
     let mut held = [lines::of(&node.added), lines].concat();
     let mut round = 0;
@@ -135,7 +142,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let problem = bent.problem(q.problem);
         let asked = Question { problem: &problem, ..*q };
         let (state, rows) = (node.fit.fit.state.clone(), node.fit.kept.clone());
-        let weights = weights::after(&problem, &node);
+        let weights = weights::after(&problem, &node, &scattering);
         let mut possible =
             candidates(&asked, &node, &weights, (lambda, scale), (&held, &closed, &refused));
         possible.retain(|p| !p.is_within(&curves));

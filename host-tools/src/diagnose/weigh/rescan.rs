@@ -26,7 +26,8 @@ pub fn ghosts(q: &Question, found: &Searched) -> Vec<Held> {
     let (state, rows) = (&found.best.fit.fit.state, &found.best.fit.kept);
     let noise = (q.flags.lambda, found.found.scale);
     // What rows count for was learned with the lines, from the poses held out as well.
-    let alike = Weights { rows: vec![1.0; problem.data.rows.len()], common: 0.0 };
+    let scattering = found.weights.scattering.clone();
+    let alike = Weights { scattering, ..Weights::alike(problem.data.rows.len()) };
     let columns = scan::columns(&problem, state, rows, &alike, noise).joints;
     let mut fold_of = vec![0; problem.data.rows.len()];
     for (k, fold) in q.folds.iter().enumerate() {

@@ -6,7 +6,7 @@ use super::judge;
 use super::partial_fits::Explained;
 use super::possible::Possible;
 use super::row_parts::{Parts, joined};
-use super::sheet::{Sheet, Weights};
+use super::sheet::{Sheet, Weights, together};
 use super::start::{Bent, Start};
 use super::weighed::Weighed;
 use crate::diagnose::candidates::Candidate;
@@ -45,6 +45,7 @@ impl Searched {
             refused: self.refused.clone(),
             lines: Vec::new(),
             closed: self.closed.clone(),
+            scattering: self.weights.scattering.iter().map(|s| s.0).collect(),
         }
     }
 
@@ -82,6 +83,12 @@ impl Searched {
         };
         let mut answer = judge::answer(&all, best, &self.found, &parts, &grams);
         answer.refused = self.refused;
+        let rad = |ratio: f64| self.found.scale * ratio.sqrt();
+        let scattering = self.weights.scattering.iter();
+        answer.scattering = scattering.map(|(joint, ratio)| (*joint, rad(*ratio))).collect();
+        // What is said of the noise, and of what it makes of a model, is of all of it.
+        let (state, rows) = (&answer.best.fit.fit.state, &self.rows);
+        answer.scale *= together(&problem, state, rows, &self.weights.scattering);
         answer.moments = self.bent.moments;
         answer.no_room = no_room;
         if !self.curves.is_empty() {

@@ -26,6 +26,8 @@ pub struct Start {
     pub lines: Vec<Held>,
     /// Joints, counted from 0, of which no scan is believed.
     pub closed: Vec<usize>,
+    /// Joints, counted from 0, that scatter by themselves.
+    pub scattering: Vec<usize>,
 }
 
 impl Start {
@@ -39,6 +41,7 @@ impl Start {
             refused: Vec::new(),
             lines: Vec::new(),
             closed: Vec::new(),
+            scattering: Vec::new(),
         }
     }
 }

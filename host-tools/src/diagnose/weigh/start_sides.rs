@@ -123,7 +123,7 @@ impl Gaps {
         let (sums, right) = tree(rows, CHUNK, &leaf, &|a, b| (a.0 + b.0, a.1 + b.1));
         let rigid = problem.unknowns.list().len();
         let gaps = joints + waiting.len();
-        let weights = Weights { rows: vec![1.0; problem.data.rows.len()], common: 0.0 };
+        let weights = Weights::alike(problem.data.rows.len());
         let precision = Sheet::new(problem, state, &[], &weights, &[]).precision(lambda);
         let geometry = sums.view((0, 0), (rigid, rigid)).into_owned()
             + DMatrix::from_diagonal(&precision.rows(0, rigid).into_owned());

@@ -45,6 +45,9 @@ pub struct Weighed {
     pub no_room: usize,
     /// Effects that fitted, of signs or sizes that physics refuses.
     pub refused: Vec<Candidate>,
+    /// Joints, counted from 0, that scatter by themselves, and by how much, rad (one
+    /// standard deviation).
+    pub scattering: Vec<(usize, f64)>,
     /// Moments of the links that go with its springs.
     pub moments: Option<Moments>,
     /// Error curves of joints, and what each is worth.

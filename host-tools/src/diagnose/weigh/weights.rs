@@ -1,20 +1,22 @@
 //! How much each row counts after a fit: tails and what the readings of a pose
 //! have in common.
 
-use super::sheet::Weights;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::sheet::{Weights, along};
 use crate::diagnose::node::Node;
+use crate::evidence::directed::{self, Seen};
 use crate::evidence::poses::{self, Readings, Scatter, common_share};
 use crate::evidence::tails::{Rest, Tails};
 use crate::identify::Problem;
 use crate::observations::Reading;
 
-/// What rows weigh after a fit.
+/// What rows weigh after a fit, some joints of which scatter.
 #[must_use]
-pub fn after(problem: &Problem, node: &Node) -> Weights {
-    let at = problem.linearise(&node.fit.fit.state);
+pub fn after(problem: &Problem, node: &Node, scattering: &[usize]) -> Weights {
     let kept = &node.fit.kept;
-    let residuals: Vec<Vec<f64>> =
-        kept.iter().map(|row| at.scaled_residual(*row).to_vec()).collect();
+    let (residuals, scattering) = scattered(problem, node, scattering);
     let rest = |r: &Vec<f64>| Rest { square: r.iter().map(|x| x * x).sum(), equations: r.len() };
     let rests: Vec<Rest> = residuals.iter().map(rest).collect();
     let used = problem.unknowns.list().len() as f64;
@@ -25,7 +27,36 @@ pub fn after(problem: &Problem, node: &Node) -> Weights {
     }
     // Share of the noise that the readings of a pose have in common.
     let common = common_share(&readings(problem, kept, &residuals), used);
-    Weights { rows, common }
+    Weights { rows, common, scattering }
+}
+
+/// Residuals without what joints scatter, and the ratio of variance of each.
+fn scattered(
+    problem: &Problem,
+    node: &Node,
+    joints: &[usize],
+) -> (Vec<Vec<f64>>, Vec<(usize, f64)>) {
+    let at = problem.linearise(&node.fit.fit.state);
+    let kept = &node.fit.kept;
+    let mut out: Vec<(usize, f64)> = Vec::new();
+    for joint in joints {
+        let of_row = |row: &usize| {
+            let (ways, residual) = along(&at, problem, *row, *joint, &out);
+            // What both ends of a pair scatter is not told apart.
+            let one = ways.ncols() == 1;
+            one.then(|| Seen::of(&ways.column(0).into(), &DVector::from_column_slice(&residual)))
+        };
+        let seen: Vec<Seen> = kept.par_iter().filter_map(of_row).collect();
+        out.push((*joint, directed::ratio(&seen)));
+    }
+    let residual = |row: &usize| match out.split_first() {
+        Some((first, others)) => {
+            let all: Vec<(usize, f64)> = others.iter().chain([first]).copied().collect();
+            along(&at, problem, *row, first.0, &all).1.to_vec()
+        }
+        None => at.scaled_residual(*row).to_vec(),
+    };
+    (kept.iter().map(residual).collect(), out)
 }
 
 /// How readings of a pose, and poses, scatter after a fit of so many unknowns, in sigmas.

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Matrix6xX, SMatrix, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::redundancy::correlated;
+use super::{directed, redundancy::correlated};
 use crate::identify::fit::ANOTHER_ARM;
 use crate::identify::fit::estimate::Estimate;
 use crate::identify::problem::accumulate::{CHUNK, tree};
@@ -52,7 +52,12 @@ impl Covariances {
                 scale(problem, found) * median(&sigmas)
             }
         };
-        let scatter = &inverse * found.fit.normal.h() * &inverse * (sigma * sigma);
+        let rows = &found.robust.kept;
+        let information = match problem.scattering.is_empty() {
+            true => found.fit.normal.h().into_owned(),
+            false => directed::information(problem, &problem.linearise(&found.fit.state), rows),
+        };
+        let scatter = &inverse * information * &inverse * (sigma * sigma);
         let units = problem.units();
         let list = problem.unknowns.list();
         let pull = DVector::from_fn(list.len(), |k, _| {

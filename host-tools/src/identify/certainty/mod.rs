@@ -1,6 +1,7 @@
 //! How well all that is known: error bars, covariance, what the data leave open.
 
 pub mod covariance;
+pub mod directed;
 pub mod error_bars;
 pub mod redundancy;
 pub mod scale;

@@ -54,6 +54,9 @@ pub struct Problem<'a> {
     pub scaling: Scaling,
     /// By how much each kind is noisier than stated.
     pub noise: Noise,
+    /// Joints, counted from 0, that scatter by themselves, and by how much, rad or m (one
+    /// standard deviation): a part of the stated noise that is along the way they move.
+    pub scattering: Vec<(usize, f64)>,
     /// Where the targets sit by registration, and how firmly; empty where nothing holds them.
     pub targets: Vec<Target>,
 }
@@ -65,9 +68,9 @@ impl<'a> Problem<'a> {
         let nominal = robot.nominal();
         let conditions = Arc::new(Conditions::new(data, robot));
         let unknowns = Unknowns::of(&Layout::of(data), 0, nominal.len());
-        let (noise, targets) = (Noise::default(), Vec::new());
+        let (noise, scattering, targets) = (Noise::default(), Vec::new(), Vec::new());
         let priors = robot.joints.iter().map(|joint| joint.prior).collect();
-        Self { data, conditions, nominal, priors, unknowns, scaling, noise, targets }
+        Self { data, conditions, nominal, priors, unknowns, scaling, noise, scattering, targets }
     }
 
     /// The same with targets about where a state has them.

@@ -33,13 +33,17 @@ impl Sheet<'_> {
                 true => ways(d),
                 false => vec![Vector3::zeros(); count],
             };
-            let beside =
-                |i: usize, d: &Derivatives| ends.iter().flat_map(|e| own(i, d, *e)).collect();
+            let beside = |i: usize, d: &Derivatives| {
+                let ways = ends.iter().flat_map(|e| own(i, d, *e));
+                ways.chain(self.scattered(*index, i, d)).collect()
+            };
             let e = self.at.equations_beside(*index, &beside);
+            let residual = e.scaled_residual();
+            let (block, residual) = self.beside_scatter(e.block, residual, ends.len());
             let weight = self.weights.rows[*index].sqrt();
-            let moved = e.block.columns(p, ends.len() * count) * (weight / scale);
-            let right = moved.tr_mul(&e.scaled_residual().column()) * (weight / scale);
-            let products = e.block.columns(0, p).tr_mul(&moved) * (weight * scale);
+            let moved = block.columns(p, ends.len() * count) * (weight / scale);
+            let right = moved.tr_mul(&residual.column()) * (weight / scale);
+            let products = block.columns(0, p).tr_mul(&moved) * (weight * scale);
             let of_end = |end: usize| {
                 let range = end * count..(end + 1) * count;
                 let squares = range.clone().map(|k| moved.column(k).norm_squared()).collect();

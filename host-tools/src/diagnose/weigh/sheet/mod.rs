@@ -5,6 +5,7 @@ mod beside_springs;
 mod extra_unknowns;
 mod line_scan;
 mod residuals;
+mod scattered;
 mod tool_point;
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -21,8 +22,9 @@ use crate::identify::problem::accumulate::tree;
 use crate::identify::{Linearised, Problem, State, Unknown};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
-use crate::observations::Reading;
+use crate::observations::{Reading, postures};
 use beside_springs::shares;
+pub use scattered::{along, log_det, together};
 pub use tool_point::ByCurves;
 
 /// Equations given to a Gram matrix at a time.
@@ -41,6 +43,17 @@ pub struct Weights {
     pub rows: Vec<f64>,
     /// Share of the variance that is common to the readings of a pose.
     pub common: f64,
+    /// Joints, counted from 0, that scatter by themselves, and the ratio of the variance of
+    /// their angle, rad^2, to that of the stated noise.
+    pub scattering: Vec<(usize, f64)>,
+}
+
+impl Weights {
+    /// Of rows that count alike.
+    #[must_use]
+    pub fn alike(rows: usize) -> Self {
+        Self { rows: vec![1.0; rows], common: 0.0, scattering: Vec::new() }
+    }
 }
 
 /// A linearised data set.
@@ -259,6 +272,7 @@ impl<'a> Sheet<'a> {
                 if self.apart { [candidates, curves] } else { [curves, candidates] }.concat(),
             );
             all.push(self.bent(i, d));
+            all.extend(self.scattered(index, i, d));
             all
         });
         let (p, k) = (self.unknowns(), self.held.len());
@@ -271,7 +285,7 @@ impl<'a> Sheet<'a> {
         for component in 0..y.len() {
             part[(component, last)] = e.rhs[component] + y[component];
         }
-        (part, residual)
+        self.beside_scatter(part, residual, postures(&self.problem.data.rows, &[index]).len())
     }
 
     /// Unknowns of geometry, curves among them, and columns of candidates.

@@ -1,0 +1,98 @@
+//! A joint that scatters by itself: its lines are then the best of thousands of orders, and
+//! noise the better explanation.
+
+use super::possible::listed;
+use super::search_result::Searched;
+use super::sheet::{Sheet, Weights, log_det};
+use super::{members_of, weights};
+use crate::diagnose::policy::POLICY;
+use crate::diagnose::question::Question;
+use crate::evidence::{Candidate, Subsets};
+use crate::identify::Problem;
+
+/// Effects that are functions of a joint's angle or of where it is read: what a search among
+/// many makes of scatter.
+const FITTED_TO_SCATTER: [&str; 6] = [
+    "joint-periodic-error",
+    "encoder-eccentricity",
+    "gear-transmission-error",
+    "joint-gain",
+    "joint-coupling",
+    "readout-lag",
+];
+
+/// The next joint, counted from 0, whose scatter explains more than its effects alone, with
+/// them or in their place.
+#[must_use]
+pub fn next(q: &Question, found: &Searched) -> Option<usize> {
+    let known: Vec<usize> = found.weights.scattering.iter().map(|s| s.0).collect();
+    let problem = found.bent.problem(q.problem);
+    let members = members_of(&found.possible, &found.best);
+    let compared = Compared { q, found, problem: &problem };
+    let plain = weights::after(&problem, &found.best, &known);
+    let mut without = None;
+    let joints = (0..problem.nominal.len()).filter(|joint| !known.contains(joint));
+    let rated = joints.filter_map(|joint| {
+        let fitted = |m: &usize| {
+            listed(&found.possible, &[*m]).iter().any(|c| {
+                FITTED_TO_SCATTER.contains(&c.name()) && c.joints().last() == Some(&(joint + 1))
+            })
+        };
+        let bare: Vec<usize> = members.iter().copied().filter(|m| !fitted(m)).collect();
+        if bare.len() == members.len() {
+            return None;
+        }
+        let with = [&known[..], &[joint]].concat();
+        let scattered = weights::after(&problem, &found.best, &with);
+        if scattered.scattering.last().is_none_or(|s| s.1 <= 0.0) {
+            return None;
+        }
+        let plain = *without.get_or_insert_with(|| compared.evidence(&plain, &members));
+        let best =
+            compared.evidence(&scattered, &members).max(compared.evidence(&scattered, &bare));
+        Some((joint, best - plain))
+    });
+    let best = rated.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (best.1 > -POLICY.odds.ln()).then_some(best.0)
+}
+
+/// A search's result under other noise.
+struct Compared<'a> {
+    q: &'a Question<'a>,
+    found: &'a Searched,
+    problem: &'a Problem<'a>,
+}
+
+impl Compared<'_> {
+    /// Log evidence of members under such noise, up to a constant of the rows.
+    fn evidence(&self, weights: &Weights, members: &[usize]) -> f64 {
+        let Self { q, found, problem } = self;
+        let (state, rows) = (&found.best.fit.fit.state, &found.best.fit.kept);
+        let all = members_of(&found.possible, &found.best);
+        let possible: Vec<_> = all.iter().map(|m| found.possible[*m].clone()).collect();
+        let sheet = Sheet::new(problem, state, &possible, weights, &found.curves).bending(
+            found.bent.bending(state),
+            rows,
+            q.flags.lambda,
+        );
+        let precision = sheet.precision(q.flags.lambda);
+        let gram = sheet.gram(rows);
+        let entries: Vec<Candidate> = possible.iter().map(|p| p.entry.clone()).collect();
+        let own: Vec<usize> = (0..all.len()).filter(|k| members.contains(&all[*k])).collect();
+        let mut scale = found.found.scale;
+        let mut out = f64::NEG_INFINITY;
+        // At the noise that is left beside the scatter.
+        for _ in 0..ROUNDS {
+            let geometry = gram.geometry(&precision, scale);
+            let subsets = Subsets::new(gram.project(&geometry), entries.clone());
+            let best = subsets.fit(&own, &|_| None);
+            let poses = gram.poses() as f64;
+            out = best.log_mass - poses * scale.ln() - 0.5 * geometry.log_det();
+            scale = subsets.scale_of(&best);
+        }
+        out - 0.5 * log_det(problem, state, rows, &weights.scattering)
+    }
+}
+
+/// Rounds of evidence and scale.
+const ROUNDS: usize = 3;
