@@ -78,7 +78,8 @@ impl VerifyReport {
             coverage_factor: COVERAGE_FACTOR,
             tolerance_mm,
             tolerance_deg,
-            decision_rule: "ISO 14253-1, conformity to be proven, guard band U (k = 2)",
+            decision_rule: "ISO 14253-1, conformity to be proven, guard band U (k = 2); a fail needs that of the \
+                            largest of all rows",
             conformity: judged.iter().map(|j| j.conformity).max(),
             judged,
             before,

@@ -8,23 +8,11 @@ use serde::Serialize;
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::identify::{Conditions, Group, Predictor, State, View, groups};
-use crate::model::{Commanded, Form, Measurements};
+use crate::model::{Commanded, Form, Measurements, Row};
 use crate::observations::{KINDS, Measure, Residual, kind};
 
 /// Coverage factor of the expanded uncertainty: about 95 %.
 pub const COVERAGE_FACTOR: f64 = 2.0;
-
-/// What a tolerance says of the errors, the worst last.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Conformity {
-    /// The largest error and its uncertainty are within the tolerance.
-    Pass,
-    /// The tolerance lies within the uncertainty of the largest error.
-    NotProven,
-    /// The largest error is beyond it by more than its uncertainty.
-    Fail,
-}
 
 /// Errors of one kind, or of its lengths and angles each: measured less what an arm that
 /// stands as commanded shows; of all components of a row together.
@@ -45,27 +33,10 @@ pub struct KindVerified {
     /// Of the error of one component, k = 2: measurement, frame, and the places of what
     /// the row refers to where they were found with the arm.
     pub expanded_uncertainty: f64,
+    /// Components of a row that an error is of.
+    pub components: usize,
     /// RMS that the model predicts without compensation; `None` where points were commanded.
     pub predicted_without_compensation_rms: Option<f64>,
-}
-
-impl KindVerified {
-    /// Whether the largest error conforms to a tolerance in its unit. The decision rule
-    /// is that of ISO 14253-1 for whoever has to prove conformity: the tolerance
-    /// less the expanded uncertainty must hold it. With k = 2 the guard band is
-    /// that of its editions of 1998 and 2013 and wider than the 1.65 standard
-    /// uncertainties of 2017.
-    #[must_use]
-    pub fn conformity(&self, tolerance: f64) -> Conformity {
-        let (error, guard) = (self.max, self.expanded_uncertainty);
-        if error + guard <= tolerance {
-            Conformity::Pass
-        } else if error - guard > tolerance {
-            Conformity::Fail
-        } else {
-            Conformity::NotProven
-        }
-    }
 }
 
 /// Rows as they can be judged: of a pose whose marker sits in a way that nobody knows the
@@ -138,6 +109,7 @@ impl Judged<'_> {
         let of = |group: Group| {
             let sizes = self.sizes(group, left);
             let count = sizes.len().max(1) as f64;
+            let components = |row: &Row| group.components(row).count();
             KindVerified {
                 kind: KINDS[usize::from(group.kind.0)].name(),
                 unit: group.measure.unit(),
@@ -146,6 +118,7 @@ impl Judged<'_> {
                 rms: rms(&sizes),
                 max: sizes.iter().copied().fold(0.0, f64::max),
                 expanded_uncertainty: group.measure.to_file(self.uncertainty(group)),
+                components: self.data.rows.iter().map(components).max().unwrap_or(0),
                 predicted_without_compensation_rms: before.map(|all| rms(&self.sizes(group, all))),
             }
         };
@@ -165,7 +138,7 @@ impl Judged<'_> {
 
     /// How far off each row is, in the unit of files.
     fn sizes(&self, group: Group, left: &[Residual]) -> Vec<f64> {
-        let size = |(row, left): (&crate::model::Row, &Residual)| {
+        let size = |(row, left): (&Row, &Residual)| {
             let own: Vec<f64> = group.components(row).map(|c| left[c]).collect();
             let square: f64 = own.iter().map(|v| v * v).sum();
             (!own.is_empty()).then(|| group.measure.to_file(square.sqrt()))

@@ -6,12 +6,14 @@
 //! of other kinds what they show of an arm that stands as commanded. No row is left
 //! out.
 
+mod conformity;
 mod frames;
 mod kinds;
 mod record;
 mod test_poses;
 
-pub use kinds::{COVERAGE_FACTOR, Conformity, KindVerified};
+pub use conformity::Conformity;
+pub use kinds::{COVERAGE_FACTOR, KindVerified};
 pub use record::{OfPoints, OverPoses, Verification};
 pub use test_poses::test_poses;
 
