@@ -35,7 +35,7 @@ use crate::observations::{Residual, kind, measuring};
 use crate::tikhonov::Normal;
 use certainty::scale;
 use cross_validation::cross_validate;
-use fit::estimate::estimate;
+use fit::estimate::{Estimate, estimate};
 use fit::folds;
 use fit::{Freedom, fit};
 use start::registration;
@@ -118,8 +118,7 @@ pub fn identify(
         progress(now, total);
     };
 
-    let found = estimate(&problem, rule, &rows, &start, true);
-    let found = found.map_err(|e| blamed(&problem, e))?;
+    let found = estimated(&problem, rule, &rows, &start).map_err(|e| blamed(&problem, e))?;
     noise_estimate::none_is_lost(data, &rows, &found.robust.outliers)?;
     tick();
     let held_out = cross_validate(&problem, rule, &folds, &found, &tick)?;
@@ -142,6 +141,39 @@ pub fn identify(
     }
     .summarise())
 }
+
+/// The estimate; where it fails, or leaves more than the nominal links do, once more from
+/// frames and instruments that were fitted beside those. What an arm of few joints carries
+/// has several places that nearly fit.
+fn estimated(
+    problem: &Problem,
+    rule: LambdaRule,
+    rows: &[usize],
+    start: &State,
+) -> Result<Estimate> {
+    let left = |state: &State, rows: &[usize]| -> f64 {
+        let at = problem.linearise(state);
+        rows.iter().map(|row| at.scaled_residual(*row).norm_squared()).sum()
+    };
+    let first = estimate(problem, rule, rows, start, true);
+    let kept = first.as_ref().map_or(rows, |found| &found.robust.kept);
+    let Ok(nominal) = nominal_state(problem, kept, start) else { return first };
+    if let Ok(found) = &first
+        && left(&found.fit.state, kept) <= MORE * left(&nominal, kept)
+    {
+        return first;
+    }
+    match (first, estimate(problem, rule, rows, &nominal, true)) {
+        (Ok(found), Ok(again)) => {
+            let of = |found: &Estimate| left(&found.fit.state, rows);
+            Ok(if of(&again) < of(&found) { again } else { found })
+        }
+        (first, again) => again.or(first),
+    }
+}
+
+/// How much more a regularised fit may leave than nominal links: rounding, no more.
+const MORE: f64 = 1.0 + 1e-6;
 
 /// How lambda is chosen. Where no length is held against the arm a smaller arm fits better:
 /// nothing but the tolerances holds it, at their own weight.
