@@ -9,7 +9,7 @@ use truearm_host::report::{UnpackReport, to_json};
 
 use super::{Said, overwrite, read_blob, refused};
 
-/// Make a model.toml of a parameter blob; packing it gives the same bytes.
+/// Make a model.toml of a parameter blob; packing it gives the same bytes (`pack --covariance` where it has one).
 #[derive(Args)]
 pub struct Unpack {
     /// The blob

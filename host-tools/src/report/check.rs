@@ -37,6 +37,8 @@ pub struct CheckReport {
     pub rms_before_mm: f64,
     /// The same with the mistakes undone, mm.
     pub rms_after_mm: f64,
+    /// Largest correction of a link that the fit of the files as they are needs, in tolerances.
+    pub largest_correction_tolerances: f64,
     /// Poses of different joint values that the measurements have.
     pub poses: usize,
     /// So many are needed to decide anything.
@@ -66,6 +68,7 @@ impl CheckReport {
             absorbed: finding.absorbed.clone(),
             stray: finding.stray.clone(),
             rms_before_mm: to_mm(finding.rms_before),
+            largest_correction_tolerances: finding.correction_before,
             rms_after_mm: to_mm(finding.rms_after),
             poses: finding.poses,
             poses_needed: LEAST_POSES,

@@ -29,8 +29,19 @@ pub fn checked(report: &CheckReport) -> String {
         out += &format!("{}{stray}\n", if stray.many { "  " } else { "" });
     }
     if report.verdict == Verdict::Mendable {
-        out +=
-            &format!("misfit {before:.2} mm RMS as the files are, {after:.2} mm with that mended");
+        out += &match before < ALIKE * after {
+            // What is off by less than the links can be bent by.
+            true => format!(
+                "misfit {after:.2} mm RMS with that mended, and as the files are only with a link \
+                 that is {:.0} tolerances off",
+                report.largest_correction_tolerances
+            ),
+            false => {
+                format!(
+                    "misfit {before:.2} mm RMS as the files are, {after:.2} mm with that mended"
+                )
+            }
+        };
         if let Some(margin) = report.margin {
             out += &format!("; the next explanation leaves {margin:.1} times as much");
         }
@@ -53,3 +64,6 @@ pub fn checked(report: &CheckReport) -> String {
 pub fn together(changes: &[Said]) -> String {
     changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", and ")
 }
+
+/// Misfits whose ratio is below this are alike.
+const ALIKE: f64 = 1.5;
