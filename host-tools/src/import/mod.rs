@@ -13,6 +13,8 @@ mod decode;
 mod fixed;
 mod guess;
 mod join;
+mod key;
+mod labels;
 mod layout;
 mod native;
 mod number;

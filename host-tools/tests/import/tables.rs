@@ -11,9 +11,9 @@ use truearm_host::import::{ImportOptions, Imported, JoinAsked, import};
 use truearm_host::model::{Measurements, Robot};
 
 /// Files of a case: name and bytes.
-type Files = Vec<(&'static str, Vec<u8>)>;
+pub type Files = Vec<(&'static str, Vec<u8>)>;
 
-fn written(files: &Files) -> (TempDir, Vec<PathBuf>) {
+pub fn written(files: &Files) -> (TempDir, Vec<PathBuf>) {
     let folder = tempfile::tempdir().unwrap();
     let path = |(name, bytes): &(&str, Vec<u8>)| {
         let path = folder.path().join(name);
@@ -24,17 +24,17 @@ fn written(files: &Files) -> (TempDir, Vec<PathBuf>) {
     (folder, paths)
 }
 
-fn robot() -> Robot {
+pub fn robot() -> Robot {
     Robot::parse(Path::new("robot.toml"), ROBOT).unwrap()
 }
 
-fn imported(files: &Files, robot: Option<&Robot>, options: &ImportOptions) -> Imported {
+pub fn imported(files: &Files, robot: Option<&Robot>, options: &ImportOptions) -> Imported {
     let (_folder, paths) = written(files);
     import(&paths, robot, None, options).unwrap_or_else(|e| panic!("{e} -> {}", e.help()))
 }
 
 /// Message and help of what is refused.
-fn refused(files: &Files, robot: Option<&Robot>, options: &ImportOptions) -> String {
+pub fn refused(files: &Files, robot: Option<&Robot>, options: &ImportOptions) -> String {
     let (_folder, paths) = written(files);
     let error = import(&paths, robot, None, options).unwrap_err();
     format!("{error} -> {}", error.help()).split_whitespace().collect::<Vec<_>>().join(" ")

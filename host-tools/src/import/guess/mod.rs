@@ -28,7 +28,7 @@ pub(super) fn guess(clues: &Clues, warnings: &mut Vec<String>) -> Result<Config>
         None => arrangement::find(clues)?,
     };
     let complete = clues.tables.len() > 1 && given.is_empty() && named::all_complete(clues);
-    let (join, join_because) = join::decide(clues.tables, &clues.options.join, complete)?;
+    let (join, join_because) = join::decide(clues.tables, &clues.options.join, complete, warnings)?;
     let rows = join::rows(clues.tables, &join, found.point[0].file, warnings)?;
     let mut columns = BTreeMap::new();
     let (joints, point) = units::decide(clues, &found, &rows, warnings)?;
