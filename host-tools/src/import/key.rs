@@ -41,7 +41,8 @@ pub(super) fn find(tables: &[Table]) -> Option<Key> {
     best.map(|(likely, columns)| {
         let names: Vec<String> = columns.iter().zip(tables).map(|(c, t)| t.called(*c)).collect();
         let because = format!("{} hold the same labels", names.join(" and "));
-        Key { columns, because, count: likely == (false, false) }
+        let numbers = columns.iter().zip(tables).all(|(c, t)| t.numeric(*c));
+        Key { columns, because, count: numbers && likely == (false, false) }
     })
 }
 
@@ -52,7 +53,7 @@ fn likely(tables: [&Table; 2], columns: [usize; 2]) -> Option<Likely> {
     let texts = [0, 1].map(|i| !tables[i].numeric(columns[i]));
     let labels =
         |i: usize| texts[i] || whole(tables[i], columns[i]) && counts(tables[i], columns[i]);
-    if !alike && !(labels(0) && labels(1)) {
+    if !(alike || labels(0) && labels(1)) {
         return None;
     }
     let compared = Compared::of(&tables, &columns);
@@ -79,11 +80,13 @@ fn counts(table: &Table, column: usize) -> bool {
 pub(super) fn ignored_labels(tables: &[Table]) -> Option<String> {
     let mut names = Vec::new();
     for table in tables {
-        let labels = |column: &usize| {
+        let texts = |column: &usize| {
             let time = seconds(table.text(0, *column)).is_some();
             !table.numeric(*column) && !time && distinct(table, *column)
         };
-        let column = (0..table.headings.len()).find(labels)?;
+        let labels = |column: &usize| keyed(&table.headings[*column]) && distinct(table, *column);
+        let mut columns = 0..table.headings.len();
+        let column = columns.clone().find(texts).or_else(|| columns.find(labels))?;
         names.push(format!(
             "{}, {} (\"{}\", \"{}\", ...)",
             table.path.display(),
@@ -93,7 +96,7 @@ pub(super) fn ignored_labels(tables: &[Table]) -> Option<String> {
         ));
     }
     Some(format!(
-        "rows are put together by their position although all files have labels, which are not the \
+        "rows are put together by their position or number although all files have labels, which are not the \
          same: {}; if that is wrong, mend the labels or name a column that says which rows belong \
          together: --join COLUMN, or --join ONE=OTHER where headings differ",
         names.join("; ")

@@ -107,13 +107,14 @@ fn labels_that_are_not_the_same() {
     let word = |i: usize| format!("{}x", "abcdefghijklmnopqrs".chars().nth(i).unwrap());
     for (name, files) in [
         ("two series", files(["Name", "Name"], &p, &series)),
+        ("numbers and two series", files(["Pose", "Name"], &|i| i.to_string(), &series)),
         ("letters", files(["Name", "Target"], &p, &word)),
     ] {
         let found = imported(&files, None, &ImportOptions::default());
         assert!(found.join.unwrap().starts_with("row by row"), "{name}");
-        let said = found.warnings.iter().find(|w| w.contains("by their position"));
+        let said = found.warnings.iter().find(|w| w.contains("by their position or number"));
         let said = said.unwrap_or_else(|| panic!("{name}: {:?}", found.warnings));
-        assert!(said.contains("\"P1\"") && said.contains("--join ONE=OTHER"), "{name}: {said}");
+        assert!(said.contains("Name\" (\"") && said.contains("--join ONE=OTHER"), "{name}: {said}");
     }
     let more = with_points(files(["Name", "Name"], &p, &series), &["T3P1"]);
     let message = refused(&more, None, &ImportOptions::default());

@@ -3,4 +3,6 @@
 mod keys;
 #[path = "../published/mod.rs"]
 mod published;
+mod rows;
 mod tables;
+mod times;

@@ -74,6 +74,10 @@ fn one_table_in_many_shapes() {
         })
         .collect();
     let padded: String = plain().lines().map(|l| l.replace(',', ";") + ";;\n").collect();
+    let quoted: String = plain()
+        .lines()
+        .map(|l| format!("\"{}\"\n", l.replace(',', "\",\"").replace('.', ",")))
+        .collect();
     let cases: Vec<(&str, Vec<u8>)> = vec![
         ("plain.csv", plain().into()),
         ("radians and decimal commas.csv", semicolons(",").into()),
@@ -93,6 +97,7 @@ fn one_table_in_many_shapes() {
         ("windows.csv", semicolons(",").replace('\n', "\r\n").into()),
         ("ros.csv", text(ur, &scaled(true, true), ",", ".").into()),
         ("padded.csv", padded.into()),
+        ("quoted decimal commas.csv", quoted.into()),
         ("book.xlsx", xlsx("Vermessung 12.3.", &book, &scaled(true, false))),
         (
             "sheet.ods",
