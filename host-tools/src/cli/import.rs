@@ -44,7 +44,8 @@ pub struct Import {
     /// rpy-rad, vector-deg, vector-rad, matrix
     #[arg(long, value_name = "FORM")]
     orientation: Option<String>,
-    /// How several files belong together: order, stack, or the heading of a key
+    /// How several files belong together: order, stack, the heading of a key, or
+    /// ONE=OTHER where the files call it differently
     #[arg(long, value_name = "HOW")]
     join: Option<String>,
     /// Encoding of text files: utf-8, windows-1252, utf-16le, ...

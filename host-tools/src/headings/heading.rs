@@ -48,7 +48,10 @@ const NO_UNITS: [&str; 12] =
     ["x", "y", "z", "w", "act", "actual", "meas", "measured", "cmd", "nominal", "tcp", "tracker"];
 
 /// Units of a letter are read as such behind a separator only: `x_m`.
-const LETTERS: [&str; 6] = ["m", "s", "c", "k", "g", "f"];
+const LETTERS: [&str; 7] = ["m", "s", "c", "k", "g", "f", "h"];
+
+/// Under these `min` is a minute; elsewhere it is the least.
+const CLOCKS: [&str; 6] = ["time", "zeit", "timestamp", "elapsed", "duration", "dauer"];
 
 impl Heading {
     /// Takes `text` apart: `q1_deg`, `J1 [rad]`, `Pos X (mm)`, `actual_q_0`.
@@ -66,7 +69,8 @@ impl Heading {
             let letter = LETTERS.contains(&last);
             let number = words[words.len() - 2].chars().all(|c| c.is_ascii_digit());
             // `joint_1_s` is no time, and `wrist_1_c` no temperature.
-            if let Some(found) = found.filter(|_| !letter || !number || last == "m") {
+            let told = found.filter(|unit| !long(*unit) || CLOCKS.contains(&words[0].as_str()));
+            if let Some(found) = told.filter(|_| !letter || !number || last == "m") {
                 unit = Some(found);
                 words.pop();
             }
@@ -76,14 +80,21 @@ impl Heading {
     }
 }
 
+/// Whether it is a unit of long times.
+fn long(unit: Unit) -> bool {
+    matches!(unit, Unit::Min | Unit::H)
+}
+
 /// The text without a unit in brackets, and the unit.
 fn bracketed(text: &str) -> (String, Option<Unit>) {
     for (open, close) in [('[', ']'), ('(', ')'), ('{', '}'), ('<', '>')] {
         let Some(begin) = text.find(open) else { continue };
         let Some(length) = text[begin..].find(close) else { continue };
         let inside = &text[begin + open.len_utf8()..begin + length];
-        if let Some(unit) = Unit::of_word(inside) {
-            let rest = [&text[..begin], &text[begin + length + close.len_utf8()..]].concat();
+        let Some(unit) = Unit::of_word(inside) else { continue };
+        let rest = [&text[..begin], &text[begin + length + close.len_utf8()..]].concat();
+        let clock = |word: &String| word == "t" || CLOCKS.contains(&word.as_str());
+        if !long(unit) || words(&rest).first().is_some_and(clock) {
             return (rest, Some(unit));
         }
     }
@@ -172,6 +183,12 @@ mod tests {
             ("time_s", vec!["time"], Some(Unit::S)),
             ("q3_m", vec!["q", "3"], Some(Unit::M)),
             ("wrist_1_c", vec!["wrist", "1", "c"], None),
+            ("time [min]", vec!["time"], Some(Unit::Min)),
+            ("Zeit [h]", vec!["zeit"], Some(Unit::H)),
+            ("t (min)", vec!["t"], Some(Unit::Min)),
+            ("time_min", vec!["time"], Some(Unit::Min)),
+            ("X (min)", vec!["x", "min"], None),
+            ("x_min", vec!["x", "min"], None),
         ] {
             let heading = Heading::new(text);
             assert_eq!(heading.words, expected, "{text}");

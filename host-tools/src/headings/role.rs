@@ -30,6 +30,8 @@ pub enum Role {
     Order,
     /// Time.
     Time,
+    /// Date of a time of day.
+    Date,
     /// Temperature.
     Temperature,
     /// Payload.
@@ -143,7 +145,8 @@ fn single(words: &[&str]) -> Option<(Role, String)> {
         ["marker" | "smr" | "reflector" | "prism"] => Role::Marker,
         ["series" | "serie" | "session" | "batch" | "run"] => Role::Series,
         ["order" | "index" | "nr" | "no" | "idx" | "row"] => Role::Order,
-        ["time" | "timestamp" | "zeit" | "datetime"] | ["time", "stamp"] => Role::Time,
+        ["time" | "timestamp" | "zeit" | "datetime" | "uhrzeit"] | ["time", "stamp"] => Role::Time,
+        ["date" | "datum"] => Role::Date,
         ["temperature" | "temp" | "temperatur"] | ["air" | "ambient", "temperature" | "temp"] => {
             Role::Temperature
         }
@@ -239,7 +242,7 @@ pub fn suggestion(text: &str) -> Option<String> {
         Role::Joint(number) => format!("q{number}"),
         Role::Axis(axis) => ["x", "y", "z"][axis.min(2)].to_owned(),
         Role::Quaternion(c) => ["qx", "qy", "qz", "qw"][c.min(3)].to_owned(),
-        Role::Rpy(_) | Role::Turn(_) | Role::Matrix(..) => return None,
+        Role::Rpy(_) | Role::Turn(_) | Role::Matrix(..) | Role::Date => return None,
         Role::Direction(joint) => format!("dir{joint}"),
         Role::Station => "station".to_owned(),
         Role::Marker => "marker".to_owned(),
@@ -277,6 +280,9 @@ mod tests {
             ("oz", Role::Matrix(2, 1)),
             ("dir4", Role::Direction(4)),
             ("Temperatur [°C]", Role::Temperature),
+            ("Uhrzeit", Role::Time),
+            ("Zeit [min]", Role::Time),
+            ("Datum", Role::Date),
         ] {
             assert_eq!(role(text), Some(expected), "{text}");
         }

@@ -50,6 +50,10 @@ pub enum Unit {
     Us,
     /// Nanoseconds.
     Ns,
+    /// Minutes.
+    Min,
+    /// Hours.
+    H,
     /// Degrees Celsius.
     C,
     /// Kelvin.
@@ -68,7 +72,7 @@ pub enum Unit {
 
 /// Unit, how truearm writes it, how others do, and how many of the file's unit
 /// (degrees, mm, s, kg) one of it is.
-const UNITS: [(Unit, Quantity, &[&str], f64); 22] = [
+const UNITS: [(Unit, Quantity, &[&str], f64); 24] = [
     (Unit::Deg, Quantity::Angle, &["deg", "degree", "degrees", "°", "grad", "º"], 1.0),
     (Unit::Rad, Quantity::Angle, &["rad", "radian", "radians", "rads"], crate::units::DEGREES),
     (Unit::Mrad, Quantity::Angle, &["mrad"], crate::units::DEGREES * 1e-3),
@@ -80,10 +84,12 @@ const UNITS: [(Unit, Quantity, &[&str], f64); 22] = [
     (Unit::Um, Quantity::Length, &["um", "µm", "μm"], 1e-3),
     (Unit::Inch, Quantity::Length, &["in", "inch", "inches", "zoll"], 25.4),
     (Unit::Foot, Quantity::Length, &["ft", "foot", "feet"], 304.8),
-    (Unit::S, Quantity::Time, &["s", "sec", "seconds"], 1.0),
+    (Unit::S, Quantity::Time, &["s", "sec", "secs", "second", "seconds", "sek", "sekunden"], 1.0),
     (Unit::Ms, Quantity::Time, &["ms", "msec"], 1e-3),
     (Unit::Us, Quantity::Time, &["us", "µs"], 1e-6),
     (Unit::Ns, Quantity::Time, &["ns", "nsec"], 1e-9),
+    (Unit::Min, Quantity::Time, &["min", "mins", "minute", "minutes", "minuten"], 60.0),
+    (Unit::H, Quantity::Time, &["h", "hr", "hrs", "hour", "hours", "stunden"], 3600.0),
     (Unit::C, Quantity::Temperature, &["c", "°c", "degc", "celsius"], 1.0),
     (Unit::K, Quantity::Temperature, &["k", "kelvin"], 1.0),
     (Unit::F, Quantity::Temperature, &["f", "°f", "degf", "fahrenheit"], 5.0 / 9.0),

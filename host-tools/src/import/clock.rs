@@ -5,8 +5,40 @@ const DAY: f64 = 86_400.0;
 
 /// Seconds of a date and a time of day, since the year 1970, or of a time of day
 /// since midnight: `2021-03-05 12:03:55.2`, `05.03.2021 12:03:55`, `12:03:55`,
-/// `2021-03-05T12:03:55+01:00`, `3/5/2021 12:03:55 PM`.
+/// `2021-03-05T12:03:55+01:00`, `3/5/2021 12:03:55 PM`; `03:55.2` are minutes and seconds.
 pub(super) fn seconds(text: &str) -> Option<f64> {
+    seconds_beside(text, in_minutes(text))
+}
+
+/// Whether it is minutes and seconds: of two groups a fraction can only be of seconds.
+pub(super) fn in_minutes(text: &str) -> bool {
+    let mut groups = text.split(':');
+    let last = groups.next().and(groups.next());
+    groups.next().is_none() && last.is_some_and(|last| last.contains(['.', ',']))
+}
+
+/// Seconds of a date, and of a time of day in a column of its own. The date may be
+/// `20210305` as well, or the seconds that a spreadsheet has counted.
+pub(super) fn dated(date: &str, time: &str) -> Option<f64> {
+    let date = date.trim();
+    if date.is_empty() {
+        return None;
+    }
+    let counted = date.parse::<f64>().ok().filter(|seconds| *seconds > 1e8);
+    if let Some(midnight) = counted {
+        return is_of_day(time).then(|| seconds(time)).flatten().map(|time| midnight + time);
+    }
+    let digits = date.len() == 8 && date.bytes().all(|b| b.is_ascii_digit());
+    let date = match date.split_once(['T', ' ']) {
+        _ if digits => format!("{}-{}-{}", &date[..4], &date[4..6], &date[6..]),
+        Some((date, midnight)) if seconds(midnight) == Some(0.0) => date.to_owned(),
+        _ => date.to_owned(),
+    };
+    seconds(&format!("{date} {}", time.trim()))
+}
+
+/// The same where other cells of the column tell that two groups are minutes and seconds.
+pub(super) fn seconds_beside(text: &str, minutes_first: bool) -> Option<f64> {
     let text = text.trim();
     let half = Half::of(text);
     let text = half.map_or(text, |_| text[..text.len() - 2].trim_end());
@@ -19,13 +51,21 @@ pub(super) fn seconds(text: &str) -> Option<f64> {
         Some(at) => (clock[..at].trim_end(), offset(&clock[at..])?),
         None => (clock, 0.0),
     };
-    let mut parts = clock.split(':');
-    let mut part = |most: f64| {
-        let value: f64 = parts.next()?.replace(',', ".").parse().ok()?;
+    let part = |text: &str, most: f64| {
+        let value: f64 = text.replace(',', ".").parse().ok()?;
         (0.0..most).contains(&value).then_some(value)
     };
-    let (hours, minutes) = (part(24.0)?, part(60.0)?);
-    let seconds = part(61.0).unwrap_or(0.0);
+    let alone = date.is_none() && half.is_none();
+    let (hours, minutes, seconds) = match clock.split(':').collect::<Vec<_>>()[..] {
+        [hours, minutes, seconds] => {
+            (part(hours, 24.0)?, part(minutes, 60.0)?, part(seconds, 61.0)?)
+        }
+        [minutes, seconds] if minutes_first && alone => {
+            (0.0, part(minutes, DAY / 60.0)?, part(seconds, 60.0)?)
+        }
+        [hours, minutes] if !in_minutes(clock) => (part(hours, 24.0)?, part(minutes, 60.0)?, 0.0),
+        _ => return None,
+    };
     let hours = match half {
         None => hours,
         Some(_) if !(1.0..13.0).contains(&hours) => return None,
@@ -36,7 +76,7 @@ pub(super) fn seconds(text: &str) -> Option<f64> {
         None => 0.0,
     };
     let time = ((days * 24.0 + hours) * 60.0 + minutes) * 60.0 + seconds;
-    parts.next().is_none().then_some(time - ahead)
+    Some(time - ahead)
 }
 
 /// Of a clock of twelve hours.
@@ -138,11 +178,34 @@ mod tests {
             ("03/05/2021 12:03:55", None),
             ("12:03:55+1", None),
             ("25:00", None),
+            ("00:37.1", Some(37.1)),
+            ("61:05,5", Some(3665.5)),
+            ("12:30", Some(45_000.0)),
+            ("12:03:xx", None),
+            ("2021-03-05 12:03.5", None),
             ("PM", None),
             ("12", None),
             ("µm", None),
         ] {
             assert_eq!(seconds(text), value, "{text}");
+        }
+    }
+
+    #[test]
+    fn dates_beside_times() {
+        for (date, time, value) in [
+            ("2021-03-05", "12:03:55", Some(1_614_945_835.0)),
+            ("05.03.2021", "12:03:55", Some(1_614_945_835.0)),
+            ("20210305", "12:03:55", Some(1_614_945_835.0)),
+            ("2021-03-05 00:00:00", "12:03:55", Some(1_614_945_835.0)),
+            ("3/5/2021", "12:03:55 PM", Some(1_614_945_835.0)),
+            ("3950208000", "00:01:00", Some(3_950_208_060.0)),
+            ("3/5/2021", "12:03:55", None),
+            ("Tuesday", "12:03:55", None),
+            ("2021-03-05", "03:55.5", None),
+            ("", "12:03:55", None),
+        ] {
+            assert_eq!(dated(date, time), value, "{date} {time}");
         }
     }
 

@@ -237,7 +237,7 @@ pub(super) fn called(pick: &Pick) -> String {
 }
 
 /// The names of measurements.csv beyond joints, in the order of its columns.
-pub(super) const ORDER: [&str; 27] = [
+pub(super) const ORDER: [&str; 28] = [
     "x",
     "y",
     "z",
@@ -245,6 +245,7 @@ pub(super) const ORDER: [&str; 27] = [
     "marker",
     "series",
     "order",
+    "date",
     "time",
     "temperature",
     "payload",

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::clock::{is_of_day, past_midnight, seconds};
+use super::clock::{dated, in_minutes, is_of_day, past_midnight, seconds_beside};
 use super::config::{Config, Join, Pick};
 use super::join::RowRef;
 use super::native::{Own, has_point, own};
@@ -76,7 +76,9 @@ pub(super) fn convert(
     let back = known.windows(2).filter(|pair| pair[1] < pair[0]).count();
     let (mut lines, mut joints, mut incomplete) = (Vec::new(), Vec::new(), Vec::new());
     for (row, time) in rows.iter().zip(times) {
-        let reader = Reader { tables, row, time, kind: config.columns.get("kind") };
+        let (date, kind) = (config.columns.get("date"), config.columns.get("kind"));
+        let reader = Reader { tables, row, time, date, kind };
+        reader.has_its_point(config)?;
         let cells = outputs.iter().map(|o| reader.cell(o)).collect::<Result<Vec<String>>>();
         let cells = match cells {
             Err(_) if skip_incomplete && outputs.iter().any(|o| reader.missing(o)) => {
@@ -127,7 +129,8 @@ fn outputs(config: &Config) -> Vec<Output<'_>> {
         (name, kind)
     };
     let orientation = |to: &str| Form::ALL.iter().any(|form| form.columns().contains(&to));
-    let columns = config.ordered().into_iter().filter(|(to, _)| !orientation(to));
+    // A date is a part of the time.
+    let columns = config.ordered().into_iter().filter(|(to, _)| !orientation(to) && *to != "date");
     columns
         .map(|(to, pick)| {
             let (name, kind) = output((to, pick));
@@ -144,14 +147,25 @@ fn form(columns: &BTreeMap<String, Pick>) -> Option<Form> {
 /// Seconds of every row; from the first on, if they are dates or times of day.
 fn times(tables: &[Table], config: &Config, rows: &[RowRef]) -> Vec<Option<f64>> {
     let Some(pick) = config.columns.get("time") else { return vec![None; rows.len()] };
-    let reader = |row| Reader { tables, row, time: None, kind: None };
-    let mut times: Vec<Option<f64>> = rows.iter().map(|row| reader(row).seconds(pick)).collect();
+    let reader = |row| Reader { tables, row, time: None, date: None, kind: None };
+    let minutes_first = rows.iter().any(|row| in_minutes(reader(row).text(pick)));
+    let date = config.columns.get("date");
+    let time = |row| {
+        let reader = reader(row);
+        let text = reader.text(pick);
+        let number = reader.number(pick).ok().flatten();
+        number.or_else(|| match date {
+            Some(date) => dated(reader.text(date), text),
+            None => seconds_beside(text, minutes_first),
+        })
+    };
+    let mut times: Vec<Option<f64>> = rows.iter().map(time).collect();
     let text = |row: &RowRef| {
         let (file, at) = row.at(pick.file);
         tables[file].number(at, pick.column).is_none()
     };
     let mut said = rows.iter().filter(|row| !reader(row).text(pick).is_empty());
-    if said.all(|row| text(row) && is_of_day(reader(row).text(pick))) {
+    if date.is_none() && said.all(|row| text(row) && is_of_day(reader(row).text(pick))) {
         past_midnight(&mut times);
     }
     let least = times.iter().flatten().copied().fold(f64::INFINITY, f64::min);
@@ -168,6 +182,8 @@ struct Reader<'a> {
     row: &'a RowRef,
     /// Seconds in the session.
     time: Option<f64>,
+    /// The column that says the date of a time of day.
+    date: Option<&'a Pick>,
     /// The column that says what a row measured.
     kind: Option<&'a Pick>,
 }
@@ -186,6 +202,18 @@ impl Reader<'_> {
     fn fail(&self, pick: &Pick, message: String, help: &str) -> Error {
         let (file, at) = self.row.at(pick.file);
         self.tables[file].fail(at, pick.column, message, help)
+    }
+
+    /// A table without points has no row of one.
+    fn has_its_point(&self, config: &Config) -> Result<()> {
+        let Some(kind) = self.kind.filter(|_| !config.columns.contains_key("x")) else {
+            return Ok(());
+        };
+        if !has_point(self.text(kind)) {
+            return Ok(());
+        }
+        let message = "a row of a point, but there are no columns x, y, z".to_owned();
+        Err(self.fail(kind, message, "say what the row measured, or import without --config"))
     }
 
     fn missing(&self, output: &Output) -> bool {
@@ -219,12 +247,6 @@ impl Reader<'_> {
         }
     }
 
-    fn seconds(&self, pick: &Pick) -> Option<f64> {
-        let (file, at) = self.row.at(pick.file);
-        let number = self.tables[file].number(at, pick.column).map(|v| pick.unit.to_file(v));
-        number.or_else(|| seconds(self.text(pick)))
-    }
-
     fn cell(&self, output: &Output) -> Result<String> {
         let pick = output.pick;
         if output.kind == Kind::Label {
@@ -232,7 +254,12 @@ impl Reader<'_> {
         }
         if output.kind == Kind::Time {
             if self.time.is_none() && !self.text(pick).is_empty() {
-                let message = format!("\"{}\" is no time", self.text(pick));
+                let message = match self.date {
+                    Some(date) => {
+                        format!("\"{}\" on \"{}\" is no time", self.text(pick), self.text(date))
+                    }
+                    None => format!("\"{}\" is no time", self.text(pick)),
+                };
                 return Err(self.fail(
                     pick,
                     message,

@@ -1,12 +1,13 @@
 //! Several files as one table: where their rows belong together.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use super::config::Join;
+use super::key;
+use super::labels::Compared;
 use super::options::JoinAsked;
 use super::table::Table;
 use crate::error::{Error, Place, Result};
-use crate::headings::{Named, Role};
 
 /// One row of the joined table: of which file it is if they were stacked, and
 /// its row in each.
@@ -35,35 +36,25 @@ pub(super) fn decide(
     tables: &[Table],
     asked: &JoinAsked,
     complete: bool,
+    warnings: &mut Vec<String>,
 ) -> Result<(Join, String)> {
     let asked_for = || "it was asked for".to_owned();
     match asked {
         _ if tables.len() == 1 => return Ok((Join::Order, "there is one file".to_owned())),
         JoinAsked::Order => return Ok((Join::Order, asked_for())),
         JoinAsked::Stack => return Ok((Join::Stack, asked_for())),
-        JoinAsked::Key(name) => {
-            let find = |table: &Table| {
-                table.headings.iter().position(|h| h.text.eq_ignore_ascii_case(name)).ok_or_else(
-                    || {
-                        let help = format!("it has {}", table.list());
-                        Error::file(
-                            &table.path,
-                            Place::default(),
-                            format!("no column {name}"),
-                            help,
-                        )
-                    },
-                )
-            };
-            return Ok((Join::Key(tables.iter().map(find).collect::<Result<_>>()?), asked_for()));
-        }
+        JoinAsked::Key(name) => return Ok((Join::Key(key::named(tables, name)?), asked_for())),
         JoinAsked::Find => {}
     }
     if complete {
         return Ok((Join::Stack, "each file has joints and points".to_owned()));
     }
-    if let Some((keys, because)) = key(tables) {
-        return Ok((Join::Key(keys), because));
+    let key = key::find(tables);
+    if key.as_ref().is_none_or(|key| key.count) {
+        warnings.extend(key::ignored_labels(tables));
+    }
+    if let Some(key) = key {
+        return Ok((Join::Key(key.columns), key.because));
     }
     let counts: Vec<usize> = tables.iter().map(|t| t.rows.len()).collect();
     if counts.iter().all(|c| *c == counts[0]) {
@@ -78,62 +69,6 @@ pub(super) fn decide(
         "name the column that says which rows belong together: --join COLUMN; or make the files equally \
          long and use --join order",
     ))
-}
-
-/// A key as it is compared: the number at the end of a label, or the label.
-fn labels(table: &Table, column: usize, numbered: bool) -> Vec<String> {
-    let label = |row| {
-        let text = table.text(row, column);
-        let digits = text.len() - text.trim_end_matches(|c: char| c.is_ascii_digit()).len();
-        let number = text[text.len() - digits..].trim_start_matches('0');
-        if numbered && digits > 0 { format!("#{number}") } else { text.to_owned() }
-    };
-    (0..table.rows.len()).map(label).collect()
-}
-
-/// A column each that holds the same labels.
-fn key(tables: &[Table]) -> Option<(Vec<usize>, String)> {
-    let first = &tables[0];
-    for (column, heading) in first.headings.iter().enumerate() {
-        let same = |t: &Table| {
-            let like = |h: &&crate::headings::Heading| {
-                !h.text.is_empty() && h.text.eq_ignore_ascii_case(&heading.text)
-                    || keyed(h) && keyed(heading)
-            };
-            t.headings.iter().position(|h| like(&h))
-        };
-        let Some(rest) = tables[1..].iter().map(same).collect::<Option<Vec<_>>>() else { continue };
-        let columns: Vec<usize> = std::iter::once(column).chain(rest).collect();
-        if matches(tables, &columns) {
-            let names: Vec<String> =
-                columns.iter().zip(tables).map(|(c, t)| t.called(*c)).collect();
-            return Some((columns, format!("{} hold the same labels", names.join(" and "))));
-        }
-    }
-    None
-}
-
-/// Whether a heading sounds like a key.
-fn keyed(heading: &crate::headings::Heading) -> bool {
-    let words = ["id", "point", "name", "pose", "punkt", "label", "key", "poseid", "pointid"];
-    heading.words.last().is_some_and(|w| words.contains(&w.as_str()))
-        || Named::of(heading).is_some_and(|n| n.role == Role::Order)
-}
-
-/// Whether at least half the rows of every file find a partner in all others,
-/// and at most one file repeats a label.
-fn matches(tables: &[Table], columns: &[usize]) -> bool {
-    [false, true].into_iter().any(|numbered| {
-        let all: Vec<Vec<String>> =
-            tables.iter().zip(columns).map(|(t, c)| labels(t, *c, numbered)).collect();
-        let sets: Vec<HashSet<&String>> =
-            all.iter().map(|labels| labels.iter().collect()).collect();
-        let repeats = all.iter().zip(&sets).filter(|(l, s)| l.len() > s.len()).count();
-        let found = |labels: &Vec<String>| {
-            labels.iter().filter(|l| sets.iter().all(|set| set.contains(l))).count()
-        };
-        repeats <= 1 && all.iter().all(|labels| 2 * found(labels) >= labels.len())
-    })
 }
 
 /// The rows of the joined table; `base` is the file whose rows are followed.
@@ -188,17 +123,12 @@ fn keyed_rows(
     base: usize,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<RowRef>> {
-    let plain: Vec<_> = tables.iter().zip(columns).map(|(t, c)| labels(t, *c, false)).collect();
-    let known = |all: &[Vec<String>]| {
-        let sets: Vec<HashSet<&String>> = all.iter().map(|o| o.iter().collect()).collect();
-        all[base].iter().filter(|l| sets.iter().all(|set| set.contains(l))).count()
-    };
-    let numbered: Vec<_> = tables.iter().zip(columns).map(|(t, c)| labels(t, *c, true)).collect();
-    let all = if known(&plain) >= known(&numbered) { plain } else { numbered };
+    let all = Compared::of(&tables.iter().collect::<Vec<_>>(), columns).keys;
     let mut places: Vec<HashMap<&str, usize>> = Vec::new();
     for (file, labels) in all.iter().enumerate() {
         let mut at = HashMap::new();
         for (row, label) in labels.iter().enumerate() {
+            let Some(label) = label else { continue };
             if at.insert(label.as_str(), row).is_some() && file != base {
                 let message = format!(
                     "label \"{}\" stands there twice",
@@ -211,21 +141,27 @@ fn keyed_rows(
         }
         places.push(at);
     }
+    let called = |file: usize, row: usize| match tables[file].text(row, columns[file]) {
+        "" => format!("line {} without a label", tables[file].rows[row].number),
+        label => label.to_owned(),
+    };
     let mut lonely = Vec::new();
     let mut rows = Vec::new();
     for (row, label) in all[base].iter().enumerate() {
         let at = |file: usize| {
+            let label = label.as_ref()?;
             if file == base { Some(row) } else { places[file].get(label.as_str()).copied() }
         };
         match (0..tables.len()).map(at).collect::<Option<Vec<_>>>() {
             Some(found) => rows.push(RowRef { stacked: None, rows: found }),
-            None => lonely.push(tables[base].text(row, columns[base]).to_owned()),
+            None => lonely.push(called(base, row)),
         }
     }
     for (file, labels) in all.iter().enumerate().filter(|(file, _)| *file != base) {
-        let missing =
-            labels.iter().enumerate().filter(|(_, l)| !places[base].contains_key(l.as_str()));
-        lonely.extend(missing.map(|(row, _)| tables[file].text(row, columns[file]).to_owned()));
+        let known =
+            |l: &Option<String>| l.as_ref().is_some_and(|l| places[base].contains_key(l.as_str()));
+        let missing = labels.iter().enumerate().filter(|(_, l)| !known(l));
+        lonely.extend(missing.map(|(row, _)| called(file, row)));
     }
     if !lonely.is_empty() {
         warnings.push(format!(
@@ -236,7 +172,7 @@ fn keyed_rows(
     if rows.is_empty() {
         return Err(Error::usage(
             "no label of one file is in the other",
-            "name another column with --join COLUMN, or use --join order",
+            "name another column with --join COLUMN, or --join ONE=OTHER where headings differ, or use --join order",
         ));
     }
     Ok(rows)

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::footer;
 use super::number::number;
 use super::sniff::{Line, commonest};
 use crate::error::{Error, Place, Result};
@@ -25,14 +26,19 @@ fn comment(line: &Line) -> bool {
 }
 
 /// Without a comment's sign in front, and without empty cells at the end.
-fn cells_of(line: &Line) -> Vec<String> {
+fn cells_of(line: &Line, width: usize) -> Vec<String> {
     let mut cells = line.cells.clone();
-    if comment(line) {
-        let bare = cells[0].trim_start_matches(['#', '/', '%', '!']).trim().to_owned();
-        if bare.is_empty() { drop(cells.remove(0)) } else { cells[0] = bare }
-    }
     while cells.last().is_some_and(String::is_empty) {
         cells.pop();
+    }
+    if comment(line) {
+        let bare = cells[0].trim_start_matches(['#', '/', '%', '!']).trim().to_owned();
+        // Above the numbers of rows `#` is a heading; a sign is a cell too many.
+        match bare.is_empty() {
+            true if cells.len() > width => drop(cells.remove(0)),
+            true => {}
+            false => cells[0] = bare,
+        }
     }
     cells
 }
@@ -87,13 +93,15 @@ pub(super) fn find(
         }
         layout.header = after;
         let between = above.iter().filter(|l| after.is_some_and(|line| l.number > line));
-        layout.units =
-            between.map(|l| (l, cells_of(l))).find(|(_, c)| unit_row(c)).map(|(l, _)| l.number);
+        layout.units = between
+            .map(|l| (l, cells_of(l, width)))
+            .find(|(_, c)| unit_row(c))
+            .map(|(l, _)| l.number);
         return Ok(layout);
     }
     // Nothing but units may stand between the headings and the data.
     for line in above.iter().rev() {
-        let cells = cells_of(line);
+        let cells = cells_of(line, width);
         if layout.units.is_none() && unit_row(&cells) {
             layout.units = Some(line.number);
         } else if header_row(&cells, width, decimal) {
@@ -111,6 +119,25 @@ pub(super) struct Body {
     pub headings: Vec<Heading>,
     pub rows: Vec<Line>,
     pub warnings: Vec<String>,
+    /// Units that remarks above the table say of all its columns, and in which line.
+    pub remarked: Vec<(Unit, usize)>,
+}
+
+/// What stands in a remark before a unit: `Part: tool   Units: Inches`.
+const UNITS_ARE: [&str; 4] = ["units", "unit", "einheit", "einheiten"];
+
+/// Units that the lines above a table say.
+fn remarked(lines: &[Line], layout: Layout) -> Vec<(Unit, usize)> {
+    let first = layout.header.or(layout.units).unwrap_or(layout.data);
+    let mut found = Vec::new();
+    for line in lines.iter().filter(|line| line.number < first) {
+        let text = line.cells.join(" ");
+        let words: Vec<&str> =
+            text.split([' ', ':', '=', ',', '\t']).filter(|word| !word.is_empty()).collect();
+        let said = words.windows(2).filter(|w| UNITS_ARE.contains(&w[0].to_lowercase().as_str()));
+        found.extend(said.filter_map(|w| Unit::of_word(w[1])).map(|unit| (unit, line.number)));
+    }
+    found
 }
 
 /// Takes the lines apart.
@@ -118,9 +145,7 @@ pub(super) struct Body {
 /// # Errors
 /// A row with another number of cells than the others.
 pub(super) fn body(path: &Path, lines: Vec<Line>, layout: Layout, decimal: char) -> Result<Body> {
-    let at = |line: Option<usize>| lines.iter().find(|l| Some(l.number) == line).map(cells_of);
-    let (header, units) = (at(layout.header), at(layout.units));
-    let rows: Vec<&Line> =
+    let mut rows: Vec<&Line> =
         lines.iter().filter(|l| l.number >= layout.data && !comment(l)).collect();
     // A footer has words where the rows have numbers.
     let last = rows.iter().rposition(|l| numbers(&l.cells, decimal) >= 2).map_or(0, |i| i + 1);
@@ -134,12 +159,18 @@ pub(super) fn body(path: &Path, lines: Vec<Line>, layout: Layout, decimal: char)
             footer.number
         ));
     }
-    if let Some(odd) = rows[..last].iter().find(|l| l.cells.len() != width) {
+    rows.truncate(last);
+    warnings.extend(footer::take(path, &mut rows));
+    if let Some(odd) = rows.iter().find(|l| l.cells.len() != width) {
         let message = format!("{} cells where other rows have {width}", odd.cells.len());
         let help = "give every row a cell for every column, empty ones for what is unknown; delete \
                     rows that do not belong to the table";
         return Err(Error::file(path, Place::line(odd.number), message, help));
     }
+    let at = |line: Option<usize>| {
+        lines.iter().find(|l| Some(l.number) == line).map(|l| cells_of(l, width))
+    };
+    let (header, units) = (at(layout.header), at(layout.units));
     let name = |i: usize| header.as_ref().and_then(|h| h.get(i)).map_or("", String::as_str);
     let mut headings: Vec<Heading> = (0..width).map(|i| Heading::new(name(i))).collect();
     for (heading, unit) in headings.iter_mut().zip(units.unwrap_or_default()) {
@@ -148,6 +179,6 @@ pub(super) fn body(path: &Path, lines: Vec<Line>, layout: Layout, decimal: char)
             heading.strange = None;
         }
     }
-    let rows = rows[..last].iter().map(|l| (*l).clone()).collect();
-    Ok(Body { headings, rows, warnings })
+    let rows = rows.into_iter().cloned().collect();
+    Ok(Body { headings, rows, warnings, remarked: remarked(&lines, layout) })
 }

@@ -11,8 +11,11 @@ mod config;
 mod convert;
 mod decode;
 mod fixed;
+mod footer;
 mod guess;
 mod join;
+mod key;
+mod labels;
 mod layout;
 mod native;
 mod number;
@@ -65,6 +68,8 @@ pub fn import(
     let config = match settled {
         Some((path, settled)) => {
             fits(path, &settled, &tables, robot)?;
+            let clues = guess::Clues { tables: &tables, robot, options };
+            warnings.extend(guess::contradicted(&clues, &settled)?);
             settled
         }
         None => guess::guess(&guess::Clues { tables: &tables, robot, options }, &mut warnings)?,
@@ -186,7 +191,10 @@ fn fits(path: &Path, config: &Config, tables: &[Table], robot: Option<&Robot>) -
         }
     }
     let (joints, wanted) = (config.joints().len(), robot.map(|r| r.joints.len()));
-    if joints == 0 || !["x", "y", "z"].iter().all(|axis| config.columns.contains_key(*axis)) {
+    let axes = ["x", "y", "z"].iter().filter(|axis| config.columns.contains_key(**axis)).count();
+    // Rows that say another kind need no point.
+    let pointed = axes == 3 || axes == 0 && config.columns.contains_key("kind");
+    if joints == 0 || !pointed {
         return fail("q1.. and x, y, z must be there".to_owned());
     }
     match wanted {

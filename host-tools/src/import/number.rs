@@ -5,7 +5,8 @@ use crate::headings::{Quantity, Unit};
 /// A finite or infinite number with this decimal sign; separators of thousands
 /// only where a fraction shows that they are such.
 pub(super) fn number(text: &str, decimal: char) -> Option<f64> {
-    let text = text.trim().replace('\u{2212}', "-");
+    let text = text.trim().replace('\u{2212}', "-").replace(['\u{a0}', '\u{202f}'], " ");
+    let text = if text.contains(' ') { without_thousands(&text, ' ', decimal)? } else { text };
     let plain = match decimal {
         ',' if text.contains('.') && !text.contains(',') => return None,
         ',' if text.contains('.') => without_thousands(&text, '.', ',')?.replace(',', "."),
@@ -59,6 +60,10 @@ mod tests {
             ("1,234.5", '.', Some(1234.5)),
             ("1'234.5", '.', Some(1234.5)),
             ("12,34.5", '.', None),
+            ("2 041,9330", ',', Some(2041.933)),
+            ("-1\u{a0}077.8", '.', Some(-1077.8)),
+            ("1 2.5", '.', None),
+            ("2 041", '.', None),
             ("1,5", '.', None),
             ("-3e-4", '.', Some(-3e-4)),
             ("1.5D+02", '.', Some(150.0)),

@@ -111,7 +111,8 @@ pub(super) fn sniff(
     for d in DELIMITERS.into_iter().filter(|d| delimiter.is_none_or(|asked| asked == *d)) {
         for c in ['.', ','].into_iter().filter(|c| decimal.is_none_or(|asked| asked == *c)) {
             let dialect = Dialect { delimiter: d, decimal: c };
-            if d == ',' && c == ',' && delimiter.is_none() {
+            // Both may be commas where quotes keep them apart.
+            if d == ',' && c == ',' && delimiter.is_none() && !head.contains('"') {
                 continue;
             }
             let Ok(lines) = dialect.cut(path, &head) else { continue };

@@ -7,7 +7,7 @@ use super::number::number;
 use super::sniff::{Dialect, Line, sniff};
 use super::{decode, fixed, layout, spreadsheet, suffix};
 use crate::error::{Error, Place, Result, listed};
-use crate::headings::Heading;
+use crate::headings::{Heading, Unit};
 
 /// A table that was read.
 pub(super) struct Table {
@@ -21,6 +21,8 @@ pub(super) struct Table {
     /// Why so, a line each.
     pub evidence: Vec<String>,
     pub warnings: Vec<String>,
+    /// Units that remarks above the table say, and in which line.
+    pub remarked: Vec<(Unit, usize)>,
 }
 
 /// A column is one of numbers if so many of its cells are: a few may be missing.
@@ -87,6 +89,7 @@ impl Table {
             settled,
             evidence,
             warnings: body.warnings,
+            remarked: body.remarked,
         })
     }
 

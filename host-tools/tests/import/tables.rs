@@ -11,9 +11,9 @@ use truearm_host::import::{ImportOptions, Imported, JoinAsked, import};
 use truearm_host::model::{Measurements, Robot};
 
 /// Files of a case: name and bytes.
-type Files = Vec<(&'static str, Vec<u8>)>;
+pub type Files = Vec<(&'static str, Vec<u8>)>;
 
-fn written(files: &Files) -> (TempDir, Vec<PathBuf>) {
+pub fn written(files: &Files) -> (TempDir, Vec<PathBuf>) {
     let folder = tempfile::tempdir().unwrap();
     let path = |(name, bytes): &(&str, Vec<u8>)| {
         let path = folder.path().join(name);
@@ -24,17 +24,17 @@ fn written(files: &Files) -> (TempDir, Vec<PathBuf>) {
     (folder, paths)
 }
 
-fn robot() -> Robot {
+pub fn robot() -> Robot {
     Robot::parse(Path::new("robot.toml"), ROBOT).unwrap()
 }
 
-fn imported(files: &Files, robot: Option<&Robot>, options: &ImportOptions) -> Imported {
+pub fn imported(files: &Files, robot: Option<&Robot>, options: &ImportOptions) -> Imported {
     let (_folder, paths) = written(files);
     import(&paths, robot, None, options).unwrap_or_else(|e| panic!("{e} -> {}", e.help()))
 }
 
 /// Message and help of what is refused.
-fn refused(files: &Files, robot: Option<&Robot>, options: &ImportOptions) -> String {
+pub fn refused(files: &Files, robot: Option<&Robot>, options: &ImportOptions) -> String {
     let (_folder, paths) = written(files);
     let error = import(&paths, robot, None, options).unwrap_err();
     format!("{error} -> {}", error.help()).split_whitespace().collect::<Vec<_>>().join(" ")
@@ -74,6 +74,10 @@ fn one_table_in_many_shapes() {
         })
         .collect();
     let padded: String = plain().lines().map(|l| l.replace(',', ";") + ";;\n").collect();
+    let quoted: String = plain()
+        .lines()
+        .map(|l| format!("\"{}\"\n", l.replace(',', "\",\"").replace('.', ",")))
+        .collect();
     let cases: Vec<(&str, Vec<u8>)> = vec![
         ("plain.csv", plain().into()),
         ("radians and decimal commas.csv", semicolons(",").into()),
@@ -93,6 +97,7 @@ fn one_table_in_many_shapes() {
         ("windows.csv", semicolons(",").replace('\n', "\r\n").into()),
         ("ros.csv", text(ur, &scaled(true, true), ",", ".").into()),
         ("padded.csv", padded.into()),
+        ("quoted decimal commas.csv", quoted.into()),
         ("book.xlsx", xlsx("Vermessung 12.3.", &book, &scaled(true, false))),
         (
             "sheet.ods",

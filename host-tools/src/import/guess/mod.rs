@@ -2,6 +2,7 @@
 
 mod arrangement;
 mod clues;
+mod contradiction;
 mod named;
 mod orientation;
 mod others;
@@ -16,6 +17,7 @@ use super::join;
 use crate::error::{Error, Result};
 pub(super) use clues::Clues;
 use clues::Place;
+pub(super) use contradiction::contradicted;
 
 /// The best guess of what the columns mean.
 ///
@@ -28,8 +30,13 @@ pub(super) fn guess(clues: &Clues, warnings: &mut Vec<String>) -> Result<Config>
         None => arrangement::find(clues)?,
     };
     let complete = clues.tables.len() > 1 && given.is_empty() && named::all_complete(clues);
-    let (join, join_because) = join::decide(clues.tables, &clues.options.join, complete)?;
-    let rows = join::rows(clues.tables, &join, found.point[0].file, warnings)?;
+    let (join, join_because) = join::decide(clues.tables, &clues.options.join, complete, warnings)?;
+    let rows = join::rows(
+        clues.tables,
+        &join,
+        found.point.first().map_or(0, |place| place.file),
+        warnings,
+    )?;
     let mut columns = BTreeMap::new();
     let (joints, point) = units::decide(clues, &found, &rows, warnings)?;
     for (i, (place, (unit, because))) in found.joints.iter().zip(joints).enumerate() {
@@ -41,7 +48,7 @@ pub(super) fn guess(clues: &Clues, warnings: &mut Vec<String>) -> Result<Config>
         columns.insert((*name).to_owned(), clues.pick(place, unit, because));
     }
     orientation::add(clues, &given, &rows, &mut columns)?;
-    others::add(clues, &given, &mut columns);
+    others::add(clues, &given, &mut columns, warnings)?;
     refuse_twins(clues, &given, &columns)?;
     Ok(Config {
         files: clues.tables.iter().map(|t| t.settled.clone()).collect(),

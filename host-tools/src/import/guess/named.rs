@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::clues::{Clues, Found, Place};
 use crate::error::{Error, Result};
 use crate::headings::{Named, Role};
+use crate::import::native::has_point;
 use crate::import::table::Table;
 
 /// Columns that share a family of names.
@@ -124,13 +125,45 @@ fn point_groups(clues: &Clues) -> Vec<Group> {
     groups(clues, axis).into_iter().filter(|g| g.columns.len() == 3).collect()
 }
 
+/// Whether the rows of every file say that they measured something else than points.
+fn without_points(clues: &Clues) -> bool {
+    clues.tables.iter().all(|table| {
+        let kind = table.headings.iter().position(|heading| heading.text == "kind");
+        kind.is_some_and(|k| (0..table.rows.len()).all(|row| !has_point(table.text(row, k))))
+    })
+}
+
+/// What stands under a heading of such a role and is no number.
+fn no_number(clues: &Clues, of: impl Fn(Role) -> Option<usize>) -> Option<Error> {
+    clues.tables.iter().find_map(|table| {
+        let wanted = |column: &usize| {
+            let named = Named::of(&table.headings[*column]);
+            named.is_some_and(|n| n.preference > -8 && of(n.role).is_some())
+        };
+        let mut columns = (0..table.headings.len()).filter(wanted);
+        columns.find_map(|column| {
+            let odd = |row: &usize| {
+                !table.text(*row, column).is_empty() && table.number(*row, column).is_none()
+            };
+            let row = (0..table.rows.len()).find(odd).filter(|_| !table.numeric(column))?;
+            let message = format!("\"{}\" is not a number", table.text(row, column));
+            let sign = if table.decimal == ',' { "comma" } else { "point" };
+            let help = format!(
+                "numbers are read with a decimal {sign} (--decimal says another); separators of \
+                 thousands only where a fraction follows: take them out of the column"
+            );
+            Some(table.fail(row, column, message, &help))
+        })
+    })
+}
+
 /// Whether every file has joints and a point by name.
 pub(super) fn all_complete(clues: &Clues) -> bool {
     let files = |groups: &[Group]| {
         (0..clues.tables.len())
             .all(|file| groups.iter().any(|g| g.file == file && g.preference >= -1))
     };
-    files(&joint_groups(clues)) && files(&point_groups(clues))
+    files(&joint_groups(clues)) && (files(&point_groups(clues)) || without_points(clues))
 }
 
 /// The one most likely what was measured; `None` without any.
@@ -209,6 +242,9 @@ pub(super) fn joints_and_point(
     }
     match (joints, point) {
         (Some(joints), Some(point)) => Ok(Some(Found { joints, point })),
+        (Some(joints), None) if without_points(clues) => {
+            Ok(Some(Found { joints, point: Vec::new() }))
+        }
         (None, None) => Ok(None),
         (joints, _) => {
             let (what, flag) = if joints.is_none() {
@@ -216,6 +252,11 @@ pub(super) fn joints_and_point(
             } else {
                 ("measured point", POINT_FLAG)
             };
+            let odd =
+                if joints.is_none() { no_number(clues, joint) } else { no_number(clues, axis) };
+            if let Some(error) = odd {
+                return Err(error);
+            }
             let numbers = groups(clues, joint).iter().map(|g| g.columns.len()).max();
             let lists: Vec<String> = clues.tables.iter().map(Table::list).collect();
             let more = match (numbers, clues.robot, what) {

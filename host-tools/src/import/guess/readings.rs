@@ -50,7 +50,9 @@ impl Readings {
         rows: &[RowRef],
         said: &[Option<Unit>],
     ) -> Self {
-        let Some(robot) = clues.robot else { return Self(Vec::new()) };
+        let Some(robot) = clues.robot.filter(|_| !found.point.is_empty()) else {
+            return Self(Vec::new());
+        };
         let places: Vec<&Place> = found.joints.iter().chain(&found.point).collect();
         let all = clues.numbers(&places, rows);
         let values: Vec<&Vec<f64>> = all.iter().step_by(all.len() / ROWS + 1).collect();

@@ -2,6 +2,7 @@
 //! for, by the headings, by the nominal arm, by the size of the numbers.
 
 use super::clues::{Clues, Found, Place};
+use super::contradiction::contradictions;
 use super::readings::{Readings, Told, reach, within_reach};
 use crate::error::{Error, Result};
 use crate::headings::{Quantity, Unit};
@@ -82,17 +83,7 @@ fn of_rows(
     let said: Vec<Option<Unit>> =
         joints.iter().chain(&point).map(|told| told.as_ref().map(|(unit, _)| *unit)).collect();
     let readings = Readings::of(clues, found, &quantities, rows, &said);
-    let nothing = vec![None; said.len()];
-    let unsaid = Readings::of(clues, found, &quantities, rows, &nothing);
-    for (what, told, arm) in
-        [("joints", &joints, unsaid.joints()), ("points", &point, unsaid.points())]
-    {
-        // Columns that differ are read as they say: no one unit is the arm's.
-        let first = told.first().and_then(Option::as_ref);
-        let same = told.iter().flatten().all(|t| Some(t.0) == first.map(|f| f.0));
-        let known = first.filter(|_| same && told.iter().all(Option::is_some));
-        warnings.extend(known.and_then(|known| Readings::contradiction(what, known, arm)));
-    }
+    warnings.extend(contradictions(clues, found, &quantities, rows, [&joints, &point]));
     let of = |quantity: Quantity| Group::of(&found.joints, &joints, &quantities, quantity);
     let (turning, sliding) = (of(Quantity::Angle), of(Quantity::Length));
     let axes = Group::of(&found.point, &point, &[Quantity::Length; 3], Quantity::Length);
@@ -181,7 +172,12 @@ fn known(clues: &Clues, place: &Place, quantity: Quantity) -> Result<Option<Told
             format!("convert the column, or say what its numbers are: {flag}"),
         ));
     }
-    let Some(unit) = heading.unit else { return Ok(None) };
+    let Some(unit) = heading.unit else {
+        let mut remarks = table.remarked.iter().filter(|(unit, _)| unit.quantity() == quantity);
+        let told =
+            |(unit, line): &(Unit, usize)| (*unit, format!("line {line} says {}", unit.word()));
+        return Ok(remarks.next_back().map(told));
+    };
     let measures = [Quantity::Angle, Quantity::Length];
     if unit.quantity() != quantity && measures.contains(&unit.quantity()) {
         let wanted = if quantity == Quantity::Length { "a length" } else { "an angle" };
