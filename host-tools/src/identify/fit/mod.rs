@@ -12,7 +12,7 @@ mod suspects;
 use nalgebra::{DMatrix, DVector};
 
 use super::problem::{Problem, Scaling};
-use crate::error::Result;
+use crate::error::{ErrorKind, Result};
 use crate::identify::problem::{Linearised, State};
 use crate::model::Values;
 use crate::tikhonov::{Factorised, Normal, Triangle};
@@ -91,8 +91,40 @@ fn fit_knowing(
         last = size;
         state = state.stepped(&problem.unknowns, &step);
     }
-    damped(problem, rows, weights, start, freedom)
+    let found = damped(problem, rows, weights, start, freedom);
+    let astray = found.as_ref().is_err_and(|e| e.kind() == ErrorKind::NotConverged);
+    match freedom {
+        Freedom::All(lambda) if astray => {
+            held_nearer(problem, rows, weights, start, lambda).unwrap_or(found)
+        }
+        _ => found,
+    }
 }
+
+/// The fit where links are held more firmly, as larger noise than stated would have them:
+/// what many rows at few angles have in common, and no link does, is no reason to bend those
+/// by hundreds of tolerances. `None` where what is left then is no noise of any kind.
+fn held_nearer(
+    problem: &Problem,
+    rows: &[usize],
+    weights: Option<&[Values]>,
+    start: &State,
+    lambda: f64,
+) -> Option<Result<Fit>> {
+    let rigid = damped(problem, rows, weights, start, Freedom::Frames).ok()?;
+    let firmer = FIRMER.iter().map(|times| Freedom::All(lambda * times));
+    let mut fits = firmer.map(|freedom| damped(problem, rows, weights, &rigid.state, freedom));
+    let found = fits.find_map(Result::ok)?;
+    let at = problem.linearise(&found.state);
+    let squares: f64 = rows.iter().map(|row| at.scaled_residual(*row).norm_squared()).sum();
+    let variance = squares / found.normal.equations().max(1) as f64;
+    (variance < NO_NOISE * NO_NOISE).then_some(Ok(found))
+}
+
+/// How many times as firmly links are tried to be held, one after the other.
+const FIRMER: [f64; 3] = [10.0, 100.0, 1000.0];
+/// Residuals beyond so many stated sigmas are a gross mistake, as diagnosis has it too.
+const NO_NOISE: f64 = 50.0;
 
 /// Whether normal equations, which square the condition number, are as good as a
 /// triangle: where the tolerances keep it small.
