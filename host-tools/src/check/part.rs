@@ -7,7 +7,7 @@ use super::mistake::Mistake;
 use super::sample::Sample;
 use super::scene::{Scene, Sight};
 use super::search::{Found, Search};
-use super::stray::{Seen, Stray, ranges, rms};
+use super::stray::{LEAST_OF_BASE, Seen, Stray, ranges, rms};
 use super::{Finding, Verdict, absorbed, hypotheses, words};
 use crate::identify::rigid_transform;
 use crate::model::{Measurements, Robot};
@@ -70,9 +70,12 @@ impl Stray {
         let others = (0..seen.far.len()).filter(|i| !block.contains(i));
         let known: Vec<usize> = others.map(|i| seen.sample.rows[i].station).collect();
         let changes = hypotheses::all(search.links).into_iter().filter(Mistake::of_data).map(Some);
+        let bases: &[bool] = if block.len() < LEAST_OF_BASE { &[false] } else { &[false, true] };
         let causes = std::iter::once(None).chain(changes).flat_map(|change| {
-            [false, true].map(|moved| {
-                let far = left(search, found, &part, change.as_ref(), (moved, &known));
+            let (part, known) = (&part, &known);
+            bases.iter().map(move |moved| {
+                let moved = *moved;
+                let far = left(search, found, part, change.as_ref(), (moved, known));
                 far.map(|far| Cause { change: change.clone(), moved, far })
             })
         });

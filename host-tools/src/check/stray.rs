@@ -26,8 +26,10 @@ const SLIPS: usize = 2;
 /// Rows from the first to the last of them are one block if so many of them are off:
 /// a wrong sense is not seen where the joint is near zero.
 const TOGETHER: f64 = 0.85;
+/// Of fewer rows one mistake has no chance to be told from another.
+const LEAST_OF_BLOCK: usize = 4;
 /// A base has six unknowns: fewer rows with a base of their own explain themselves.
-const LEAST_OF_BLOCK: usize = 8;
+pub(super) const LEAST_OF_BASE: usize = 8;
 /// Ranges that a sentence names.
 const NAMED: usize = 8;
 
