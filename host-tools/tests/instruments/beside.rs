@@ -318,15 +318,33 @@ fn a_place_of_two_stations_is_warned_of() {
     assert!(said(&data));
 }
 
+/// A set of files among the tests' data.
+fn of_folder(name: &str) -> (Robot, Measurements) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name);
+    let robot = Robot::read(&folder.join("robot.toml")).unwrap();
+    let data = Measurements::read(&folder.join("measurements.csv"), &robot).unwrap();
+    (robot, data)
+}
+
 /// Ranges from an arm of two joints to six planes, with noise of 0.02 mm: the first guess of
 /// ray and planes leads to 15 mm where nominal links leave 0.06.
 #[test]
 fn ranges_of_an_arm_of_two_joints_end_where_they_fit() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/range");
-    let robot = Robot::read(&folder.join("robot.toml")).unwrap();
-    let data = Measurements::read(&folder.join("measurements.csv"), &robot).unwrap();
+    let (robot, data) = of_folder("range");
     let found = tried(&robot, &data).unwrap();
     let kind = &found.figures.kinds[0];
     let (nominal, identified) = (kind.nominal_rms.unwrap(), kind.identified_rms.unwrap());
     assert!(nominal < 0.07 && identified < 0.02, "{nominal} {identified}");
+}
+
+/// Two lengths to each of three unknown feet can always be met: none is a gross error. From
+/// between the two places no step led to a foot, and one was 708 mm off.
+#[test]
+fn two_lengths_to_an_unknown_foot_are_met() {
+    let (robot, data) = of_folder("feet");
+    let options = Options { allow_few_poses: true, ..Options::default() };
+    let found = identify(&robot, &data, &options, &|_, _| ()).unwrap();
+    assert!(found.rows.iter().all(|row| !row.flagged));
+    let lengths = found.figures.kinds.iter().find(|k| k.kind == "distance").unwrap();
+    assert!(lengths.identified_rms.unwrap() < 1e-3, "{:?}", lengths.identified_rms);
 }

@@ -136,15 +136,21 @@ fn up(sights: &[Sight]) -> Option<Matrix3<f64>> {
 }
 
 /// The point that is so far from the targets: of `|p - a|^2 = d^2`, linear in a
-/// and its square. Of targets that are all there, their mean.
+/// and its square. Of targets that are all there, their mean; of too few, one of those that
+/// are as far off, aside: from between the targets no step leads there.
 fn anchor(sights: &[Sight]) -> Option<Vector3<f64>> {
     let far: Vec<_> =
         sights.iter().filter_map(|s| Some((s, kind(s.row).distance(s.row)?))).collect();
     let mean = sights.iter().map(|s| s.at.translation).sum::<Vector3<f64>>() / sights.len() as f64;
-    if far.len() < 4 {
-        return (!sights.is_empty()).then_some(mean);
-    }
     let p = |k: usize| far[k].0.at.translation - mean;
+    if far.len() < 4 {
+        let square = |k: usize| far[k].1.powi(2) - p(k).norm_squared();
+        let aside = (0..far.len()).map(square).sum::<f64>().max(0.0) / far.len().max(1) as f64;
+        let spread: Matrix3<f64> = (0..far.len()).map(|k| p(k) * p(k).transpose()).sum();
+        let eigen = spread.symmetric_eigen();
+        let way = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+        return (!sights.is_empty()).then_some(mean + way * aside.sqrt());
+    }
     let a = DMatrix::from_fn(far.len(), 4, |k, c| if c < 3 { 2.0 * p(k)[c] } else { -1.0 });
     let b = DVector::from_fn(far.len(), |k, _| p(k).norm_squared() - far[k].1.powi(2));
     let found = a.svd(true, true).solve(&b, 1e-9).ok()?;
