@@ -84,7 +84,8 @@ impl Searched {
         let mut answer = judge::answer(&all, best, &self.found, &parts, &grams);
         answer.refused = self.refused;
         let rad = |ratio: f64| self.found.scale * ratio.sqrt();
-        let scattering = self.weights.scattering.iter();
+        // What was found since may leave none of it.
+        let scattering = self.weights.scattering.iter().filter(|(_, ratio)| *ratio > 0.0);
         answer.scattering = scattering.map(|(joint, ratio)| (*joint, rad(*ratio))).collect();
         // What is said of the noise, and of what it makes of a model, is of all of it.
         let (state, rows) = (&answer.best.fit.fit.state, &self.rows);
