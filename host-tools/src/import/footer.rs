@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::sniff::Line;
 
-/// Their labels, in lower case and without anything between the letters.
-const WORDS: [&str; 25] = [
+/// Their labels, in lower case and without anything between the letters. No `range`: that is
+/// a kind of measurement, and a file may end with one.
+const WORDS: [&str; 24] = [
     "average",
     "avg",
     "mean",
@@ -26,7 +27,6 @@ const WORDS: [&str; 25] = [
     "minimum",
     "maximum",
     "rms",
-    "range",
     "spannweite",
     "sum",
     "summe",

@@ -1,25 +1,38 @@
 //! A joint that scatters by itself: its lines are then the best of thousands of orders, and
 //! noise the better explanation.
 
+use truearm::effects::Effect;
+
 use super::possible::listed;
 use super::search_result::Searched;
-use super::sheet::{Sheet, Weights, log_det};
+use super::sheet::{Scattered, Sheet, Weights};
 use super::{members_of, weights};
+use crate::diagnose::candidates;
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::question::Question;
 use crate::evidence::{Candidate, Subsets};
 use crate::identify::Problem;
+use crate::model::ModelTerm;
 
-/// Effects that are functions of a joint's angle or of where it is read: what a search among
+/// Whether it is a function of a joint's angle or of where that is read: what a search among
 /// many makes of scatter.
-const FITTED_TO_SCATTER: [&str; 6] = [
-    "joint-periodic-error",
-    "encoder-eccentricity",
-    "gear-transmission-error",
-    "joint-gain",
-    "joint-coupling",
-    "readout-lag",
-];
+fn fitted_to_scatter(candidate: &candidates::Candidate) -> bool {
+    use Effect::{
+        EncoderEccentricity, GearTransmissionError, JointCoupling, JointGain, JointPeriodicError,
+    };
+    candidate.terms.first().is_some_and(|term| match term {
+        ModelTerm::Arm(own) => matches!(
+            own.effect,
+            JointPeriodicError
+                | EncoderEccentricity
+                | GearTransmissionError
+                | JointGain
+                | JointCoupling
+        ),
+        ModelTerm::Lag { .. } => true,
+        ModelTerm::Drift { .. } | ModelTerm::Remount { .. } => false,
+    })
+}
 
 /// The next joint, counted from 0, whose scatter explains more than its effects alone, with
 /// them or in their place.
@@ -34,9 +47,9 @@ pub fn next(q: &Question, found: &Searched) -> Option<usize> {
     let joints = (0..problem.nominal.len()).filter(|joint| !known.contains(joint));
     let rated = joints.filter_map(|joint| {
         let fitted = |m: &usize| {
-            listed(&found.possible, &[*m]).iter().any(|c| {
-                FITTED_TO_SCATTER.contains(&c.name()) && c.joints().last() == Some(&(joint + 1))
-            })
+            listed(&found.possible, &[*m])
+                .iter()
+                .any(|c| fitted_to_scatter(c) && c.joints().last() == Some(&(joint + 1)))
         };
         let bare: Vec<usize> = members.iter().copied().filter(|m| !fitted(m)).collect();
         if bare.len() == members.len() {
@@ -90,7 +103,7 @@ impl Compared<'_> {
             out = best.log_mass - poses * scale.ln() - 0.5 * geometry.log_det();
             scale = subsets.scale_of(&best);
         }
-        out - 0.5 * log_det(problem, state, rows, &weights.scattering)
+        out - 0.5 * Scattered::of(problem, state, rows, &weights.scattering).log_det
     }
 }
 

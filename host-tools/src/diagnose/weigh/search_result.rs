@@ -6,7 +6,7 @@ use super::judge;
 use super::partial_fits::Explained;
 use super::possible::Possible;
 use super::row_parts::{Parts, joined};
-use super::sheet::{Sheet, Weights, together};
+use super::sheet::{Scattered, Sheet, Weights};
 use super::start::{Bent, Start};
 use super::weighed::Weighed;
 use crate::diagnose::candidates::Candidate;
@@ -89,7 +89,7 @@ impl Searched {
         answer.scattering = scattering.map(|(joint, ratio)| (*joint, rad(*ratio))).collect();
         // What is said of the noise, and of what it makes of a model, is of all of it.
         let (state, rows) = (&answer.best.fit.fit.state, &self.rows);
-        answer.scale *= together(&problem, state, rows, &self.weights.scattering);
+        answer.scale *= Scattered::of(&problem, state, rows, &self.weights.scattering).together();
         answer.moments = self.bent.moments;
         answer.no_room = no_room;
         if !self.curves.is_empty() {

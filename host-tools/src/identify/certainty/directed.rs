@@ -55,8 +55,7 @@ pub fn information(problem: &Problem, at: &Linearised, rows: &[usize]) -> DMatri
         }
     }
     // What is along the joints is a part of the stated noise, not beside it.
-    let rest =
-        (1.0 - square / f64::from(u32::try_from(equations.max(1)).unwrap_or(u32::MAX))).max(0.0);
+    let rest = (1.0 - square / equations.max(1) as f64).max(0.0);
     plain * rest + along
 }
 

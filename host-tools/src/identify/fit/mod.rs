@@ -95,7 +95,7 @@ fn fit_knowing(
     let astray = found.as_ref().is_err_and(|e| e.kind() == ErrorKind::NotConverged);
     match freedom {
         Freedom::All(lambda) if astray => {
-            held_nearer(problem, rows, weights, start, lambda).unwrap_or(found)
+            held_nearer(problem, rows, weights, start, lambda).map_or(found, Ok)
         }
         _ => found,
     }
@@ -110,7 +110,7 @@ fn held_nearer(
     weights: Option<&[Values]>,
     start: &State,
     lambda: f64,
-) -> Option<Result<Fit>> {
+) -> Option<Fit> {
     let rigid = damped(problem, rows, weights, start, Freedom::Frames).ok()?;
     let firmer = FIRMER.iter().map(|times| Freedom::All(lambda * times));
     let mut fits = firmer.map(|freedom| damped(problem, rows, weights, &rigid.state, freedom));
@@ -118,7 +118,7 @@ fn held_nearer(
     let at = problem.linearise(&found.state);
     let squares: f64 = rows.iter().map(|row| at.scaled_residual(*row).norm_squared()).sum();
     let variance = squares / found.normal.equations().max(1) as f64;
-    (variance < NO_NOISE * NO_NOISE).then_some(Ok(found))
+    (variance < NO_NOISE * NO_NOISE).then_some(found)
 }
 
 /// How many times as firmly links are tried to be held, one after the other.

@@ -24,7 +24,7 @@ use crate::model::Values;
 use crate::model::arm::Derivatives;
 use crate::observations::{Reading, postures};
 use beside_springs::shares;
-pub use scattered::{along, log_det, together};
+pub use scattered::{Scattered, along};
 pub use tool_point::ByCurves;
 
 /// Equations given to a Gram matrix at a time.

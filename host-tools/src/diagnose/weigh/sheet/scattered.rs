@@ -70,45 +70,50 @@ fn apart(block: DMatrix<f64>, residual: Values, ratios: &[f64]) -> (DMatrix<f64>
     (wide.remove_columns(own, ratios.len() + 1), residual)
 }
 
-/// How many times the other noise all of it is together with what joints scatter, as a root
-/// mean square over the equations of rows.
-#[must_use]
-pub fn together(
-    problem: &Problem,
-    state: &State,
-    rows: &[usize],
-    scattering: &[(usize, f64)],
-) -> f64 {
-    let at = problem.linearise(state);
-    let of_row = |row: &usize| {
-        let of_joint = |(joint, ratio): &(usize, f64)| {
-            let (ways, _) = along(&at, problem, *row, *joint, &[]);
-            [ratio * ways.norm_squared(), ways.nrows() as f64]
-        };
-        scattering.iter().map(of_joint).fold([0.0; 2], |a, b| [a[0] + b[0], b[1]])
-    };
-    let each: Vec<[f64; 2]> = rows.par_iter().map(of_row).collect();
-    let [more, equations] = each.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-    if equations > 0.0 { (1.0 + more / equations).sqrt() } else { 1.0 }
+/// What joints that scatter make of the noise of rows.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Scattered {
+    /// `log |V|`.
+    pub log_det: f64,
+    /// Variance by them over the other variance, summed over the equations...
+    more: f64,
+    /// ...which are so many.
+    equations: usize,
 }
 
-/// `log |V|` of rows whose joints scatter so.
-#[must_use]
-pub fn log_det(
-    problem: &Problem,
-    state: &State,
-    rows: &[usize],
-    scattering: &[(usize, f64)],
-) -> f64 {
-    let at = problem.linearise(state);
-    let of_row = |row: &usize| {
-        let of_joint = |k: usize| {
-            let (joint, ratio) = scattering[k];
-            let (ways, _) = along(&at, problem, *row, joint, &scattering[..k]);
-            let of_way = |way: usize| (1.0 + ratio * ways.column(way).norm_squared()).ln();
-            (0..ways.ncols()).map(of_way).sum::<f64>()
+impl Scattered {
+    /// Of rows whose joints scatter so.
+    #[must_use]
+    pub fn of(problem: &Problem, state: &State, rows: &[usize], joints: &[(usize, f64)]) -> Self {
+        let at = problem.linearise(state);
+        let of_joint = |row: usize, k: usize| {
+            let (joint, ratio) = joints[k];
+            let (ways, _) = along(&at, problem, row, joint, &[]);
+            let (beside, _) = along(&at, problem, row, joint, &joints[..k]);
+            let of_way = |way: usize| (1.0 + ratio * beside.column(way).norm_squared()).ln();
+            let log_det = (0..beside.ncols()).map(of_way).sum();
+            Self { log_det, more: ratio * ways.norm_squared(), equations: ways.nrows() }
         };
-        (0..scattering.len()).map(of_joint).sum::<f64>()
-    };
-    rows.par_iter().map(of_row).collect::<Vec<f64>>().iter().sum()
+        let of_row = |row: &usize| {
+            let all = (0..joints.len()).map(|k| of_joint(*row, k));
+            all.fold(Self::default(), |sum, own| Self { equations: own.equations, ..sum.plus(own) })
+        };
+        let each: Vec<Self> = rows.par_iter().map(of_row).collect();
+        each.into_iter().fold(Self::default(), Self::plus)
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            log_det: self.log_det + other.log_det,
+            more: self.more + other.more,
+            equations: self.equations + other.equations,
+        }
+    }
+
+    /// How many times the other noise all of it is together, as a root mean square over the
+    /// equations.
+    #[must_use]
+    pub fn together(&self) -> f64 {
+        (1.0 + self.more / self.equations.max(1) as f64).sqrt()
+    }
 }
