@@ -15,6 +15,7 @@ pub mod evaluate;
 pub mod evidence;
 pub mod files;
 pub mod fleet;
+pub mod gram;
 pub mod headings;
 pub mod identify;
 pub mod import;

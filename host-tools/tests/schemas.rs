@@ -98,8 +98,17 @@ fn reports_are_valid() {
     for name in ["robot.toml", "measurements.csv"] {
         fs::copy(data.join(name), arm.join(name)).unwrap();
     }
+    let run = |line: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
+        let ran = command.current_dir(&folder).args(line.split(' ')).output().unwrap();
+        assert!(ran.status.success(), "{line}: {}", String::from_utf8_lossy(&ran.stderr));
+        String::from_utf8(ran.stdout).unwrap()
+    };
+    run("identify robot.toml measurements.csv --out start");
+    run("gram add start/model.toml measurements.csv --out all.gram");
     let mut names: Vec<String> = [
         "fleet arms",
+        "gram step start/model.toml all.gram --out state.toml",
         "import measurements.csv --out imported/measurements.csv",
         "identify robot.toml measurements.csv --validate again.csv --out .",
         "diagnose robot.toml measurements.csv",
@@ -118,11 +127,7 @@ fn reports_are_valid() {
         "unpack arm.bin --out unpacked.toml",
     ]
     .map(|line| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_truearm"));
-        command.current_dir(&folder).args(line.split(' ')).arg("--json");
-        let ran = command.output().unwrap();
-        assert!(ran.status.success(), "{line}: {}", String::from_utf8_lossy(&ran.stderr));
-        let name = valid(&String::from_utf8(ran.stdout).unwrap());
+        let name = valid(&run(&format!("{line} --json")));
         assert!(name.contains(line.split(' ').next().unwrap()), "{line}: {name}");
         name
     })

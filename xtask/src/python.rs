@@ -19,7 +19,20 @@ pub fn found() -> bool {
     made.is_ok_and(|output| output.status.success())
 }
 
+/// How packages are installed.
+pub const PIP: [&str; 5] = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+
 pub fn run() -> Result {
+    let tester = installed()?;
+    step("tests of the wheel", || {
+        call(Command::new(&tester).arg(directory().join("tests/test_truearm.py")))
+    })?;
+    // As a script, and without figures: matplotlib is not there.
+    step("notebook", || call(Command::new(&tester).arg(directory().join("notebooks/ur10.py"))))
+}
+
+/// The wheel, built and installed in a bare environment; its Python.
+pub fn installed() -> Result<PathBuf> {
     if !found() {
         return Err("no python3 with venv: install Debian's python3-venv".into());
     }
@@ -32,19 +45,14 @@ pub fn run() -> Result {
     for place in [&build, &bare] {
         call(Command::new(PYTHON).args(["-m", "venv"]).arg(place))?;
     }
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
     let [builder, tester] = [&build, &bare].map(|place| place.join("bin/python"));
     step("wheel", || {
-        call(Command::new(&builder).args(pip).arg("maturin>=1.9,<2"))?;
+        call(Command::new(&builder).args(PIP).arg("maturin>=1.9,<2"))?;
         let mut wheel = Command::new(build.join("bin/maturin"));
         wheel.current_dir(directory()).args(["build", "--release", "--out"]);
-        call(wheel.arg(&wheels).arg("--target-dir").arg(target_dir()))
-    })?;
-    step("tests of the wheel", || {
+        call(wheel.arg(&wheels).arg("--target-dir").arg(target_dir()))?;
         let wheel = fs::read_dir(&wheels)?.next().ok_or("no wheel was built")??.path();
-        call(Command::new(&tester).args(pip).arg(wheel))?;
-        call(Command::new(&tester).arg(directory().join("tests/test_truearm.py")))
+        call(Command::new(&tester).args(PIP).arg(wheel))
     })?;
-    // As a script, and without figures: matplotlib is not there.
-    step("notebook", || call(Command::new(&tester).arg(directory().join("notebooks/ur10.py"))))
+    Ok(tester)
 }

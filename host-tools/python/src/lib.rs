@@ -2,6 +2,7 @@
 //! every report, is the program's own.
 
 mod arrays;
+mod gram;
 mod measurements;
 mod model;
 mod robot;
@@ -36,6 +37,8 @@ pub(crate) fn wrong(message: impl Into<String>, help: impl Into<String>) -> PyEr
 mod _truearm {
     #[pymodule_export]
     use super::TruearmError;
+    #[pymodule_export]
+    use super::gram::{accumulate, merge, step};
     #[pymodule_export]
     use super::measurements::Measurements;
     #[pymodule_export]

@@ -28,6 +28,23 @@ impl Model {
         Ok(Self { inner: model::Model::read_or_nominal(&path).map_err(refused)? })
     }
 
+    /// Of the text of a model.toml.
+    #[staticmethod]
+    fn parse(text: &str) -> PyResult<Self> {
+        Ok(Self { inner: model::Model::parse("model.toml".as_ref(), text).map_err(refused)? })
+    }
+
+    /// Pickled as its text.
+    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (String,))> {
+        Ok((py.get_type::<Self>().getattr("parse")?.unbind(), (self.inner.to_toml(),)))
+    }
+
+    /// The nominal arm.
+    #[getter]
+    fn robot(&self) -> Robot {
+        Robot { inner: self.inner.robot.clone() }
+    }
+
     /// Writes a model.toml.
     fn save(&self, path: PathBuf) -> PyResult<()> {
         files::write(&path, self.inner.to_toml().as_bytes()).map_err(refused)

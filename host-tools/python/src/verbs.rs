@@ -29,6 +29,13 @@ pub struct Found {
     json: String,
 }
 
+impl Found {
+    /// Of a model and its report.
+    pub fn new(py: Python<'_>, model: truearm_host::model::Model, json: String) -> PyResult<Self> {
+        Ok(Self { model: Py::new(py, Model { inner: model })?, json })
+    }
+}
+
 /// Identifies the geometry of an arm.
 #[pyfunction]
 #[pyo3(signature = (robot, data, allow_few_poses=false))]
@@ -43,7 +50,7 @@ pub fn identify(
         .detach(|| identification::identify(&robot.inner, &data.inner, &options, &|_, _| ()))
         .map_err(refused)?;
     let json = to_json(&IdentifyReport::new(found.figures, None));
-    Ok(Found { model: Py::new(py, Model { inner: found.model })?, json })
+    Found::new(py, found.model, json)
 }
 
 /// Finds what geometry does not explain, names it and adds it.
@@ -69,7 +76,7 @@ pub fn diagnose(
         .detach(|| diagnosis::diagnose(&robot.inner, &data.inner, holdout, &options, &|_| ()))
         .map_err(refused)?;
     let json = to_json(&DiagnoseReport::new(found.outcome));
-    Ok(Found { model: Py::new(py, Model { inner: found.model })?, json })
+    Found::new(py, found.model, json)
 }
 
 /// Looks for gross mistakes in robot and measurements: the report as JSON.

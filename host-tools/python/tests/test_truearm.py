@@ -4,6 +4,7 @@ import contextlib
 import io
 import os
 import pathlib
+import pickle
 import shutil
 import tempfile
 import time
@@ -131,6 +132,26 @@ class Truearm(unittest.TestCase):
         told = model.compensate(outside)
         self.assertEqual(list(told.covered), [False] + [True] * (len(q) - 1))
         np.testing.assert_allclose(told.joints[0], outside[0], rtol=1e-15)
+
+    def test_parts_are_the_whole(self):
+        start = truearm.identify(self.robot, self.data).model
+        rows = (CASE / "measurements.csv").read_text().splitlines()
+        with tempfile.TemporaryDirectory() as folder:
+            files = [pathlib.Path(folder) / f"{k}.csv" for k in range(3)]
+            for k, file in enumerate(files):
+                file.write_text("\n".join([rows[0], *rows[1 + k :: 3]]) + "\n")
+            parts = [truearm.Measurements.read(file, start.robot) for file in files]
+        whole, split = start, start
+        for _ in range(9):
+            whole, report = truearm.step(whole, truearm.accumulate(whole, self.data))
+            copy = pickle.loads(pickle.dumps(split))
+            sums = truearm.merge([truearm.accumulate(copy, part) for part in parts])
+            split, _ = truearm.step(split, sums)
+        self.assertTrue(report["settled"], report)
+        a, b = whole.forward(self.data.joints), split.forward(self.data.joints)
+        np.testing.assert_allclose(a, b, atol=1e-12)
+        with self.assertRaises(truearm.TruearmError):
+            truearm.step(start, sums)
 
     def test_the_readme_runs(self):
         readme = pathlib.Path(__file__).resolve().parents[1] / "README.md"

@@ -114,6 +114,7 @@ fn model<const N: usize>(p: &ArmParameters<f64, N>, path: &Path, name: Option<Na
         orientation_identified: p.orientation_identified,
         robot_id: (!known).then_some(p.robot_id),
         covariance: None,
+        gram: None,
         changed: false,
     }
 }

@@ -30,7 +30,7 @@ impl Manual {
     }
 
     fn page(&self, command: &Command) -> Result<()> {
-        let is_program = command.has_subcommands();
+        let is_program = command.get_bin_name().is_none_or(|name| !name.contains(' '));
         if self.markdown {
             let text =
                 if is_program { markdown::of_program(command) } else { markdown::of_verb(command) };

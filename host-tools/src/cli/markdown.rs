@@ -23,8 +23,13 @@ pub fn of_program(program: &Command) -> String {
     text
 }
 
-/// The page of a verb.
+/// The page of a verb, and of each of its parts.
 pub fn of_verb(verb: &Command) -> String {
+    let parts = verbs(verb).map(|part| format!("\n#{}", of_one(part)));
+    of_one(verb) + &parts.collect::<String>()
+}
+
+fn of_one(verb: &Command) -> String {
     let own = || verb.get_arguments().filter(|arg| !arg.is_global_set());
     let given = table("argument", own().filter(|arg| arg.is_positional()));
     let options = table("option", own().filter(|arg| !arg.is_positional()));

@@ -13,6 +13,7 @@ mod exit_status;
 mod export;
 mod fk;
 mod fleet;
+mod gram;
 mod identify;
 mod ik;
 mod import;
@@ -70,6 +71,7 @@ enum Verb {
     Diagnose(diagnose::Diagnose),
     Evaluate(evaluate::Evaluate),
     Fleet(fleet::Fleet),
+    Gram(gram::Gram),
     Check(check::Check),
     Compare(compare::Compare),
     Pack(pack::Pack),
@@ -111,6 +113,7 @@ impl Cli {
             Verb::Diagnose(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
             Verb::Fleet(verb) => verb.run(),
+            Verb::Gram(verb) => verb.run(),
             Verb::Check(verb) => verb.run(),
             Verb::Compare(verb) => verb.run(),
             Verb::Pack(verb) => verb.run(),

@@ -33,8 +33,13 @@ pub(super) fn digest(text: &str) -> String {
 
 /// Of a text as it stands: FNV-1a, against accidents, not against forgers.
 pub(super) fn of_text(text: &str) -> String {
-    let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+    format!("{:016x}", digest_of_text(text))
+}
+
+/// The same as a number.
+#[must_use]
+pub fn digest_of_text(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    format!("{hash:016x}")
+    })
 }

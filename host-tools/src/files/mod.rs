@@ -22,6 +22,7 @@ mod signed;
 mod source;
 
 pub(crate) use comment::on_one_line;
+pub use digest::digest_of_text;
 pub use edit::CsvEdit;
 pub(crate) use edit::{not_that_text, tables};
 pub use key::read_key;

@@ -174,6 +174,7 @@ impl Findings<'_> {
             robot_id: None,
             covariance: Some(factor(&covariance)),
             changed: false,
+            gram: None,
             provenance: provenance(figures),
             unidentifiable: [figures.unidentifiable.clone(), figures.weakly_determined.clone()]
                 .concat(),

@@ -4,7 +4,7 @@ use truearm::{MdhParameters, Pose};
 
 use super::robot::Robot;
 use crate::error::{Error, ErrorKind, Result, listed};
-use crate::model::{ErrorCurve, Instrument, Measurements, ModelTerm};
+use crate::model::{ErrorCurve, GramState, Instrument, Measurements, ModelTerm};
 
 /// An identified arm: what `identify` writes, `evaluate` scores, `pack` flashes.
 /// SI units.
@@ -47,6 +47,8 @@ pub struct Model {
     /// Whether the file was changed since it was written, in what the arm's
     /// accuracy and covariance depend on: they are then not this model's.
     pub changed: bool,
+    /// Where it is a state of an identification by parts.
+    pub gram: Option<GramState>,
 }
 
 /// Where a model came from.
@@ -122,6 +124,7 @@ impl Model {
             robot_id: None,
             covariance: None,
             changed: false,
+            gram: None,
             robot,
         }
     }

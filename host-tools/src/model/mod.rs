@@ -4,6 +4,7 @@
 pub mod arm;
 mod derivatives;
 mod error_curve;
+mod gram_state;
 mod identified;
 mod instrument;
 mod measurements;
@@ -17,6 +18,7 @@ mod values;
 mod workspace;
 
 pub use error_curve::{CURVE, CurveFit, ErrorCurve, JointTables};
+pub use gram_state::GramState;
 pub use identified::{Model, Provenance};
 pub use instrument::{Form, Instrument};
 pub use measurements::{Commanded, KindId, Measurements, Row};

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 
 use super::{
     CheckReport, CompareReport, CompensateReport, DiagnoseReport, DiffReport, EvaluateReport,
-    ExportReport, FkReport, FleetReport, IdentifyReport, IkReport, ImportReport, InspectReport,
-    PackReport, PlanReport, SeparationReport, UnpackReport, VerifyReport,
+    ExportReport, FkReport, FleetReport, GramReport, IdentifyReport, IkReport, ImportReport,
+    InspectReport, PackReport, PlanReport, SeparationReport, UnpackReport, VerifyReport,
 };
 
 /// Name and text of every schema, as they stand in `docs/schemas`.
@@ -17,6 +17,7 @@ pub fn all() -> Vec<(&'static str, String)> {
         (EvaluateReport::SCHEMA, of::<EvaluateReport>()),
         (ExportReport::SCHEMA, of::<ExportReport>()),
         (FleetReport::SCHEMA, of::<FleetReport>()),
+        (GramReport::SCHEMA, of::<GramReport>()),
         (CheckReport::SCHEMA, of::<CheckReport>()),
         (CompareReport::SCHEMA, of::<CompareReport>()),
         (ImportReport::SCHEMA, of::<ImportReport>()),

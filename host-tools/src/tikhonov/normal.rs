@@ -33,6 +33,12 @@ impl Normal {
         Self::of_columns(&rows.transpose())
     }
 
+    /// Of no equations.
+    #[must_use]
+    pub fn none(unknowns: usize) -> Self {
+        Self { gram: DMatrix::zeros(unknowns + 1, unknowns + 1), equations: 0 }
+    }
+
     /// Of a matrix `[A, b]'`, a column an equation.
     #[must_use]
     pub fn of_columns(columns: &DMatrix<f64>) -> Self {
@@ -48,8 +54,15 @@ impl Normal {
     }
 
     /// Of `[A, b]'[A, b]` of so many equations.
-    pub(super) fn of_gram(gram: DMatrix<f64>, equations: usize) -> Self {
+    #[must_use]
+    pub fn of_gram(gram: DMatrix<f64>, equations: usize) -> Self {
         Self { gram, equations }
+    }
+
+    /// `[A, b]'[A, b]`.
+    #[must_use]
+    pub fn gram(&self) -> &DMatrix<f64> {
+        &self.gram
     }
 
     /// The same of unknowns y counted in other units and from elsewhere:

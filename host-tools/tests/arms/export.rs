@@ -55,6 +55,7 @@ fn identified(robot: &Robot, seed: u64) -> Model {
         robot_id: None,
         covariance: None,
         changed: false,
+        gram: None,
     }
 }
 

@@ -3,6 +3,7 @@
 mod cuts;
 mod flips;
 pub mod fuzz;
+mod parts;
 pub mod restarts;
 mod ticks;
 
@@ -34,6 +35,8 @@ pub enum Study {
     Ticks,
     /// Bytes that are no blob, and histories of power cuts, guided by coverage
     Fuzz(fuzz::Options),
+    /// Is an arm identified by parts, by Dask and by Spark that of one run?
+    Parts,
     /// Of arms whose truth is known: the package `truearm-study`
     #[command(external_subcommand)]
     Arms(Vec<OsString>),
@@ -55,6 +58,7 @@ pub fn run(study: &Study) -> Result {
         Study::Flips => flips::run(),
         Study::Cuts(options) => cuts::run(options),
         Study::Ticks => ticks::run(),
+        Study::Parts => parts::run(),
         Study::Restarts(options) => restarts::study(options),
         Study::Fuzz(options) => fuzz::study(options),
         Study::Arms(_) => Ok(()),

@@ -10,7 +10,15 @@ import json
 from typing import Any
 
 from . import _truearm
-from ._truearm import Compensated, Measurements, Model, Robot, TruearmError
+from ._truearm import (
+    Compensated,
+    Measurements,
+    Model,
+    Robot,
+    TruearmError,
+    accumulate,
+    merge,
+)
 
 __all__ = [
     "Compensated",
@@ -19,11 +27,14 @@ __all__ = [
     "Result",
     "Robot",
     "TruearmError",
+    "accumulate",
     "check",
     "diagnose",
     "evaluate",
     "identify",
+    "merge",
     "plan",
+    "step",
     "verify",
 ]
 
@@ -100,6 +111,13 @@ def diagnose(
     """Finds what geometry does not explain, names it, and shows the gap shrink."""
     found = _truearm.diagnose(robot, data, holdout, most_terms, highest_order, allow_few_poses)
     return Result(found)
+
+
+def step(state: Model, sums: bytes) -> tuple[Model, dict[str, Any]]:
+    """The next state of an identification by parts, and what is known of this one. `sums` is
+    `merge` of what `accumulate` says of every part at `state`; settled is `report["settled"]`."""
+    found = _truearm.step(state, sums)
+    return found.model, json.loads(found.json)
 
 
 def check(robot: Robot, data: Measurements) -> dict[str, Any]:

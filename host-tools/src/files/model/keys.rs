@@ -28,6 +28,8 @@ pub(super) struct ModelFile {
     pub reference_temperature_c: f64,
     pub unidentifiable: Vec<String>,
     pub provenance: Provenance,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gram: Option<GramFile>,
     pub frame: FrameFile,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base: Option<PlacementFile>,
@@ -62,6 +64,7 @@ pub(super) struct ModelPart {
     #[serde(default)]
     pub unidentifiable: Vec<String>,
     pub provenance: Provenance,
+    pub gram: Option<Spanned<GramFile>>,
     pub frame: FrameFile,
     pub corrections: Vec<Spanned<CorrectionFile>>,
     #[serde(default)]
@@ -150,6 +153,17 @@ pub(super) struct SigmaFile {
     pub theta_offset_deg: f64,
     pub d_mm: f64,
     pub beta_deg: f64,
+}
+
+/// `[gram]`: how far an identification by parts has come.
+#[derive(Serialize, Deserialize)]
+pub(super) struct GramFile {
+    pub stage: u32,
+    pub settled: bool,
+    pub k: f64,
+    pub weights: f64,
+    pub flagged: usize,
+    pub targets_mm: Vec<[f64; 3]>,
 }
 
 /// The small rigid transform taken out before packing.

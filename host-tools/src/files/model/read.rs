@@ -5,13 +5,13 @@ use toml::Spanned;
 use truearm::Pose;
 
 use super::finite::unlike_a_number;
-use super::keys::{CorrectionFile, InstrumentFile, ModelPart, StationFile};
+use super::keys::{CorrectionFile, GramFile, InstrumentFile, ModelPart, StationFile};
 use super::{SCHEMA, frame_from_file, from_file};
 use crate::error::{Error, Result};
 use crate::files::digest::digest;
 use crate::files::source::Source;
 use crate::files::{model_curves, model_terms};
-use crate::model::{ErrorCurve, Form, Instrument, Model, ModelTerm, Robot};
+use crate::model::{ErrorCurve, Form, GramState, Instrument, Model, ModelTerm, Robot};
 use crate::units::{from_mm, point_from_mm};
 
 /// Degrees or mm that no joint covers, and none is corrected by.
@@ -24,10 +24,17 @@ impl Model {
     /// # Errors
     /// Names file, line and remedy.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = crate::files::read(path)?;
-        let mut robot = Robot::parse(path, &text)?;
+        Self::parse(path, &crate::files::read(path)?)
+    }
+
+    /// Reads the text of a model.toml; `path` is for messages.
+    ///
+    /// # Errors
+    /// As for [`read`](Self::read).
+    pub fn parse(path: &Path, text: &str) -> Result<Self> {
+        let mut robot = Robot::parse(path, text)?;
         robot.warnings.clear();
-        let source = Source { path, text: &text };
+        let source = Source { path, text };
         if let Some((key, value)) = unlike_a_number(&text.parse().unwrap_or_default()) {
             return Err(source.whole(format!("{key} is {value}"), "give a finite number"));
         }
@@ -43,7 +50,8 @@ impl Model {
             covered: part.corrections.iter().map(|c| covered(c.get_ref())).collect(),
             orientation_identified: part.orientation_identified,
             robot_id: part.robot_id.as_ref().map(|id| reader.robot_id(id)).transpose()?,
-            changed: part.digest != digest(&text),
+            changed: part.digest != digest(text),
+            gram: part.gram.as_ref().map(|g| reader.gram(g)).transpose()?,
             covariance: match &part.covariance {
                 Some(file) => {
                     let factor = file.get_ref().factor();
@@ -101,6 +109,22 @@ struct Part<'a> {
 impl Part<'_> {
     fn fail(&self, message: String) -> Error {
         self.source.whole(message, HELP)
+    }
+
+    /// The state of an identification by parts.
+    fn gram(&self, file: &Spanned<GramFile>) -> Result<GramState> {
+        let GramFile { stage, settled, k, weights, flagged, targets_mm } = file.get_ref();
+        if !(*k >= 1.0 && *weights > 0.0) {
+            let message = format!("[gram] k = {k} and weights = {weights}: 1 and 0 at least");
+            return Err(self.source.at(
+                file.span(),
+                message,
+                "give it as `truearm gram step` wrote it",
+            ));
+        }
+        let targets = targets_mm.iter().map(|place| point_from_mm(*place)).collect();
+        let (stage, settled, k) = (*stage, *settled, *k);
+        Ok(GramState { stage, settled, k, weights: *weights, flagged: *flagged, targets })
     }
 
     /// Whether the parts of the file belong together.

@@ -7,7 +7,7 @@ use super::{SCHEMA, frame_to_file, to_file};
 use crate::error::{Error, Result};
 use crate::files::digest::digest;
 use crate::files::{covariance, model_curves, model_terms, prior_tables};
-use crate::model::{Instrument, Joint, Model, Placement, Robot};
+use crate::model::{GramState, Instrument, Joint, Model, Placement, Robot};
 use crate::units::{End, joint_to_file_at, point_to_mm, to_mm};
 
 /// What stands above the keys.
@@ -60,6 +60,7 @@ impl Model {
             reference_temperature_c: robot.reference_temperature,
             unidentifiable: self.unidentifiable.clone(),
             provenance: self.provenance.clone(),
+            gram: self.gram.as_ref().map(gram),
             frame: frame_to_file(&self.frame_translation, &self.frame_rotation, &base),
             base: (robot.base != Placement::default()).then(|| placement(&robot.base)),
             tool: tool(robot),
@@ -132,6 +133,17 @@ fn joint(joint: &Joint) -> JointFile {
         gear_ratio: joint.gear_ratio,
         tolerance: tolerance.into_iter().collect(),
         expected: expected.into_iter().collect(),
+    }
+}
+
+fn gram(state: &GramState) -> GramFile {
+    GramFile {
+        stage: state.stage,
+        settled: state.settled,
+        k: state.k,
+        weights: state.weights,
+        flagged: state.flagged,
+        targets_mm: state.targets.iter().map(point_to_mm).collect(),
     }
 }
 

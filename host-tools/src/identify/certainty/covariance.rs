@@ -7,6 +7,7 @@ use truearm::blob::uncertain_parameters;
 
 use crate::identify::problem::accumulate::{CHUNK, tree};
 use crate::identify::problem::{Problem, State};
+use crate::identify::start::tool;
 use crate::model::arm::{Kinematics, RowInputs, chain};
 use crate::model::{Instrument, ModelTerm};
 
@@ -24,15 +25,27 @@ pub fn of_arm(
     unknowns: &DMatrix<f64>,
     frame: &Pose<f64>,
 ) -> DMatrix<f64> {
+    let marker = tool::of(problem.data);
+    of_arm_by(problem, state, &FrameSums::of(problem, state, rows, frame), marker, unknowns)
+}
+
+/// The same by what the rows say of the frame, of the marker that stands for the tool.
+#[must_use]
+pub fn of_arm_by(
+    problem: &Problem,
+    state: &State,
+    frame: &FrameSums,
+    marker: Option<usize>,
+    unknowns: &DMatrix<f64>,
+) -> DMatrix<f64> {
     let columns = &problem.unknowns;
     let joints = state.links.len();
     let is_arm = |t: &ModelTerm| matches!(t, ModelTerm::Arm(_));
     let terms = state.terms.iter().filter(|t| is_arm(t)).count();
 
     let mut map = DMatrix::zeros(uncertain_parameters(joints, terms), columns.list().len());
-    map.rows_mut(0, 6).copy_from(&base(problem, state, rows, frame));
-    let marker =
-        crate::identify::start::tool::of(problem.data).and_then(|marker| columns.marker(marker));
+    map.rows_mut(0, 6).copy_from(&frame.base());
+    let marker = marker.and_then(|marker| columns.marker(marker));
     for (k, column) in (0..3).zip(marker.into_iter().flat_map(|first| first..)) {
         map[(6 + k, column)] = 1.0;
     }
@@ -46,41 +59,69 @@ pub fn of_arm(
     &map * unknowns * map.transpose()
 }
 
-/// Change of the base, translation then rotation, with every unknown.
-fn base(problem: &Problem, state: &State, rows: &[usize], frame: &Pose<f64>) -> Matrix6xX<f64> {
-    let columns = &problem.unknowns;
-    let arms: Vec<Box<dyn Kinematics>> =
-        state.markers.iter().map(|m| chain(&state.links, *frame, *m)).collect();
-    let leaf = |rows: &[usize]| {
-        let mut normal = Matrix6::zeros();
-        let mut pull = Matrix6xX::zeros(columns.list().len());
-        for row in rows.iter().map(|r| &problem.data.rows[*r]) {
-            let real = arms[row.marker].derivatives(&row.q, &[], &RowInputs::default());
-            let [rx, ry, rz, tx, ty, tz] = real.base;
-            let motion = nalgebra::Matrix3x6::from_columns(&[tx, ty, tz, rx, ry, rz]);
-            normal += motion.transpose() * motion;
-            let mut add = |column: usize, change: Vector3<f64>| {
-                let sum: Vector6<f64> = pull.column(column) - motion.transpose() * change;
-                pull.set_column(column, &sum);
-            };
-            for (i, link) in real.links.iter().enumerate() {
-                for (k, change) in link.to_array().iter().enumerate() {
-                    add(columns.free() + 5 * i + k, *change);
+/// What some rows say of the frame between identified and nominal tool points: the sums of
+/// its least-squares problem, in how it moves with every unknown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameSums {
+    /// Normal matrix of translation and rotation.
+    pub normal: Matrix6<f64>,
+    /// Its right-hand side, a column an unknown in SI.
+    pub pull: Matrix6xX<f64>,
+}
+
+impl FrameSums {
+    /// Of these rows, by the frame of the state.
+    #[must_use]
+    pub fn of(problem: &Problem, state: &State, rows: &[usize], frame: &Pose<f64>) -> Self {
+        let columns = &problem.unknowns;
+        let arms: Vec<Box<dyn Kinematics>> =
+            state.markers.iter().map(|m| chain(&state.links, *frame, *m)).collect();
+        let leaf = |rows: &[usize]| {
+            let mut sums = Self::none(columns.list().len());
+            for row in rows.iter().map(|r| &problem.data.rows[*r]) {
+                let real = arms[row.marker].derivatives(&row.q, &[], &RowInputs::default());
+                let [rx, ry, rz, tx, ty, tz] = real.base;
+                let motion = nalgebra::Matrix3x6::from_columns(&[tx, ty, tz, rx, ry, rz]);
+                sums.normal += motion.transpose() * motion;
+                let mut add = |column: usize, change: Vector3<f64>| {
+                    let sum: Vector6<f64> = sums.pull.column(column) - motion.transpose() * change;
+                    sums.pull.set_column(column, &sum);
+                };
+                for (i, link) in real.links.iter().enumerate() {
+                    for (k, change) in link.to_array().iter().enumerate() {
+                        add(columns.free() + 5 * i + k, *change);
+                    }
+                }
+                for (k, column) in
+                    columns.marker(row.marker).into_iter().flat_map(|m| m..).take(3).enumerate()
+                {
+                    add(column, real.tool[k]);
                 }
             }
-            for (k, column) in
-                columns.marker(row.marker).into_iter().flat_map(|m| m..).take(3).enumerate()
-            {
-                add(column, real.tool[k]);
-            }
+            sums
+        };
+        tree(rows, CHUNK, &leaf, &|a, b| a.plus(&b))
+    }
+
+    /// Of no rows.
+    #[must_use]
+    pub fn none(unknowns: usize) -> Self {
+        Self { normal: Matrix6::zeros(), pull: Matrix6xX::zeros(unknowns) }
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn plus(self, other: &Self) -> Self {
+        Self { normal: self.normal + other.normal, pull: self.pull + &other.pull }
+    }
+
+    /// Change of the base, translation then rotation, with every unknown.
+    fn base(&self) -> Matrix6xX<f64> {
+        match self.normal.cholesky() {
+            Some(normal) => normal.solve(&self.pull),
+            // Points on a line: the frame is then the nominal one, and exact.
+            None => &self.pull * 0.0,
         }
-        (normal, pull)
-    };
-    let (normal, pull) = tree(rows, CHUNK, &leaf, &|a, b| (a.0 + b.0, a.1 + b.1));
-    match normal.cholesky() {
-        Some(normal) => normal.solve(&pull),
-        // Points on a line: the frame is then the nominal one, and exact.
-        None => pull * 0.0,
     }
 }
 

@@ -23,7 +23,7 @@ use crate::identify::start::tool;
 use crate::identify::{LambdaRule, State};
 use crate::model::Values;
 use crate::statistics::median;
-use crate::tikhonov;
+use crate::tikhonov::{self, Normal};
 
 /// Half width of a 95 % interval, in standard deviations.
 pub const FACTOR: f64 = 1.959_964;
@@ -43,8 +43,6 @@ impl Covariances {
     /// `spread` tolerances.
     #[must_use]
     pub fn of(problem: &Problem, found: &Estimate, spread: f64) -> Self {
-        let (free, lambda) = (problem.unknowns.free(), found.lambda);
-        let inverse = tikhonov::covariance(&found.fit.normal, free, lambda);
         let sigma = match problem.scaling {
             Scaling::Prior => scale(problem, found),
             Scaling::Printed => {
@@ -57,6 +55,20 @@ impl Covariances {
             true => found.fit.normal.h().into_owned(),
             false => directed::information(problem, &problem.linearise(&found.fit.state), rows),
         };
+        Self::of_sums(problem, (&found.fit.normal, information), (found.lambda, spread), sigma)
+    }
+
+    /// Of normal equations, of the noise that they are weighed by and of what it really
+    /// carries, with this lambda and spread; noise `sigma` times as stated.
+    #[must_use]
+    pub fn of_sums(
+        problem: &Problem,
+        (normal, information): (&Normal, DMatrix<f64>),
+        (lambda, spread): (f64, f64),
+        sigma: f64,
+    ) -> Self {
+        let free = problem.unknowns.free();
+        let inverse = tikhonov::covariance(normal, free, lambda);
         let scatter = &inverse * information * &inverse * (sigma * sigma);
         let units = problem.units();
         let list = problem.unknowns.list();
@@ -104,8 +116,13 @@ pub fn spread(rule: LambdaRule, lambda: f64) -> f64 {
 /// (1.17 over the root of their number, for a median of normal deviates). Else
 /// chance, which only ever raises it, would widen every interval.
 fn scale(problem: &Problem, found: &Estimate) -> f64 {
-    let count = problem.equations(&found.robust.kept).max(1) as f64;
-    let scale = found.robust.scale;
+    believed(found.robust.scale, problem.equations(&found.robust.kept))
+}
+
+/// The same of a scale of so many residuals.
+#[must_use]
+pub fn believed(scale: f64, equations: usize) -> f64 {
+    let count = equations.max(1) as f64;
     if scale > 1.0 + 3.0 * 1.17 / count.sqrt() { scale } else { 1.0 }
 }
 

@@ -49,6 +49,15 @@ impl Default for Flags {
     }
 }
 
+impl Flags {
+    /// Standard deviations of residuals of this scale beyond which a component is wrong:
+    /// structure that the model lacks has longer tails than noise.
+    #[must_use]
+    pub fn limit(&self, scale: f64) -> f64 {
+        if scale > 1.3 { 1.5 * self.gross } else { self.gross }
+    }
+}
+
 /// With this share flagged nobody can say which rows are the others.
 const MAJORITY: f64 = 0.5;
 
@@ -206,8 +215,7 @@ fn judge(
         normal.extend_from_slice(e);
     }
     let scale = mad_scale(&normal).max(1.0);
-    // Structure that the model lacks has longer tails than noise.
-    let gross = if scale > 1.3 { 1.5 * flags.gross } else { flags.gross };
+    let gross = flags.limit(scale);
     let mut outliers = Vec::new();
     for (row, e) in rows.iter().zip(&deletions).filter(|(_, e)| e.amax() > gross * scale) {
         let own = &problem.data.rows[*row];

@@ -67,6 +67,14 @@ impl<'a> Linearised<'a> {
         }
     }
 
+    /// The same about the state itself: right-hand sides are residuals alone, and the solution
+    /// is a step. Where a fit has nearly settled nothing is then lost to rounding.
+    #[must_use]
+    pub fn about_here(mut self) -> Self {
+        self.corrections.fill(0.0);
+        self
+    }
+
     fn view(&self) -> View<'_> {
         let Problem { data, conditions, .. } = &self.problem;
         View { model: &self.model, data, conditions }

@@ -20,7 +20,7 @@ pub use motion::Beside;
 pub(crate) use noise::{Group, groups};
 pub use noise::{Noise, in_deviations};
 pub use predictor::{Model as Predictor, View, measurement_column};
-pub use targets::Target;
+pub use targets::{Target, Turns};
 pub use unknowns::{Layout, State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unknown, Unknowns};
 
 use crate::model::{LinkPrior, Measurements, Robot, Values};
@@ -65,8 +65,19 @@ impl<'a> Problem<'a> {
     /// Of all rows of `data`, geometry only.
     #[must_use]
     pub fn new(data: &'a Measurements, robot: &Robot, scaling: Scaling) -> Self {
+        Self::under(data, robot, scaling, Conditions::new(data, robot))
+    }
+
+    /// The same under conditions that are known.
+    #[must_use]
+    pub fn under(
+        data: &'a Measurements,
+        robot: &Robot,
+        scaling: Scaling,
+        conditions: Conditions,
+    ) -> Self {
         let nominal = robot.nominal();
-        let conditions = Arc::new(Conditions::new(data, robot));
+        let conditions = Arc::new(conditions);
         let unknowns = Unknowns::of(&Layout::of(data), 0, nominal.len());
         let (noise, scattering, targets) = (Noise::default(), Vec::new(), Vec::new());
         let priors = robot.joints.iter().map(|joint| joint.prior).collect();

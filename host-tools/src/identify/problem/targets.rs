@@ -29,23 +29,42 @@ pub struct Target {
 /// Of all markers, where registration has them.
 pub fn of(data: &Measurements, nominal: &[Link<f64>], places: &[Vector3<f64>]) -> Vec<Target> {
     let flange = chain(nominal, Pose::identity(), Vector3::zeros());
-    let turns = |marker: usize| -> Vec<Matrix3<f64>> {
-        let own = data.rows.iter().filter(|row| row.marker == marker);
-        own.map(|row| flange.pose(&row.q).rotation).collect()
-    };
-    let target = |(m, place): (usize, &Vector3<f64>)| Target {
-        place: *place,
-        firmness: firmness(&turns(m)),
+    let target = |(m, place): (usize, &Vector3<f64>)| {
+        let own = data.rows.iter().filter(|row| row.marker == m);
+        let mut turns = Turns::default();
+        own.for_each(|row| turns.add(&flange.pose(&row.q).rotation));
+        Target { place: *place, firmness: turns.firmness() }
     };
     places.iter().enumerate().map(target).collect()
 }
 
-fn firmness(turns: &[Matrix3<f64>]) -> Matrix3<f64> {
-    let count = turns.len().max(1) as f64;
-    let mean = turns.iter().sum::<Matrix3<f64>>() / count;
-    // How points spread when the target is put elsewhere by a unit.
-    let spread: Matrix3<f64> =
-        turns.iter().map(|turn| (turn - mean).tr_mul(&(turn - mean))).sum::<Matrix3<f64>>() / count;
+/// How the last frame was turned in some rows: all that is needed of them is their sum.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Turns {
+    /// Sum of the rotations.
+    pub sum: Matrix3<f64>,
+    /// How many they are.
+    pub count: f64,
+}
+
+impl Turns {
+    /// One more.
+    pub fn add(&mut self, turn: &Matrix3<f64>) {
+        self.sum += turn;
+        self.count += 1.0;
+    }
+
+    /// How firmly a target is held there, 1/m.
+    #[must_use]
+    pub fn firmness(&self) -> Matrix3<f64> {
+        let mean = self.sum / self.count.max(1.0);
+        // How points spread when the target is put elsewhere by a unit: the mean of
+        // (R - mean)'(R - mean), where R'R is one.
+        firmness(&(Matrix3::identity() - mean.tr_mul(&mean)))
+    }
+}
+
+fn firmness(spread: &Matrix3<f64>) -> Matrix3<f64> {
     let eigen = spread.symmetric_eigen();
     let root = eigen
         .eigenvalues
@@ -63,18 +82,20 @@ mod tests {
         let turn = |axis: Vector3<f64>, angle: f64| {
             Pose::from_rotation_vector(Vector3::zeros(), axis * angle).rotation
         };
-        let about = |tilt: f64| -> Vec<Matrix3<f64>> {
+        let about = |tilt: f64| {
             let of = |k: usize| {
                 turn(Vector3::x(), tilt * (k as f64).sin()) * turn(Vector3::z(), 0.7 * k as f64)
             };
-            (0..40).map(of).collect()
+            let mut turns = Turns::default();
+            (0..40).for_each(|k| turns.add(&of(k)));
+            turns.firmness()
         };
-        let along_z = |tilt: f64| 1.0 / (firmness(&about(tilt)) * Vector3::z()).norm();
+        let along_z = |tilt: f64| 1.0 / (about(tilt) * Vector3::z()).norm();
         assert!((along_z(0.0) / (TARGET * FIRMEST) - 1.0).abs() < 1e-9);
         assert!((along_z(0.5) / TARGET - 1.0).abs() < 1e-9);
         let between = along_z(0.01);
         assert!(between > 2.0 * TARGET * FIRMEST && between < 0.8 * TARGET, "{between}");
-        let across = firmness(&about(0.0)) * Vector3::x();
+        let across = about(0.0) * Vector3::x();
         assert!((across.norm() * TARGET - 1.0).abs() < 1e-9);
     }
 }

@@ -5,4 +5,4 @@ pub mod registration;
 mod rigid;
 pub mod tool;
 
-pub use rigid::rigid_transform;
+pub use rigid::{Pairs, rigid_transform};

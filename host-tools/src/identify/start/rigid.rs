@@ -21,6 +21,11 @@ pub fn rigid_transform(
     for ((a, b), w) in from.iter().zip(to).zip(weights) {
         h += (b - centre_to) * (a - centre_from).transpose() * *w;
     }
+    turned(&h, [centre_from, centre_to])
+}
+
+/// The same of centres and of the sum of `to from'` about them.
+fn turned(h: &Matrix3<f64>, [from, to]: [Vector3<f64>; 2]) -> Option<Pose<f64>> {
     let svd = h.svd(true, true);
     let (u, v_t) = (svd.u?, svd.v_t?);
     let spread = svd.singular_values[1] / svd.singular_values[0];
@@ -31,5 +36,44 @@ pub fn rigid_transform(
     let mut sign = Matrix3::identity();
     sign[(2, 2)] = (u * v_t).determinant().signum();
     let rotation = u * sign * v_t;
-    Some(Pose { rotation, translation: centre_to - rotation * centre_from })
+    Some(Pose { rotation, translation: to - rotation * from })
+}
+
+/// What a rigid transform needs of pairs of points, in sums.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Pairs {
+    /// How many they are.
+    pub count: f64,
+    /// Sums of either side, m.
+    pub sums: [Vector3<f64>; 2],
+    /// Sum of `to from'`, m^2.
+    pub product: Matrix3<f64>,
+}
+
+impl Pairs {
+    /// One more.
+    pub fn add(&mut self, from: Vector3<f64>, to: Vector3<f64>) {
+        self.count += 1.0;
+        self.sums[0] += from;
+        self.sums[1] += to;
+        self.product += to * from.transpose();
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        let sum = |k: usize| self.sums[k] + other.sums[k];
+        Self {
+            count: self.count + other.count,
+            sums: [sum(0), sum(1)],
+            product: self.product + other.product,
+        }
+    }
+
+    /// As [`rigid_transform`], all of one weight.
+    #[must_use]
+    pub fn rigid(&self) -> Option<Pose<f64>> {
+        let [from, to] = self.sums.map(|sum| sum / self.count);
+        turned(&(self.product - to * from.transpose() * self.count), [from, to])
+    }
 }

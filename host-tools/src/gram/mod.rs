@@ -1,0 +1,30 @@
+//! Identification by parts: the rows of an arm's measurements where they are, on many machines,
+//! and one solve.
+//!
+//! A state is a model.toml that is on the way ([`GramState`](crate::model::GramState)): first
+//! that of `identify` on some of the rows, which knows every station and marker. A round is
+//! [`accumulate`] of every part at that state, [`Part::plus`] of all of them in any order, and
+//! [`step`] to the next state, until that is settled. What is summed is all that a round needs
+//! of the rows: normal equations about the state itself, by fold of poses; how the residuals are
+//! distributed; what the points say of the robot's frame. The answer does not depend on how the
+//! rows were split.
+//!
+//! The first round only measures the scale of the residuals. The next ones flag gross errors by
+//! it and choose lambda; from [`STEADY`] on both stay as they are, so that the end is one point.
+
+mod accumulate;
+mod file;
+mod histogram;
+mod part;
+mod state;
+mod step;
+
+pub use accumulate::accumulate;
+pub use file::{NoPart, is_part};
+pub use part::Part;
+pub use step::{Step, step};
+
+/// Parts of the rows that are held out one after the other, by the pose.
+pub const FOLDS: usize = 10;
+/// Rounds after which neither the scale of the residuals nor lambda is taken anew.
+pub const STEADY: u32 = 3;

@@ -1,0 +1,122 @@
+use super::FOLDS;
+use super::histogram::Histogram;
+use crate::error::{Error, ErrorKind, Result};
+use crate::identify::Turns;
+use crate::identify::certainty::covariance::FrameSums;
+use crate::identify::start::Pairs;
+use crate::tikhonov::Normal;
+
+/// Sums over the rows of a fold that count.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FoldSums {
+    /// Normal equations about the state, in units of the problem.
+    pub normal: Normal,
+    /// Rows.
+    pub rows: u64,
+    /// Sum of their 1/sigma^2, 1/m^2.
+    pub precision: f64,
+}
+
+/// What some rows of an arm's measurements say at a state, in sums.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Digest of the state: sums at different ones have nothing in common.
+    pub(super) state: u64,
+    /// Files that it was made of, and the rows and poses in them; a pose whose rows are in two
+    /// of them counts twice.
+    pub(super) files: u64,
+    pub(super) rows: u64,
+    pub(super) poses: u64,
+    /// Rows that do not count.
+    pub(super) flagged: u64,
+    pub(super) folds: Vec<FoldSums>,
+    /// Of all rows.
+    pub(super) residuals: Histogram,
+    /// Smallest and largest value of each joint.
+    pub(super) covered: Vec<[f64; 2]>,
+    /// Of each marker.
+    pub(super) turns: Vec<Turns>,
+    /// Identified and nominal tool points.
+    pub(super) points: Pairs,
+    pub(super) frame: FrameSums,
+}
+
+impl Part {
+    /// Of no rows.
+    pub(super) fn none(state: u64, unknowns: usize, joints: usize, markers: usize) -> Self {
+        let fold = || FoldSums { normal: Normal::none(unknowns), rows: 0, precision: 0.0 };
+        Self {
+            state,
+            files: 0,
+            rows: 0,
+            poses: 0,
+            flagged: 0,
+            folds: (0..FOLDS).map(|_| fold()).collect(),
+            residuals: Histogram::default(),
+            covered: vec![[f64::INFINITY, f64::NEG_INFINITY]; joints],
+            turns: vec![Turns::default(); markers],
+            points: Pairs::default(),
+            frame: FrameSums::none(unknowns),
+        }
+    }
+
+    /// Rows, all of them.
+    #[must_use]
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Rows that do not count at this state.
+    #[must_use]
+    pub fn flagged(&self) -> u64 {
+        self.flagged
+    }
+
+    /// Files that it was made of.
+    #[must_use]
+    pub fn files(&self) -> u64 {
+        self.files
+    }
+
+    /// Sums of what neither counted before.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherArm`] of parts at different states.
+    pub fn plus(self, other: &Self) -> Result<Self> {
+        let shape = |part: &Self| (part.covered.len(), part.turns.len(), part.frame.pull.ncols());
+        if self.state != other.state || shape(&self) != shape(other) {
+            return Err(Error::data(
+                ErrorKind::OtherArm,
+                "the parts were accumulated at different states",
+                "accumulate all of them anew with one and the same STATE",
+            ));
+        }
+        let fold = |(a, b): (FoldSums, &FoldSums)| FoldSums {
+            normal: a.normal.plus(&b.normal),
+            rows: a.rows + b.rows,
+            precision: a.precision + b.precision,
+        };
+        let range = |(a, b): (&[f64; 2], &[f64; 2])| [a[0].min(b[0]), a[1].max(b[1])];
+        let turns =
+            |(a, b): (&Turns, &Turns)| Turns { sum: a.sum + b.sum, count: a.count + b.count };
+        Ok(Self {
+            state: self.state,
+            files: self.files + other.files,
+            rows: self.rows + other.rows,
+            poses: self.poses + other.poses,
+            flagged: self.flagged + other.flagged,
+            folds: self.folds.into_iter().zip(&other.folds).map(fold).collect(),
+            residuals: self.residuals.plus(&other.residuals),
+            covered: self.covered.iter().zip(&other.covered).map(range).collect(),
+            turns: self.turns.iter().zip(&other.turns).map(turns).collect(),
+            points: self.points.plus(&other.points),
+            frame: self.frame.plus(&other.frame),
+        })
+    }
+
+    /// Equations of all rows that count.
+    pub(super) fn whole(&self) -> Normal {
+        let parts = self.folds.iter().map(|fold| &fold.normal);
+        parts.fold(Normal::none(self.frame.pull.ncols()), |sum, part| sum.plus(part))
+    }
+}
