@@ -32,6 +32,8 @@ def settled(state, datas):
 def corrections(model):
     for joint in tomllib.loads(model.to_toml())["corrections"]:
         for key, value in joint.items():
+            if isinstance(value, list):
+                continue
             if key.endswith("_deg"):
                 yield math.radians(value) / 1e-3
             elif key.endswith("_mm"):
@@ -48,8 +50,9 @@ def main(engines):
             (folder / name).write_text("\n".join([header, *some]) + "\n")
             return str(folder / name)
 
-        size = -(-len(rows) // PARTS)
-        files = [write(f"part-{k:02}.csv", rows[k * size : (k + 1) * size]) for k in range(PARTS)]
+        edge = lambda k: k * len(rows) // PARTS  # noqa: E731
+        parts = [rows[edge(k) : edge(k + 1)] for k in range(PARTS)]
+        files = [write(f"part-{k:02}.csv", part) for k, part in enumerate(parts)]
         read = lambda file: truearm.Measurements.read(file, robot)  # noqa: E731
         start = truearm.identify(robot, read(write("some.csv", rows[::8]))).model
         start.save(folder / "start.toml")
