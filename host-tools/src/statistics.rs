@@ -22,8 +22,8 @@ pub struct Stats {
 impl Stats {
     /// Of how far off things are; `None` of none.
     #[must_use]
-    pub fn of(residuals: &[impl Miss]) -> Option<Self> {
-        let d: Vec<f64> = residuals.iter().map(|r| to_mm(r.miss())).collect();
+    pub fn of(residuals: impl IntoIterator<Item = impl Miss>) -> Option<Self> {
+        let d: Vec<f64> = residuals.into_iter().map(|r| to_mm(r.miss())).collect();
         let n = d.len() as f64;
         if d.is_empty() {
             return None;

@@ -38,7 +38,7 @@ use crate::identify::{
     nominal_state,
 };
 use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Mounting, Robot};
-use crate::observations::{Residual, kind};
+use crate::observations::kind;
 use crate::statistics::Stats;
 use candidates::Candidate;
 use moments::Moments;
@@ -275,7 +275,7 @@ fn noise_floor(data: &Measurements) -> f64 {
 /// RMS of the kept rows, predicted with everything decided without their fold.
 fn nested(weighed: &Weighed, best: &Node) -> Option<f64> {
     let held = best.fit.kept.iter().filter_map(|row| weighed.nested[*row]);
-    Stats::of(&held.collect::<Vec<Residual>>()).map(|stats| stats.rms_mm)
+    Stats::of(held).map(|stats| stats.rms_mm)
 }
 
 /// The final model as an estimate, with its held-out errors.

@@ -90,7 +90,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
         return Err(Error::data(ErrorKind::NoRows, "no rows to score", "give a file with rows"));
     }
     let stats = |r: &[Residual]| {
-        Stats::of(&r.iter().copied().filter(Residual::is_length).collect::<Vec<_>>())
+        Stats::of(r.iter().copied().filter(Residual::is_length))
     };
     let rms_without = |state: &State, conditions: &Conditions| -> Option<f64> {
         let all = self::residuals(data, conditions, state);

@@ -72,7 +72,11 @@ impl Measurements {
         let names: Vec<String> = headers.iter().map(str::to_owned).collect();
         let joints = columns.0;
         let columns = Columns::find(source, &names, robot, columns)?;
-        let (mut rows, mut labels) = (Vec::new(), Labels { book, ..Labels::default() });
+        let mut labels = Labels { book, ..Labels::default() };
+        let mut rows = Vec::new();
+        // Once for all: what grows by doubling is in memory twice. Where there is no room for
+        // as many rows as lines, they grow.
+        let _ = rows.try_reserve_exact(text.bytes().filter(|byte| *byte == b'\n').count());
         for record in reader.records() {
             let record = record.map_err(|e| unreadable(&source, &e))?;
             let (line, start) = record

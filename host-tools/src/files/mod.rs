@@ -57,7 +57,10 @@ pub(crate) fn read(path: &Path) -> Result<String> {
             "save the file as UTF-8; `truearm import` reads tables of any encoding, .xlsx and .ods",
         )
     })?;
-    Ok(text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned))
+    match text.strip_prefix('\u{feff}') {
+        Some(rest) => Ok(rest.to_owned()),
+        None => Ok(text),
+    }
 }
 
 /// How tables are read: lines that begin with `#` are comments.

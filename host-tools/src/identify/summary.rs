@@ -199,7 +199,7 @@ fn without(held_out: &[Option<Residual>], rows: &[usize]) -> usize {
 
 /// Of those that say how far off something is.
 fn lengths(residuals: impl Iterator<Item = Residual>) -> Option<Stats> {
-    Stats::of(&residuals.filter(Residual::is_length).collect::<Vec<_>>())
+    Stats::of(residuals.filter(Residual::is_length))
 }
 
 fn provenance(figures: &Figures) -> Provenance {

@@ -196,17 +196,21 @@ impl Measurements {
     /// nothing is measured twice to the last digit.
     #[must_use]
     pub fn distinct(&self) -> Vec<usize> {
-        let mut of_pose: HashMap<usize, Vec<usize>> = HashMap::new();
-        (0..self.rows.len())
-            .filter(|row| {
-                let known = of_pose.entry(self.rows[*row].pose).or_default();
-                let new = !known.iter().any(|k| self.rows[*k].repeats(&self.rows[*row]));
-                if new {
-                    known.push(*row);
+        // The last new row of each pose, and the one before it of each new row.
+        let mut last: HashMap<usize, usize> = HashMap::with_capacity(self.poses);
+        let mut before: Vec<Option<usize>> = vec![None; self.rows.len()];
+        let new = |row: &usize| {
+            let (own, mut next) = (&self.rows[*row], last.get(&self.rows[*row].pose).copied());
+            while let Some(known) = next {
+                if self.rows[known].repeats(own) {
+                    return false;
                 }
-                new
-            })
-            .collect()
+                next = before[known];
+            }
+            before[*row] = last.insert(own.pose, *row);
+            true
+        };
+        (0..self.rows.len()).filter(new).collect()
     }
 
     /// What orders a row in the session: its time, its number, or its place in

@@ -46,15 +46,25 @@ impl Reach {
     /// many numbers there are.
     #[must_use]
     pub fn number<'a>(&self, points: impl IntoIterator<Item = &'a [f64]>) -> (Vec<usize>, usize) {
-        let mut firsts: Vec<&[f64]> = Vec::new();
-        let mut cells: HashMap<Vec<i64>, Vec<usize>> = HashMap::new();
+        // Of each cell the last number that began in it, and of each number the one before
+        // it in its cell: nothing small is allocated, of however many points.
+        let (mut last, mut before) = (HashMap::new(), Vec::new());
+        let (mut firsts, mut around): (Vec<&[f64]>, Vec<u64>) = (Vec::new(), Vec::new());
         let numbers = points.into_iter().map(|point| {
-            let around = self.cells(point);
-            let known = around.iter().filter_map(|cell| cells.get(cell)).flatten();
-            known.copied().filter(|k| self.near(firsts[*k], point)).min().unwrap_or_else(|| {
+            self.cells(point, &mut around);
+            let mut found: Option<usize> = None;
+            for cell in &around {
+                let mut next: Option<usize> = last.get(cell).copied();
+                while let Some(k) = next {
+                    if self.near(firsts[k], point) {
+                        found = Some(found.map_or(k, |found| found.min(k)));
+                    }
+                    next = before[k];
+                }
+            }
+            found.unwrap_or_else(|| {
                 firsts.push(point);
-                let own = around.into_iter().next().unwrap_or_default();
-                cells.entry(own).or_default().push(firsts.len() - 1);
+                before.push(last.insert(around[0], firsts.len() - 1));
                 firsts.len() - 1
             })
         });
@@ -62,24 +72,36 @@ impl Reach {
         (numbers, firsts.len())
     }
 
-    /// The cell of a point, then every other one in which a near point may be.
-    fn cells(&self, point: &[f64]) -> Vec<Vec<i64>> {
-        let place = |(x, reach): (&f64, &f64)| x / (reach * EDGE) + ORIGIN;
-        let places: Vec<f64> = point.iter().zip(&self.0).map(place).collect();
-        let mut cells = vec![places.iter().map(|place| place.floor() as i64).collect::<Vec<i64>>()];
+    /// Hashes of the cell of a point, then of every other one in which a near point may
+    /// be. Two cells of one hash cost a comparison more.
+    fn cells(&self, point: &[f64], hashes: &mut Vec<u64>) {
+        hashes.clear();
+        hashes.push(0);
         // A little more than a reach: divisions round.
         let margin = 1.001 / EDGE;
-        for (axis, place) in places.iter().enumerate() {
-            let inside = place - place.floor();
+        for (axis, (x, reach)) in point.iter().zip(&self.0).enumerate() {
+            let place = x / (reach * EDGE) + ORIGIN;
+            let (own, inside) = (place.floor(), place - place.floor());
             let step = i64::from(inside > 1.0 - margin) - i64::from(inside < margin);
+            let own = own as i64;
+            let cells = hashes.len();
             if step != 0 {
-                let mut beyond = cells.clone();
-                beyond.iter_mut().for_each(|cell| cell[axis] = cell[axis].saturating_add(step));
-                cells.extend(beyond);
+                let beyond = mixed(own.saturating_add(step), axis);
+                hashes.extend_from_within(..);
+                hashes[cells..].iter_mut().for_each(|hash| *hash = hash.wrapping_add(beyond));
             }
+            let own = mixed(own, axis);
+            hashes[..cells].iter_mut().for_each(|hash| *hash = hash.wrapping_add(own));
         }
-        cells
     }
+}
+
+/// A coordinate of a cell as a part of its hash (the finaliser of SplitMix64).
+fn mixed(cell: i64, axis: usize) -> u64 {
+    let mut z = (cell as u64).wrapping_add(0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(axis as u64 + 1));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
 }
 
 #[cfg(test)]

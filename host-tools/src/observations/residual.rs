@@ -121,6 +121,12 @@ pub trait Miss {
     fn miss(&self) -> f64;
 }
 
+impl<T: Miss> Miss for &T {
+    fn miss(&self) -> f64 {
+        (*self).miss()
+    }
+}
+
 impl Miss for Residual {
     fn miss(&self) -> f64 {
         self.norm()

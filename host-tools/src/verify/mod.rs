@@ -114,7 +114,7 @@ fn of_points_alone(
     let repeatability: Vec<f64> = of_poses.iter().filter_map(|e| repeatability(e)).collect();
     let seen = |before: &[Residual]| {
         let own = before.iter().zip(errors).filter(|(_, error)| error.is_some());
-        Stats::of(&own.map(|(r, _)| r.point()).collect::<Vec<_>>())
+        Stats::of(own.map(|(r, _)| r.point()))
     };
     Some(OfPoints {
         errors: Stats::of(&all)?,
