@@ -89,9 +89,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
     if residuals.iter().all(|r| r.is_empty()) {
         return Err(Error::data(ErrorKind::NoRows, "no rows to score", "give a file with rows"));
     }
-    let stats = |r: &[Residual]| {
-        Stats::of(r.iter().copied().filter(Residual::is_length))
-    };
+    let stats = |r: &[Residual]| Stats::of(r.iter().copied().filter(Residual::is_length));
     let rms_without = |state: &State, conditions: &Conditions| -> Option<f64> {
         let all = self::residuals(data, conditions, state);
         let kept: Vec<_> =
