@@ -3,6 +3,7 @@
 
 #![allow(missing_docs, reason = "for this repository only")]
 
+mod apart;
 pub mod blind;
 pub mod check;
 pub mod coverage;

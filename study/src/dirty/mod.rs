@@ -1,6 +1,9 @@
 //! Dirty sets: several effects at once, noise misstated, poses as people choose
 //! them.
 
+pub mod reliability;
 pub mod score;
 pub mod set;
+pub mod tables;
+mod told;
 mod truth;

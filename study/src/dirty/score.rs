@@ -6,7 +6,9 @@ use truearm_host::model::CURVE;
 use truearm_simulate::effects::{Defect, DefectKind};
 
 use super::set::DirtySet;
+use super::told::alone;
 use super::truth::{attainable, floors};
+use crate::apart::TOLD;
 use crate::blind::score::of;
 
 /// A name at a place.
@@ -33,6 +35,8 @@ pub struct Claimed {
     /// Why, however probable.
     pub doubt: Option<Doubt>,
     pub worth: Worth,
+    /// It is not there, but nobody could tell it from what is and has no name.
+    pub alike: bool,
 }
 
 /// A hidden effect.
@@ -44,6 +48,9 @@ pub struct Truth {
     pub named: bool,
     /// It stands in an alternative.
     pub told: bool,
+    /// How far it is from nothing, and from nothing or any one rival, see [`crate::apart`].
+    pub from_nothing: f64,
+    pub sure: f64,
     /// Of a spring that is named of an arm with masses: what was found less what is, in
     /// stated standard deviations.
     pub off: Option<f64>,
@@ -64,6 +71,18 @@ pub struct Judged {
     pub scale: f64,
 }
 
+/// All that can be judged.
+pub fn claims<'j>(sets: &[&'j Judged]) -> Vec<&'j Claimed> {
+    sets.iter().flat_map(|j| &j.claims).filter(|c| c.worth != Worth::OfACurve).collect()
+}
+
+impl Truth {
+    /// Whether anyone could name it who is told everything else.
+    pub fn can_be_told(&self) -> bool {
+        self.sure >= TOLD
+    }
+}
+
 /// Diagnoses a set and compares.
 ///
 /// # Errors
@@ -75,11 +94,15 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
     let secret = set.open();
     let noise = &secret.noise;
     let place = |kind: &DefectKind| (kind.name().to_owned(), kind.joints());
-    let truths = secret.hidden.listed.iter().zip(floors(set)).map(|(d, floors)| Truth {
+    let alone = alone(set).ok_or_else(|| format!("seed {}: not registered", set.seed))?;
+    let sized = secret.hidden.listed.iter().zip(floors(set));
+    let truths = sized.zip(&alone).map(|((d, floors), alone)| Truth {
         place: place(&d.kind),
         floors,
         named: of(&report.effects).contains(&place(&d.kind)),
         told: told(&report, &place(&d.kind)),
+        from_nothing: alone.from_nothing,
+        sure: alone.sure,
         off: robot.gravity.and_then(|_| off(&report, d)),
     });
     let truths: Vec<Truth> = truths.collect();
@@ -87,6 +110,8 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
         Some(("joint error curve", lines)) => lines.first().map(|d| d.kind.joints()),
         _ => None,
     };
+    let without_name = (0..alone.len()).filter(|k| truths.get(*k).is_none_or(|t| !t.named));
+    let alike: Vec<&Place> = without_name.flat_map(|k| &alone[k].alike).collect();
     let claims = [(&report.effects, true), (&report.suspected, false)];
     let claims = claims.into_iter().flat_map(|(effects, named)| {
         let own = effects.iter().filter(|e| e.name != OUTLIERS);
@@ -108,7 +133,8 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
             _ => Worth::False,
         };
         let Effect { probability, doubt, .. } = *effect;
-        out.push(Claimed { place, probability, named, doubt, worth });
+        let alike = worth == Worth::False && alike.contains(&&place);
+        out.push(Claimed { place, probability, named, doubt, worth, alike });
     }
     let reached = report.gap.last().and_then(|row| row.holdout_rms_mm);
     Ok(Judged {

@@ -40,8 +40,9 @@ pub fn floors(set: &DirtySet) -> Vec<f64> {
     let secret = set.open();
     let (robot, [data, _]) = set.read();
     let noise = secret.noise.of_pose.hypot(secret.noise.of_reading) * 3.0_f64.sqrt();
+    let listed = secret.hidden.listed.iter();
     let moved: Vec<DVector<f64>> =
-        secret.hidden.listed.iter().map(|d| moved(&secret.arm, d, &secret.moments)).collect();
+        listed.map(|d| moved(&secret.arm, std::slice::from_ref(d), &secret.moments)).collect();
     let geometry = geometry(&data, &robot);
     let size = |k: usize| {
         let others = (0..moved.len()).filter(|o| *o != k).map(|o| &moved[o]);
@@ -52,9 +53,9 @@ pub fn floors(set: &DirtySet) -> Vec<f64> {
 }
 
 /// How an effect moves the measured points, m.
-fn moved(arm: &Arm, defect: &Defect, moments: &[Moment]) -> DVector<f64> {
+pub fn moved(arm: &Arm, effect: &[Defect], moments: &[Moment]) -> DVector<f64> {
     let with = |defects: Vec<Defect>| Arm { defects, ..arm.clone() };
-    let (with, without) = (with(vec![defect.clone()]), with(Vec::new()));
+    let (with, without) = (with(effect.to_vec()), with(Vec::new()));
     let of = moments.iter().flat_map(|m| {
         let d = with.point(m) - without.point(m);
         [d.x, d.y, d.z]

@@ -17,6 +17,7 @@ use truearm_simulate::{at_rest, rigid, robots};
 
 use super::bent::Bent;
 use super::cases::Wanted;
+use crate::apart::{apart, runs};
 use crate::blind::score::of;
 use crate::judged::{cell, most_probable, read};
 use crate::simulated::{robot, stated};
@@ -53,10 +54,6 @@ const NAMES: [&str; 6] = [
 
 /// Sizes as a share of the largest that nobody would see without a tool, log-uniform.
 const SIZES: [f64; 2] = [0.01, 0.5];
-
-/// A file tells an effect that is so many standard deviations of its own bound away
-/// from nothing and from any one other effect: 18 nats, where a name costs 4 or 5.
-pub const TOLD: f64 = 6.0;
 
 /// A name and its joints.
 type Place = (String, Vec<usize>);
@@ -183,44 +180,16 @@ fn sure(
     let start = register(data, &problem.nominal, robot.tool)?;
     let problem = problem.about(&start);
     let state = most_probable(&problem, robot)?.fit.state;
-    let (geometry, effects) = columns(&problem, &state, arm, hidden);
-    let all = rest(&geometry, &effects);
-    let (own, others) = (all.columns(which, 1).into_owned(), all.remove_column(which));
-    let left = without(&own, &others);
-    let rivals = rivals(arm)
-        .into_iter()
-        .filter(|group| group.iter().all(|d| hidden.iter().all(|h| place(d) != place(h))));
-    let beside = rivals.map(|group| {
-        let theirs = rest(&geometry, &columns(&problem, &state, arm, &group).1);
-        let count = others.ncols();
-        let mut both = others.clone().resize_horizontally(count + theirs.ncols(), 0.0);
-        both.columns_mut(count, theirs.ncols()).copy_from(&theirs);
-        without(&own, &both).norm()
-    });
-    Ok(beside.fold(left.norm(), f64::min))
-}
-
-/// A column with others projected off.
-fn without(own: &DMatrix<f64>, others: &DMatrix<f64>) -> DMatrix<f64> {
-    if others.ncols() == 0 {
-        return own.clone();
-    }
-    match others.clone().svd(true, true).solve(own, 1e-9) {
-        Ok(fitted) => own - others * fitted,
-        Err(_) => own.clone(),
-    }
-}
-
-/// What geometry and its tolerances leave of columns.
-fn rest(geometry: &DMatrix<f64>, columns: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut all = columns.clone().resize_vertically(geometry.nrows(), 0.0);
-    let mut h = geometry.tr_mul(geometry);
-    (0..h.nrows()).for_each(|k| h[(k, k)] += 1e-9 * h[(k, k)].max(1.0));
-    if let Some(factor) = h.cholesky() {
-        let fitted = factor.solve(&geometry.tr_mul(&all));
-        all -= geometry * fitted;
-    }
-    all
+    let known = |d: &Defect| hidden.iter().any(|h| place(d) == place(h));
+    let rivals: Vec<_> = rivals(arm).into_iter().filter(|group| !group.iter().any(known)).collect();
+    let all: Vec<Defect> = hidden.iter().chain(rivals.iter().flatten()).cloned().collect();
+    let (geometry, effects) = columns(&problem, &state, arm, &all);
+    let first = geometry.ncols();
+    let mut both = geometry.resize_horizontally(first + all.len(), 0.0);
+    both.view_mut((0, first), effects.shape()).copy_from(&effects);
+    let beside: Vec<usize> = (0..first + hidden.len()).filter(|k| *k != first + which).collect();
+    let ranges = runs(first + hidden.len(), rivals.iter().map(Vec::len));
+    Ok(apart(&both.tr_mul(&both), first + which, &beside, &ranges).least())
 }
 
 /// Equations of geometry and instruments with rows of the tolerances below, and how

@@ -3,8 +3,7 @@
 //! attainable?
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::{fs, io};
+use std::path::PathBuf;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -12,8 +11,10 @@ use rayon::prelude::*;
 use truearm_host::diagnose::{Doubt, Verdict};
 
 use super::Result;
-use crate::dirty::score::{Claimed, Judged, Place, Truth, Worth, judged};
+use crate::dirty::reliability::{Bin, bins, expected_error};
+use crate::dirty::score::{Claimed, Judged, Truth, Worth, claims, judged};
 use crate::dirty::set::DirtySet;
+use crate::dirty::tables::tables;
 
 #[derive(Args)]
 pub struct Options {
@@ -23,16 +24,16 @@ pub struct Options {
     /// Sets without
     #[arg(long, default_value_t = 400)]
     clean: u64,
-    /// Another seed, other sets
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
+    /// Another seed, other sets; of several, all sets so far are judged after each
+    #[arg(long, default_value = "1", value_delimiter = ',')]
+    seed: Vec<u64>,
     /// Only this set
     #[arg(long)]
     only: Option<u64>,
     /// Folder for that set's files
     #[arg(long, requires = "only")]
     out: Option<PathBuf>,
-    /// Folder for claims.csv and effects.csv of all sets
+    /// Folder for claims.csv, effects.csv and reliability.svg of all sets
     #[arg(long)]
     tables: Option<PathBuf>,
 }
@@ -41,89 +42,86 @@ pub struct Options {
 const A_STUDY: u64 = 10_000_000;
 /// Where those of clean sets begin.
 const CLEAN: u64 = 5_000_000;
-/// Borders of the bins of stated probability.
-const BINS: [f64; 8] = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 1.000_001];
 /// Borders of the bins of size, in noise floors.
 const SIZES: [f64; 8] = [0.0, 0.1, 0.2, 0.4, 0.8, 1.5, 3.0, f64::INFINITY];
 
 pub fn run(options: &Options) -> Result {
-    let first = options.seed * A_STUDY;
-    let mut seeds: Vec<(u64, bool)> = (0..options.sets).map(|i| (first + i, false)).collect();
-    seeds.extend((0..options.clean).map(|i| (first + CLEAN + i, true)));
     if let Some(seed) = options.only {
-        let clean = seed % A_STUDY >= CLEAN;
-        seeds = vec![(seed, clean)];
+        let set = DirtySet::draw(seed, is_clean(seed));
         if let Some(folder) = &options.out {
-            DirtySet::draw(seed, clean).write(folder)?;
+            set.write(folder)?;
         }
-    }
-    let style = "{bar:40} {pos}/{len}  {elapsed_precise}, {eta} left";
-    let bar = ProgressBar::new(seeds.len() as u64).with_style(ProgressStyle::with_template(style)?);
-    let answers: Vec<_> = seeds
-        .par_iter()
-        .map(|(seed, clean)| {
-            let answer = judged(&DirtySet::draw(*seed, *clean));
-            bar.inc(1);
-            answer.map(|judged| (judged, *clean))
-        })
-        .collect();
-    bar.finish_and_clear();
-    let refused: Vec<_> = answers.iter().filter_map(|a| a.as_ref().err()).collect();
-    refused.iter().for_each(|error| println!("refused: {error}"));
-    let judged = |which: bool| -> Vec<&Judged> {
-        answers.iter().flatten().filter(|(_, clean)| *clean == which).map(|(j, _)| j).collect()
-    };
-    if options.only.is_some() {
-        answers.iter().flatten().for_each(|(judged, _)| println!("{judged:#?}"));
+        println!("{:#?}", judged(&set)?);
         return Ok(());
     }
-    if let Some(folder) = &options.tables {
-        let all: Vec<&Judged> = answers.iter().flatten().map(|(j, _)| j).collect();
-        tables(folder, &all)?;
+    let mut all = Vec::new();
+    for seed in &options.seed {
+        let first = seed * A_STUDY;
+        let dirty = first..first + options.sets;
+        let clean = first + CLEAN..first + CLEAN + options.clean;
+        all.extend(answers(&dirty.chain(clean).collect::<Vec<_>>())?);
+        println!("\n{} sets, {} refused", all.len(), all.iter().filter(|a| a.is_err()).count());
+        all.iter().filter_map(|a| a.as_ref().err()).for_each(|e| println!("refused: {e}"));
+        let (clean, dirty): (Vec<&Judged>, Vec<_>) =
+            all.iter().flatten().partition(|judged| is_clean(judged.seed));
+        if let Some(folder) = &options.tables {
+            tables(folder, &dirty, &clean)?;
+        }
+        printed(&dirty, &clean);
     }
-    println!("{} sets, {} refused", seeds.len(), refused.len());
-    calibration(&judged(false));
-    doubted(&judged(false));
-    found(&judged(false));
-    springs(&judged(false));
-    attained(&judged(false));
-    clean(&judged(true));
-    verdicts(&judged(false));
-    listed("false names", &false_names(&judged(false)));
-    listed("not named though above 1.5 floors", &missed(&judged(false)));
     Ok(())
 }
 
-fn claims<'j>(sets: &[&'j Judged]) -> Vec<&'j Claimed> {
-    sets.iter().flat_map(|j| &j.claims).filter(|c| c.worth != Worth::OfACurve).collect()
+fn is_clean(seed: u64) -> bool {
+    seed % A_STUDY >= CLEAN
+}
+
+type Answer = std::result::Result<Judged, String>;
+
+fn answers(seeds: &[u64]) -> Result<Vec<Answer>> {
+    let style = "{bar:40} {pos}/{len}  {elapsed_precise}, {eta} left";
+    let bar = ProgressBar::new(seeds.len() as u64).with_style(ProgressStyle::with_template(style)?);
+    let answer = |seed: &u64| {
+        let answer = judged(&DirtySet::draw(*seed, is_clean(*seed)));
+        bar.inc(1);
+        answer
+    };
+    let answers = seeds.par_iter().map(answer).collect();
+    bar.finish_and_clear();
+    Ok(answers)
+}
+
+fn printed(dirty: &[&Judged], without_effects: &[&Judged]) {
+    calibration(dirty);
+    doubted(dirty);
+    found("hidden", dirty, |_| true);
+    found("that can be told", dirty, Truth::can_be_told);
+    springs(dirty);
+    attained(dirty);
+    clean(without_effects);
+    verdicts(dirty);
+    listed("false names", &false_names(dirty, false));
+    listed("false names that nobody could tell from what is there", &false_names(dirty, true));
+    listed("not named though above 1.5 floors", &missed(dirty, |t| t.floors >= 1.5));
+    let lost = |t: &Truth| t.floors >= 1.5 && t.can_be_told();
+    listed("of these, what could be told", &missed(dirty, lost));
 }
 
 fn calibration(sets: &[&Judged]) {
-    let claims = claims(sets);
-    println!("\n| stated probability | claims | mean stated | true | named | of them true |");
-    println!("|---|---|---|---|---|---|");
-    let mut error = 0.0;
-    for bin in BINS.windows(2) {
-        let own: Vec<_> =
-            claims.iter().filter(|c| (bin[0]..bin[1]).contains(&c.probability)).collect();
-        if own.is_empty() {
-            continue;
-        }
-        let n = own.len() as f64;
-        let stated = own.iter().map(|c| c.probability).sum::<f64>() / n;
-        let right = own.iter().filter(|c| c.worth == Worth::True).count() as f64 / n;
-        error += n * (stated - right).abs() / claims.len() as f64;
-        let named: Vec<_> = own.iter().filter(|c| c.named).collect();
-        let named_right = named.iter().filter(|c| c.worth == Worth::True).count();
+    println!(
+        "\n| stated probability | claims | mean stated | true | named | of them true | false and alike |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    let bins = bins(&claims(sets));
+    for bin in &bins {
+        let Bin { range: [low, high], claims, stated, named: [named, right, alike], .. } = bin;
         println!(
-            "| {:.2} to {:.2} | {} | {stated:.3} | {right:.3} | {} | {named_right} |",
-            bin[0],
-            bin[1].min(1.0),
-            own.len(),
-            named.len()
+            "| {low:.2} to {high:.2} | {claims} | {stated:.3} | {:.3} | {named} | {right} | {alike} |",
+            bin.share()
         );
     }
     let curves = sets.iter().flat_map(|j| &j.claims).filter(|c| c.worth == Worth::OfACurve);
+    let error = expected_error(&bins);
     println!("expected calibration error {error:.4}; {} claims on curves left out", curves.count());
 }
 
@@ -139,26 +137,21 @@ fn doubted(sets: &[&Judged]) {
     }
 }
 
-fn found(sets: &[&Judged]) {
-    println!("\n| size in noise floors | effects | named | named or told |");
+fn found(which: &str, sets: &[&Judged], counts: impl Fn(&Truth) -> bool) {
+    println!("\n| size in noise floors | effects {which} | named | named or told |");
     println!("|---|---|---|---|");
-    let truths: Vec<_> = sets.iter().flat_map(|j| &j.truths).collect();
-    for bin in SIZES.windows(2) {
-        let own: Vec<_> = truths.iter().filter(|t| (bin[0]..bin[1]).contains(&t.floors)).collect();
-        if own.is_empty() {
-            continue;
-        }
-        let share =
-            |good: usize| format!("{good} ({:.1} %)", 100.0 * good as f64 / own.len() as f64);
-        println!(
-            "| {} to {} | {} | {} | {} |",
-            bin[0],
-            bin[1],
-            own.len(),
-            share(own.iter().filter(|t| t.named).count()),
-            share(own.iter().filter(|t| t.named || t.told).count())
-        );
-    }
+    let truths: Vec<_> = sets.iter().flat_map(|j| &j.truths).filter(|t| counts(t)).collect();
+    let row = |low: f64, high: f64| {
+        let own: Vec<_> = truths.iter().filter(|t| (low..high).contains(&t.floors)).collect();
+        let share = |good: usize| {
+            format!("{good} ({:.1} %)", 100.0 * good as f64 / own.len().max(1) as f64)
+        };
+        let named = share(own.iter().filter(|t| t.named).count());
+        let told = share(own.iter().filter(|t| t.named || t.told).count());
+        println!("| {low} to {high} | {} | {named} | {told} |", own.len());
+    };
+    SIZES.windows(2).for_each(|bin| row(bin[0], bin[1]));
+    [0.8, 1.5].into_iter().for_each(|from| row(from, f64::INFINITY));
 }
 
 /// Whether the standard deviations of springs that are named are what they say.
@@ -229,40 +222,17 @@ fn verdicts(sets: &[&Judged]) {
     }
 }
 
-/// Every claim and every hidden effect, one a line.
-fn tables(folder: &Path, sets: &[&Judged]) -> io::Result<()> {
-    let place = |(name, joints): &Place| {
-        let joints: Vec<String> = joints.iter().map(usize::to_string).collect();
-        format!("{name},{}", joints.join(" "))
-    };
-    let mut claims = "seed,rows,unlisted,name,joints,probability,named,doubt,worth\n".to_owned();
-    let mut effects = "seed,rows,unlisted,name,joints,floors,named,told\n".to_owned();
-    for j in sets {
-        let set = format!("{},{},{}", j.seed, j.rows, j.unlisted.unwrap_or_default());
-        for Claimed { place: at, probability, named, doubt, worth } in &j.claims {
-            let doubt = doubt.map_or("", Doubt::words);
-            claims += &format!("{set},{},{probability:.6},{named},{doubt},{worth:?}\n", place(at));
-        }
-        for Truth { place: at, floors, named, told, .. } in &j.truths {
-            effects += &format!("{set},{},{floors:.4},{named},{told}\n", place(at));
-        }
-    }
-    fs::create_dir_all(folder)?;
-    fs::write(folder.join("claims.csv"), claims)?;
-    fs::write(folder.join("effects.csv"), effects)
-}
-
 /// Names with the seeds of their sets.
-fn false_names<'j>(sets: &[&'j Judged]) -> Vec<(&'j str, u64)> {
-    let wrong = |c: &&Claimed| c.named && c.worth == Worth::False;
+fn false_names<'j>(sets: &[&'j Judged], alike: bool) -> Vec<(&'j str, u64)> {
+    let wrong = |c: &&Claimed| c.named && c.worth == Worth::False && c.alike == alike;
     let of = |j: &&'j Judged| j.claims.iter().filter(wrong).map(|c| (c.place.0.as_str(), j.seed));
     sets.iter().flat_map(of).collect()
 }
 
-fn missed<'j>(sets: &[&'j Judged]) -> Vec<(&'j str, u64)> {
-    let lost = |t: &&Truth| !t.named && t.floors >= 1.5;
-    let of = |j: &&'j Judged| j.truths.iter().filter(lost).map(|t| (t.place.0.as_str(), j.seed));
-    sets.iter().flat_map(of).collect()
+fn missed<'j>(sets: &[&'j Judged], counts: impl Fn(&Truth) -> bool) -> Vec<(&'j str, u64)> {
+    let lost = sets.iter().flat_map(|j| j.truths.iter().map(move |t| (j.seed, t)));
+    let lost = lost.filter(|(_, t)| !t.named && counts(t));
+    lost.map(|(seed, t)| (t.place.0.as_str(), seed)).collect()
 }
 
 /// Most frequent first.

@@ -8,8 +8,9 @@ use truearm_host::model::Robot;
 use truearm_simulate::robots;
 
 use super::Result;
+use crate::apart::TOLD;
 use crate::instruments::cases::{CASES, OTHERS, Wanted, needed, open};
-use crate::instruments::named::{Answered, FILES, TOLD, TURNING, Truth, answered};
+use crate::instruments::named::{Answered, FILES, TURNING, Truth, answered};
 use crate::instruments::scanner::{Setup, means};
 use crate::instruments::{held, mixed};
 use crate::judged::efficiency;
