@@ -47,7 +47,7 @@ pub fn nine_poses(seed: u64) -> Result<NinePoses> {
     for method in all {
         let state = method.solve(&task)?.state;
         let nine = errors(&cell.nine, &state).iter().map(|r| r.norm() * 1e3).collect();
-        let exact = Stats::of(&errors(&cell.exact, &state));
+        let exact = Stats::of(errors(&cell.exact, &state));
         methods.push((method.name(), state, nine, exact));
     }
     Ok(NinePoses { reference, methods, cell })

@@ -116,7 +116,7 @@ fn contest(cell: &Cell, frames: Frames) -> Result<Contest> {
 pub fn contest_of(cell: &Cell, found: &Comparison) -> Contest {
     let score = |o: &Outcome| Score {
         method: o.name,
-        table: Stats::of(&[o.residuals.clone(), o.validation_residuals.clone()].concat()),
+        table: Stats::of([o.residuals.clone(), o.validation_residuals.clone()].concat()),
         exact: o.state.as_ref().and_then(|s| exact(cell, s)),
         correction_norm: o.correction_norm,
         iterations: o.iterations,
@@ -138,7 +138,7 @@ fn exact(cell: &Cell, state: &State) -> Option<Stats> {
 }
 
 fn judged(robot: &Robot, data: &Measurements, state: &State) -> Option<Stats> {
-    Stats::of(&residuals(data, &Conditions::new(data, robot), state))
+    Stats::of(residuals(data, &Conditions::new(data, robot), state))
 }
 
 /// RMS on noise-free poses that an efficient unbiased estimate would have, m:
