@@ -194,3 +194,23 @@ impl Columns {
         apart(&self.gram, own, &beside.collect::<Vec<_>>(), &self.rivals)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::truth::floors;
+    use super::*;
+
+    /// With many poses read once, noise that does not grow with the range and effects that
+    /// one coefficient describes, the distance from nothing is the size in noise floors.
+    #[test]
+    fn distance_is_size() {
+        let set = DirtySet::draw(2_010_000_001, false);
+        let equations = 3.0 * set.open().moments.len() as f64;
+        let distances = alone(&set).unwrap();
+        for (alone, floors) in distances.iter().zip(floors(&set)) {
+            let ratio = alone.from_nothing / (floors * equations.sqrt());
+            assert!((0.95..1.05).contains(&ratio), "{ratio}");
+            assert!(alone.sure <= alone.from_nothing);
+        }
+    }
+}
