@@ -28,7 +28,7 @@ impl Bin {
         self.right as f64 / self.claims as f64
     }
 
-    /// Two standard errors about it (Wilson, JASA 22 (1927) 209).
+    /// Where that share is with 95 % (Wilson, JASA 22 (1927) 209).
     fn interval(&self) -> (f64, f64) {
         let (n, p, z) = (self.claims as f64, self.share(), 1.96_f64);
         let middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);

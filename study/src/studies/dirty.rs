@@ -93,6 +93,7 @@ fn answers(seeds: &[u64]) -> Result<Vec<Answer>> {
 
 fn printed(dirty: &[&Judged], without_effects: &[&Judged]) {
     calibration(dirty);
+    surest(dirty);
     doubted(dirty);
     found("hidden", dirty, |_| true);
     found("that can be told", dirty, Truth::can_be_told);
@@ -123,6 +124,21 @@ fn calibration(sets: &[&Judged]) {
     let curves = sets.iter().flat_map(|j| &j.claims).filter(|c| c.worth == Worth::OfACurve);
     let error = expected_error(&bins);
     println!("expected calibration error {error:.4}; {} claims on curves left out", curves.count());
+}
+
+/// Names of 0.99 and more where everything hidden has a name, and where not.
+fn surest(sets: &[&Judged]) {
+    for (what, unlisted) in [("without", false), ("with", true)] {
+        let own: Vec<_> =
+            sets.iter().filter(|j| j.unlisted.is_some() == unlisted).copied().collect();
+        let claims = claims(&own);
+        let named: Vec<_> = claims.iter().filter(|c| c.named && c.probability >= 0.99).collect();
+        let right = named.iter().filter(|c| c.worth == Worth::True).count();
+        println!(
+            "names above 0.99 in sets {what} an unlisted effect: {right} of {} true",
+            named.len()
+        );
+    }
 }
 
 /// What claims of 0.5 and more are worth against which something speaks.
