@@ -122,16 +122,7 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
         if out.iter().any(|c| c.place == place) {
             continue;
         }
-        let is_curve = place.0 == CURVE && curve.as_ref() == Some(&place.1);
-        let true_one = is_curve || truths.iter().any(|t| t.place == place);
-        let of_curve = curve.as_ref() == Some(&place.1)
-            && ["joint-periodic-error", "encoder-eccentricity", "gear-transmission-error"]
-                .contains(&place.0.as_str());
-        let worth = match (true_one, of_curve) {
-            (true, _) => Worth::True,
-            (_, true) => Worth::OfACurve,
-            _ => Worth::False,
-        };
+        let worth = worth(&place, &truths, curve.as_ref());
         let Effect { probability, doubt, .. } = *effect;
         let alike = worth == Worth::False && alike.contains(&&place);
         out.push(Claimed { place, probability, named, doubt, worth, alike });
@@ -147,6 +138,18 @@ pub fn judged(set: &DirtySet) -> Result<Judged, String> {
         ratio: attainable(set).and_then(|a| Some(reached? * 1e-3 / a)),
         scale: report.noise_scale * noise.stated / noise.of_pose.hypot(noise.of_reading),
     })
+}
+
+/// Of a name at a place, if the arm's unlisted effect is a curve of these joints.
+fn worth(place: &Place, truths: &[Truth], curve: Option<&Vec<usize>>) -> Worth {
+    let periodic = ["joint-periodic-error", "encoder-eccentricity", "gear-transmission-error"];
+    let there = curve == Some(&place.1);
+    match place.0.as_str() {
+        _ if truths.iter().any(|t| t.place == *place) => Worth::True,
+        CURVE if there => Worth::True,
+        name if there && periodic.contains(&name) => Worth::OfACurve,
+        _ => Worth::False,
+    }
 }
 
 fn off(report: &Outcome, defect: &Defect) -> Option<f64> {
