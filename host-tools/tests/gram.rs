@@ -185,6 +185,118 @@ fn parts_of_other_states_and_files() {
     assert_eq!(Part::from_bytes(&other), Err(NoPart::Version(2)));
 }
 
+/// From a start of few rows, tolerances off: the scale of the residuals is that of the end, and
+/// with it what counts and how sure the arm is.
+#[test]
+fn a_start_far_off_leaves_nothing_behind() {
+    let (robot, header, rows) = measured(300);
+    let data = parse(&robot, &header, &rows);
+    let near = lambda(&robot, &parse(&robot, &header, &rows[..200]), LambdaRule::default());
+    let far = lambda(&robot, &parse(&robot, &header, &rows[..14]), LambdaRule::default());
+    let [a, b] = [near, far].map(|start| settled(&start, std::slice::from_ref(&data)).model);
+    let [k, l] = [&a, &b].map(|model| model.gram.as_ref().unwrap().k);
+    assert!((k / l - 1.0).abs() < 0.02, "{k} {l}");
+    assert!(apart(&a, &b) < 1e-2, "{}", apart(&a, &b));
+    for (a, b) in a.uncertainties.iter().zip(&b.uncertainties) {
+        for (a, b) in a.to_array().iter().zip(b.to_array()) {
+            assert!((a / b - 1.0).abs() < 0.05, "{a} {b}");
+        }
+    }
+}
+
+/// More than a quarter of the rows beyond what the others say: `identify` refuses, and so does this.
+#[test]
+fn rows_that_contradict_are_refused() {
+    let (robot, header, mut rows) = measured(200);
+    let start = lambda(&robot, &parse(&robot, &header, &rows[..80]), LambdaRule::default());
+    for row in rows.iter_mut().step_by(3) {
+        let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+        cells[6] = cells[6].replace('.', "9.");
+        *row = cells.join(",");
+    }
+    let data = parse(&robot, &header, &rows);
+    let mut state = start;
+    let error = (0..20).find_map(|_| {
+        let part = accumulate(&state, &data).unwrap();
+        match step(&state, &part) {
+            Ok(next) => {
+                assert!(!next.model.gram.as_ref().unwrap().settled);
+                state = next.model;
+                None
+            }
+            Err(error) => Some(error),
+        }
+    });
+    assert!(error.unwrap().to_string().contains("contradict"));
+}
+
+/// What a hand changes of a state makes it another one, wherever in the file it stands.
+#[test]
+fn edited_places_are_another_state() {
+    let (robot, header, rows) = measured(60);
+    let data = parse(&robot, &header, &rows);
+    let start = lambda(&robot, &data, LambdaRule::MaximumAPosteriori);
+    let state = step(&start, &accumulate(&start, &data).unwrap()).unwrap().model;
+    let part = accumulate(&state, &data).unwrap();
+    let edits: [fn(&mut Model); 4] = [
+        |model| model.stations[0].1.translation.x += 1e-4,
+        |model| model.markers[0].1.x += 1e-4,
+        |model| model.robot.sigma *= 2.0,
+        |model| model.gram.as_mut().unwrap().targets[0].y += 1e-4,
+    ];
+    for edit in edits {
+        let mut other = state.clone();
+        edit(&mut other);
+        let error = accumulate(&other, &data).unwrap().plus(&part).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::OtherArm);
+    }
+}
+
+/// The bytes with these eight in place of what stood there, and a checksum that fits.
+fn forged(bytes: &[u8], at: usize, eight: [u8; 8]) -> Vec<u8> {
+    let mut changed = bytes.to_vec();
+    changed[at..at + 8].copy_from_slice(&eight);
+    let body = changed.len() - 4;
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(&changed[..body]);
+    changed[body..].copy_from_slice(&crc.to_le_bytes());
+    changed
+}
+
+/// A checksum that fits is no proof: what is no number is refused, counts do not overflow, and
+/// parts of an arm with other unknowns are an error.
+#[test]
+fn forged_parts_are_errors() {
+    let (robot, header, rows) = measured(60);
+    let data = parse(&robot, &header, &rows);
+    let start = lambda(&robot, &data, LambdaRule::MaximumAPosteriori);
+    let start = step(&start, &accumulate(&start, &data).unwrap()).unwrap().model;
+    let part = accumulate(&start, &data).unwrap();
+    let bytes = part.to_bytes();
+    for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        // In the first fold: its precision, and the first number of its triangle.
+        for at in [96, 104] {
+            let changed = forged(&bytes, at, value.to_le_bytes());
+            assert_eq!(Part::from_bytes(&changed), Err(NoPart::Damaged), "{at}: {value}");
+        }
+    }
+    let below = forged(&bytes, 96, (-1.0_f64).to_le_bytes());
+    assert_eq!(Part::from_bytes(&below), Err(NoPart::Damaged));
+    // Files, rows, poses, flagged; equations and rows of the first fold.
+    for at in [48, 56, 64, 72, 80, 88] {
+        let changed = Part::from_bytes(&forged(&bytes, at, u64::MAX.to_le_bytes())).unwrap();
+        let twice = changed.clone().plus(&changed).unwrap();
+        let _ = step(&start, &twice);
+    }
+    let other = Truth::draw(&robot, 1, 1, &mut ChaCha8Rng::seed_from_u64(5));
+    let text = other.measure(60, SIGMA, &mut ChaCha8Rng::seed_from_u64(5));
+    let data = Measurements::parse(Path::new("other.csv"), &text, &robot).unwrap();
+    let fewer = lambda(&robot, &data, LambdaRule::MaximumAPosteriori);
+    let fewer = accumulate(&fewer, &data).unwrap().to_bytes();
+    let digest = bytes[16..24].try_into().unwrap();
+    let fewer = Part::from_bytes(&forged(&fewer, 16, digest)).unwrap();
+    assert_eq!(step(&start, &fewer).unwrap_err().kind(), ErrorKind::OtherArm);
+}
+
 /// Sizes that are not there are refused before anything is made of them.
 #[test]
 fn sizes_are_not_believed() {
@@ -194,11 +306,7 @@ fn sizes_are_not_believed() {
     let bytes = accumulate(&start, &data).unwrap().to_bytes();
     for at in [24, 32, 40] {
         for size in [0, 1, 16_384, 16_385, u64::MAX] {
-            let mut changed = bytes.clone();
-            changed[at..at + 8].copy_from_slice(&size.to_le_bytes());
-            let body = changed.len() - 4;
-            let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI).checksum(&changed[..body]);
-            changed[body..].copy_from_slice(&crc.to_le_bytes());
+            let changed = forged(&bytes, at, u64::to_le_bytes(size));
             assert_eq!(Part::from_bytes(&changed), Err(NoPart::Damaged), "{at}: {size}");
         }
     }
@@ -254,6 +362,8 @@ fn by_the_program() {
         done("gram add state.toml a.csv --out a.gram");
         done("gram add state.toml b.csv --out b.gram");
         assert!(done("gram merge b.gram a.gram --out all.gram").contains("2 files"));
+        let (code, _, error) = run("gram merge all.gram a.gram --out all.gram");
+        assert!(code == Some(2) && error.contains("is read"), "{code:?} {error}");
         said = done("gram step state.toml all.gram --out state.toml");
         if said.contains("this is the identified arm") {
             break;

@@ -102,7 +102,8 @@ impl Add {
 
 impl Merge {
     fn run(self) -> Result<Said> {
-        // An output may be an input: it is read before it is written.
+        // One that holds the others already would count them twice.
+        overwrite::apart([self.out.as_path()], self.grams.iter().map(PathBuf::as_path))?;
         save(&self.out, &sum(&self.grams, read)?, self.force)
     }
 }

@@ -135,7 +135,9 @@ impl Reader<'_> {
         if self.0.len() / 8 < count {
             return Err(NoPart::Damaged);
         }
-        (0..count).map(|_| Ok(f64::from_le_bytes(self.take()?))).collect()
+        // Sums of measurements are numbers; a checksum over others is no reason to believe them.
+        let real = |value: f64| if value.is_finite() { Ok(value) } else { Err(NoPart::Damaged) };
+        (0..count).map(|_| real(f64::from_le_bytes(self.take()?))).collect()
     }
 
     fn part(&mut self) -> Result<Part, NoPart> {
@@ -181,6 +183,9 @@ impl Reader<'_> {
     fn fold(&mut self, unknowns: usize) -> Result<FoldSums, NoPart> {
         let (equations, rows) = (self.whole()?, self.whole()?);
         let precision = self.reals(1)?[0];
+        if precision < 0.0 {
+            return Err(NoPart::Damaged);
+        }
         let size = unknowns + 1;
         let triangle = self.reals(size * (size + 1) / 2)?;
         let mut gram = DMatrix::zeros(size, size);

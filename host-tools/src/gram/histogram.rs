@@ -24,13 +24,13 @@ impl Histogram {
 
     /// Both together.
     pub fn plus(mut self, other: &Self) -> Self {
-        self.0.iter_mut().zip(&other.0).for_each(|(a, b)| *a += b);
+        self.0.iter_mut().zip(&other.0).for_each(|(a, b)| *a = a.saturating_add(*b));
         self
     }
 
     /// How many.
     pub fn count(&self) -> u64 {
-        self.0.iter().sum()
+        self.0.iter().fold(0, |sum, count| sum.saturating_add(*count))
     }
 
     /// Robust standard deviation of residuals about zero; 0 of none.

@@ -10,7 +10,8 @@
 //! rows were split.
 //!
 //! The first round only measures the scale of the residuals. The next ones flag gross errors by
-//! it and choose lambda; from [`STEADY`] on both stay as they are, so that the end is one point.
+//! it and choose lambda, until the state is near its end ([`NEAR`]): from then on both stay as they
+//! are, so that the end is one point.
 
 mod accumulate;
 mod file;
@@ -26,5 +27,8 @@ pub use step::{Step, step};
 
 /// Parts of the rows that are held out one after the other, by the pose.
 pub const FOLDS: usize = 10;
-/// Rounds after which neither the scale of the residuals nor lambda is taken anew.
-pub const STEADY: u32 = 3;
+/// A step, in tolerances, after which neither the scale of the residuals nor lambda is taken anew:
+/// from a start far off they are what that start leaves, and not what the arm does.
+pub const NEAR: f64 = 0.01;
+/// Rounds after which they are not taken anew either, should flags come and go.
+pub const LAST: u32 = 12;

@@ -60,6 +60,11 @@ impl Part {
         }
     }
 
+    /// Unknowns, joints and markers.
+    pub(super) fn shape(&self) -> [usize; 3] {
+        [self.frame.pull.ncols(), self.covered.len(), self.turns.len()]
+    }
+
     /// Rows, all of them.
     #[must_use]
     pub fn rows(&self) -> u64 {
@@ -83,8 +88,7 @@ impl Part {
     /// # Errors
     /// [`ErrorKind::OtherArm`] of parts at different states.
     pub fn plus(self, other: &Self) -> Result<Self> {
-        let shape = |part: &Self| (part.covered.len(), part.turns.len(), part.frame.pull.ncols());
-        if self.state != other.state || shape(&self) != shape(other) {
+        if self.state != other.state || self.shape() != other.shape() {
             return Err(Error::data(
                 ErrorKind::OtherArm,
                 "the parts were accumulated at different states",
@@ -93,7 +97,7 @@ impl Part {
         }
         let fold = |(a, b): (FoldSums, &FoldSums)| FoldSums {
             normal: a.normal.plus(&b.normal),
-            rows: a.rows + b.rows,
+            rows: a.rows.saturating_add(b.rows),
             precision: a.precision + b.precision,
         };
         let range = |(a, b): (&[f64; 2], &[f64; 2])| [a[0].min(b[0]), a[1].max(b[1])];
@@ -101,10 +105,10 @@ impl Part {
             |(a, b): (&Turns, &Turns)| Turns { sum: a.sum + b.sum, count: a.count + b.count };
         Ok(Self {
             state: self.state,
-            files: self.files + other.files,
-            rows: self.rows + other.rows,
-            poses: self.poses + other.poses,
-            flagged: self.flagged + other.flagged,
+            files: self.files.saturating_add(other.files),
+            rows: self.rows.saturating_add(other.rows),
+            poses: self.poses.saturating_add(other.poses),
+            flagged: self.flagged.saturating_add(other.flagged),
             folds: self.folds.into_iter().zip(&other.folds).map(fold).collect(),
             residuals: self.residuals.plus(&other.residuals),
             covered: self.covered.iter().zip(&other.covered).map(range).collect(),

@@ -8,12 +8,26 @@ use crate::identify::{Conditions, Problem, Scaling, State};
 use crate::model::{KindId, Measurements, Model};
 use crate::observations::kind;
 
-/// Which state it is: by where it came from, whose numbers stand in every copy alike. Those of
-/// the arm do not: from degrees and back the last bit of an angle is another.
+/// Which state it is: by where it came from, whose numbers stand in every copy alike, and by what
+/// a hand may have changed since (`changed` tells of the arm's corrections). Places and angles to
+/// a nanometre and a nanoradian: from degrees and back the last bit is another.
 pub(super) fn digest(model: &Model) -> u64 {
     let Model { robot, provenance, gram, changed, .. } = model;
+    let nano = |value: f64| (value * 1e9).round() as i64;
+    let stations = model.stations.iter().map(|(label, base)| {
+        let turned = base.rotation.iter().copied();
+        (label, turned.chain(base.translation.iter().copied()).map(nano).collect::<Vec<_>>())
+    });
+    let at = |place: &Vector3<f64>| [place.x, place.y, place.z].map(nano);
+    let markers = model.markers.iter().map(|(label, place)| (label, at(place)));
+    let (stations, markers): (Vec<_>, Vec<_>) = (stations.collect(), markers.collect());
+    let targets: Vec<_> = places(model).iter().map(at).collect();
+    let sigma = nano(robot.sigma * 1e3);
     let gram = gram.as_ref().map(|g| (g.stage, g.settled, g.k, g.weights, g.flagged));
-    digest_of_text(&format!("{} {} {provenance:?} {gram:?} {changed}", robot.name, robot.serial))
+    digest_of_text(&format!(
+        "{} {} {provenance:?} {gram:?} {changed} {stations:?} {markers:?} {targets:?} {sigma}",
+        robot.name, robot.serial
+    ))
 }
 
 /// The state as the unknowns have it.

@@ -2,11 +2,12 @@ use nalgebra::{DMatrix, DVector};
 use truearm::{MdhParameters, Pose};
 
 use super::part::Part;
-use super::{STEADY, state};
+use super::{LAST, NEAR, state};
 use crate::error::{Error, ErrorKind, Result};
 use crate::identify::certainty::covariance::{factor, of_arm_by};
 use crate::identify::certainty::error_bars::{Covariances, believed, spread};
 use crate::identify::fit::robust::Flags;
+use crate::identify::fit::suspects::MOST_FLAGGED;
 use crate::identify::fit::{ANOTHER_ARM, LambdaRule, lambda_of};
 use crate::identify::{Problem, State, Target, link_corrections};
 use crate::model::{GramState, Model, Provenance};
@@ -42,6 +43,14 @@ pub fn step(model: &Model, part: &Part) -> Result<Step> {
             "accumulate them with the STATE that is given here",
         ));
     }
+    let unknowns = state::problem(model, &state::no_rows(model)).unknowns.list().len();
+    if part.shape() != [unknowns, model.robot.joints.len(), model.markers.len()] {
+        return Err(Error::data(
+            ErrorKind::OtherArm,
+            "the parts have other unknowns than this state",
+            "accumulate them with the STATE that is given here",
+        ));
+    }
     let scale = |digits: f64| (part.residuals.scale().max(1.0) * digits).round() / digits;
     // Three digits: how rows are split must not matter.
     let k = scale(if part.residuals.scale() < 10.0 { 100.0 } else { 1.0 });
@@ -50,6 +59,7 @@ pub fn step(model: &Model, part: &Part) -> Result<Step> {
         next.gram = Some(GramState {
             stage: 1,
             settled: false,
+            step: f64::INFINITY,
             k,
             weights: Flags::default().limit(k) * k,
             flagged: 0,
@@ -68,6 +78,11 @@ pub fn step(model: &Model, part: &Part) -> Result<Step> {
     let at = state::state(model);
     let round = Round { problem: &problem, at: &at, part, model };
     round.solved(gram, k)
+}
+
+/// Whether the scale of the residuals and lambda stay as they are.
+fn steady(gram: &GramState) -> bool {
+    gram.step < NEAR || gram.stage >= LAST
 }
 
 /// A round after the first.
@@ -105,10 +120,15 @@ impl Round<'_> {
         let mm = |square: f64| (square / precision).sqrt() * 1e3;
         left = left.max(0.0);
         let largest = x.amax();
-        let steady = gram.stage >= STEADY;
+        let steady = steady(gram);
+        // As `identify` does, once it is known which rows do not fit.
+        if steady && self.part.flagged as f64 > MOST_FLAGGED * self.part.rows as f64 {
+            return Err(Error::contradiction(self.part.flagged as usize, self.part.rows as usize));
+        }
         let gram = GramState {
-            stage: gram.stage + 1,
+            stage: gram.stage.saturating_add(1),
             settled: steady && largest < SETTLED,
+            step: largest,
             k: if steady { gram.k } else { k },
             weights: if steady { gram.weights } else { Flags::default().limit(k) * k },
             flagged: self.part.flagged as usize,
@@ -123,7 +143,7 @@ impl Round<'_> {
     fn lambda(&self, gram: &GramState, whole: &Normal) -> f64 {
         let known = &self.model.provenance;
         let anew = known.lambda_rule == LambdaRule::MaximumLikelihood.name();
-        if gram.stage >= STEADY || !anew {
+        if steady(gram) || !anew {
             return known.lambda;
         }
         // Corrections are counted from nominal there.

@@ -81,7 +81,7 @@ impl Normal {
     #[must_use]
     pub fn plus(mut self, other: &Self) -> Self {
         self.gram += &other.gram;
-        self.equations += other.equations;
+        self.equations = self.equations.saturating_add(other.equations);
         self
     }
 

@@ -160,6 +160,7 @@ pub(super) struct SigmaFile {
 pub(super) struct GramFile {
     pub stage: u32,
     pub settled: bool,
+    pub step_tolerances: f64,
     pub k: f64,
     pub weights: f64,
     pub flagged: usize,

@@ -113,7 +113,8 @@ impl Part<'_> {
 
     /// The state of an identification by parts.
     fn gram(&self, file: &Spanned<GramFile>) -> Result<GramState> {
-        let GramFile { stage, settled, k, weights, flagged, targets_mm } = file.get_ref();
+        let GramFile { stage, settled, step_tolerances, k, weights, flagged, targets_mm } =
+            file.get_ref();
         if !(*k >= 1.0 && *weights > 0.0) {
             let message = format!("[gram] k = {k} and weights = {weights}: 1 and 0 at least");
             return Err(self.source.at(
@@ -123,8 +124,8 @@ impl Part<'_> {
             ));
         }
         let targets = targets_mm.iter().map(|place| point_from_mm(*place)).collect();
-        let (stage, settled, k) = (*stage, *settled, *k);
-        Ok(GramState { stage, settled, k, weights: *weights, flagged: *flagged, targets })
+        let (stage, settled, step, k) = (*stage, *settled, *step_tolerances, *k);
+        Ok(GramState { stage, settled, step, k, weights: *weights, flagged: *flagged, targets })
     }
 
     /// Whether the parts of the file belong together.

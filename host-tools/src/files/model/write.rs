@@ -140,6 +140,7 @@ fn gram(state: &GramState) -> GramFile {
     GramFile {
         stage: state.stage,
         settled: state.settled,
+        step_tolerances: state.step,
         k: state.k,
         weights: state.weights,
         flagged: state.flagged,

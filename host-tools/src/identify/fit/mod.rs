@@ -7,7 +7,7 @@ pub mod folds;
 mod l_curve;
 mod lambda;
 pub mod robust;
-mod suspects;
+pub(crate) mod suspects;
 
 use nalgebra::{DMatrix, DVector};
 

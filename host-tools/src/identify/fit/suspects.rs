@@ -10,7 +10,7 @@ use crate::model::Values;
 use crate::statistics::mad_scale;
 
 /// More flagged rows than this share are no outliers but a wrong model.
-pub(in crate::identify) const MOST_FLAGGED: f64 = 0.25;
+pub(crate) const MOST_FLAGGED: f64 = 0.25;
 /// Residuals in sigmas where nothing stands out, over their scale.
 const PLAIN: f64 = 5.0;
 /// The same of a row that is suspected.
