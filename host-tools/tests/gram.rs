@@ -192,7 +192,7 @@ fn a_start_far_off_leaves_nothing_behind() {
     let (robot, header, rows) = measured(300);
     let data = parse(&robot, &header, &rows);
     let near = lambda(&robot, &parse(&robot, &header, &rows[..200]), LambdaRule::default());
-    let far = lambda(&robot, &parse(&robot, &header, &rows[..14]), LambdaRule::default());
+    let far = lambda(&robot, &parse(&robot, &header, &rows[..18]), LambdaRule::default());
     let [a, b] = [near, far].map(|start| settled(&start, std::slice::from_ref(&data)).model);
     let [k, l] = [&a, &b].map(|model| model.gram.as_ref().unwrap().k);
     assert!((k / l - 1.0).abs() < 0.02, "{k} {l}");

@@ -59,7 +59,7 @@ pub fn step(model: &Model, part: &Part) -> Result<Step> {
         next.gram = Some(GramState {
             stage: 1,
             settled: false,
-            step: f64::INFINITY,
+            step: None,
             k,
             weights: Flags::default().limit(k) * k,
             flagged: 0,
@@ -82,7 +82,7 @@ pub fn step(model: &Model, part: &Part) -> Result<Step> {
 
 /// Whether the scale of the residuals and lambda stay as they are.
 fn steady(gram: &GramState) -> bool {
-    gram.step < NEAR || gram.stage >= LAST
+    gram.step.is_some_and(|step| step < NEAR) || gram.stage >= LAST
 }
 
 /// A round after the first.
@@ -128,7 +128,7 @@ impl Round<'_> {
         let gram = GramState {
             stage: gram.stage.saturating_add(1),
             settled: steady && largest < SETTLED,
-            step: largest,
+            step: Some(largest),
             k: if steady { gram.k } else { k },
             weights: if steady { gram.weights } else { Flags::default().limit(k) * k },
             flagged: self.part.flagged as usize,

@@ -8,8 +8,8 @@ pub struct GramState {
     pub stage: u32,
     /// Whether the last step no longer mattered.
     pub settled: bool,
-    /// Largest step of an unknown in the last round, in tolerances; infinite before the first.
-    pub step: f64,
+    /// Largest step of an unknown in the last round, in tolerances; `None` before the first.
+    pub step: Option<f64>,
     /// Scale of the residuals in stated sigmas, 1 at least.
     pub k: f64,
     /// Rows with a component beyond so many stated sigmas do not count.

@@ -160,7 +160,8 @@ pub(super) struct SigmaFile {
 pub(super) struct GramFile {
     pub stage: u32,
     pub settled: bool,
-    pub step_tolerances: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step_tolerances: Option<f64>,
     pub k: f64,
     pub weights: f64,
     pub flagged: usize,
