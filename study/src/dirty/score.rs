@@ -7,12 +7,9 @@ use truearm_simulate::effects::{Defect, DefectKind};
 
 use super::set::DirtySet;
 use super::told::alone;
-use super::truth::{attainable, floors};
+use super::truth::{Place, attainable, floors};
 use crate::apart::TOLD;
 use crate::blind::score::of;
-
-/// A name at a place.
-pub type Place = (String, Vec<usize>);
 
 /// What a claim was worth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,7 +7,8 @@ use std::{fs, io};
 use truearm_host::diagnose::Doubt;
 
 use super::reliability::{bins, diagram};
-use super::score::{Claimed, Judged, Place, Truth, claims};
+use super::score::{Claimed, Judged, Truth, claims};
+use super::truth::Place;
 
 /// Writes claims.csv, effects.csv and reliability.svg; the diagram is of `dirty` sets alone.
 ///

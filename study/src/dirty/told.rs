@@ -13,9 +13,8 @@ use truearm_host::identify::{Linearised, Problem, Scaling, State};
 use truearm_host::model::{ModelTerm, Mounting, Robot};
 use truearm_simulate::body::Moment;
 
-use super::score::Place;
 use super::set::{DirtySet, Secret};
-use super::truth::moved;
+use super::truth::{Place, moved};
 use crate::apart::{Apart, TOLD, apart, runs};
 use crate::simulated::{parse, robot};
 use crate::terms::terms;

@@ -13,6 +13,9 @@ use super::set::DirtySet;
 use crate::simulated::{parse, rms, robot};
 use crate::terms::terms;
 
+/// A name at a place.
+pub type Place = (String, Vec<usize>);
+
 /// Hold-out RMS (m) of a fit that is told the effects and the noise; `None`
 /// where one has no name, or where the fit fails.
 pub fn attainable(set: &DirtySet) -> Option<f64> {
