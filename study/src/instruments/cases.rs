@@ -32,10 +32,10 @@ pub const OTHERS: [(&str, &Wanted); 3] = [
 ];
 
 /// Tool error that is asked for, m.
-const GOAL: f64 = 1e-4;
+pub(super) const GOAL: f64 = 1e-4;
 /// Arms by which the number for it is judged: none of those that the table judges.
 const FEW: u64 = 12;
-const OF_THEIR_OWN: u64 = 1000;
+pub(super) const OF_THEIR_OWN: u64 = 1000;
 /// Quarters of an octave about the number of a case.
 const STEPS: i32 = 16;
 /// A combination of parameters known no better than this share of its tolerance is

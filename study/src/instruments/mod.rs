@@ -7,3 +7,4 @@ pub mod held;
 pub mod mixed;
 pub mod named;
 pub mod scanner;
+pub mod worth;

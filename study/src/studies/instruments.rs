@@ -1,10 +1,13 @@
 //! What each kind of measurement is worth: the same arms, the same effort, the
 //! tool's error over the workspace, and how many it takes for 0.1 mm.
 
+use std::path::PathBuf;
+
 use clap::Args;
 use rayon::prelude::*;
 use truearm_host::diagnose::Verdict;
 use truearm_host::model::Robot;
+use truearm_host::plot::{Panel, grid};
 use truearm_simulate::robots;
 
 use super::Result;
@@ -12,7 +15,7 @@ use crate::apart::TOLD;
 use crate::instruments::cases::{CASES, OTHERS, Wanted, needed, open};
 use crate::instruments::named::{Answered, FILES, TURNING, Truth, answered};
 use crate::instruments::scanner::{Setup, means};
-use crate::instruments::{held, mixed};
+use crate::instruments::{held, mixed, worth};
 use crate::judged::efficiency;
 use crate::simulated::robot;
 
@@ -45,10 +48,16 @@ pub struct Options {
     /// By up to this factor, either way, the sigma of each kind in them is stated wrongly
     #[arg(long, value_name = "FACTOR", default_value_t = 2.0, requires = "named")]
     misstated: f64,
+    /// How the error falls with the number instead, drawn into this file (.svg)
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
     /// The published range finder before three planes instead (SCALAR)
     #[arg(long)]
     scanner: bool,
 }
+
+/// Whose tool error is asked for.
+const ARMS: [(&str, &str); 2] = [("6R", robots::UR10_LIKE), ("7R", robots::ALL[4])];
 
 /// Shares of 95 % intervals that are as they should be.
 const HOLD: std::ops::RangeInclusive<f64> = 0.935..=0.965;
@@ -61,13 +70,17 @@ pub fn run(options: &Options) -> Result {
         let files = if options.turning { &TURNING[..] } else { &FILES[..] };
         return blind(options.seed, sets, options.misstated, files);
     }
+    let arms = || ARMS.map(|(name, text)| (name, robot(text))).into_iter();
+    if let Some(file) = &options.figure {
+        let panels: Vec<Panel> = arms().map(|(n, r)| worth::panel(n, &r, options.arms)).collect();
+        return Ok(std::fs::write(file, grid(&panels, 1))?);
+    }
     let mut missed = Vec::new();
-    for (name, text) in [("6R", robots::UR10_LIKE), ("7R", robots::ALL[4])] {
-        let robot = robot(text);
+    for (name, robot) in arms() {
         let wrong = match options {
             Options { mixed: true, .. } => mixed(name, &robot, options.arms)?,
             Options { coverage: Some(count), .. } => coverage(name, &robot, options, *count),
-            _ => worth(name, &robot, options),
+            _ => table(name, &robot, options),
         };
         missed.extend(wrong);
     }
@@ -82,7 +95,7 @@ fn cases(only: &str) -> impl Iterator<Item = (&'static str, &'static Wanted)> {
 }
 
 /// Errors against their bound, a row a case; what is above it.
-fn worth(name: &str, robot: &Robot, options: &Options) -> Vec<String> {
+fn table(name: &str, robot: &Robot, options: &Options) -> Vec<String> {
     let mut missed = Vec::new();
     println!("\n| {name}: measured | tool error, mm | of the bound | needed for 0.1 mm | open |");
     println!("|---|---|---|---|---|");
