@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm_host::files::poses_csv;
+use truearm_host::files::{Gathered, poses_csv};
 use truearm_host::identify::fit::{Freedom, fit};
 use truearm_host::identify::{Conditions, Predictor, Problem, Scaling};
 use truearm_host::model::{KindId, Measurements, Robot, Sight, Workspace};
@@ -61,6 +61,7 @@ impl Trial {
         let judged = workspace.sample(&robot, JUDGED, &mut rng).unwrap();
         let options = PlanOptions {
             kind: KindId::default(),
+            instruments: Gathered::default(),
             poses: PLANNED,
             workspace,
             candidates: 3000,

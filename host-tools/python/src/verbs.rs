@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use truearm_host::check as gross;
 use truearm_host::diagnose::{self as diagnosis, DiagnoseOptions};
 use truearm_host::evaluate::{self as evaluation, Reregister};
+use truearm_host::files::Gathered;
 use truearm_host::identify::{self as identification, Options};
 use truearm_host::model::{Commanded, Workspace};
 use truearm_host::observations::by_name;
@@ -132,8 +133,9 @@ pub fn verify(
     Ok(to_json(&VerifyReport::new(file, None, after, tolerances, warnings)))
 }
 
-/// Poses to measure, of which points or poses determine the arm best: joint values
-/// (n x joints, rad or m) and the report as JSON.
+/// Poses to measure, of which measurements of a kind determine the arm best, with the
+/// instruments.toml beside the robot's file: joint values (n x joints, rad or m) and the
+/// report as JSON.
 #[pyfunction]
 #[pyo3(signature = (robot, poses=20, candidates=2000, target_um=None, seed=1, kind="point"))]
 pub fn plan<'py>(
@@ -148,8 +150,9 @@ pub fn plan<'py>(
     let workspace = Workspace::new(&robot.inner, None).map_err(refused)?;
     let target = target_um.map(|um| um * 1e-6);
     let kind = by_name(kind)
-        .ok_or_else(|| crate::wrong(format!("kind={kind:?}"), "plan for point or for pose"))?;
-    let options = PlanOptions { kind, poses, workspace, candidates, target, seed };
+        .ok_or_else(|| crate::wrong(format!("kind={kind:?}"), "give a kind of measurements.csv, such as touch"))?;
+    let instruments = Gathered::beside(&robot.inner.path, &robot.inner).map_err(refused)?;
+    let options = PlanOptions { kind, instruments, poses, workspace, candidates, target, seed };
     let found = py.detach(|| planning::plan(&robot.inner, &options, &|_, _| ()));
     let found = found.map_err(refused)?;
     let report = to_json(&PlanReport::new(&robot.inner, &found, candidates, target_um));

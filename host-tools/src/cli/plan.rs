@@ -2,9 +2,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose, instead};
-use truearm_host::files::{overwritable_like, poses_csv, write_all};
+use truearm_host::files::{Gathered, overwritable_like, planned_csv, poses_csv, write_all};
 use truearm_host::model::{Measurements, Robot, Workspace};
-use truearm_host::observations::by_name;
+use truearm_host::observations::{KINDS, by_name};
 use truearm_host::page::{Page, Planned, after_measuring, planned, separated};
 use truearm_host::plan::{Explained, PlanOptions, discriminate, plan};
 use truearm_host::report::{PlanReport, SeparatedAlternative, SeparationReport, to_json};
@@ -22,12 +22,18 @@ use super::{End, Said, overwrite, warn, words};
 pub struct Plan {
     /// The nominal arm, robot.toml
     robot: PathBuf,
-    /// How many poses; with --target-um, at most so many
+    /// How many poses (of pairs how many pairs, of images how many images); with --target-um,
+    /// at most so many
     #[arg(long, value_name = "N")]
     poses: usize,
-    /// What will be measured at each: point, or pose (its orientation as well)
+    /// What will be measured at each: a kind of measurements.csv, such as point, pose (its
+    /// orientation as well), touch or plate
     #[arg(long, default_value = "point", value_name = "KIND", conflicts_with = "discriminate")]
     kind: String,
+    /// Where what is measured on and with stands, or about where; else the instruments.toml
+    /// beside --out or beside the robot
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "discriminate")]
+    instruments: Option<PathBuf>,
     /// Write the joint values here, a CSV line a pose
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
@@ -76,10 +82,16 @@ impl Plan {
             return self.separate(&robot, data, &workspace);
         }
         let kind = by_name(&self.kind).ok_or_else(|| {
-            Error::usage(format!("--kind {}", self.kind), "plan for `point` or for `pose`")
+            let known = KINDS.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+            Error::usage(format!("--kind {}", self.kind), format!("give one of {known}"))
         })?;
+        let instruments = match &self.instruments {
+            Some(file) => Gathered::read(file)?,
+            None => Gathered::beside(&self.out, &robot)?,
+        };
         let options = PlanOptions {
             kind,
+            instruments,
             poses: self.poses,
             workspace: workspace.clone(),
             candidates: self.candidates,
@@ -90,10 +102,15 @@ impl Plan {
         let found = plan(&robot, &options, &|done, total| bar.update(done, total));
         bar.finish();
         let found = found?;
-        warn(&robot.warnings);
         let report = PlanReport::new(&robot, &found, self.candidates, self.target_um);
+        warn(&[&options.instruments.warnings[..], &report.warnings].concat());
         let page = || planned(&report, &self.of(&robot, &workspace, &found.poses));
-        self.write(poses_csv(&robot, "q", &found.poses, &[]), page)?;
+        let of = KINDS[usize::from(kind.0)];
+        let lines = match found.kind {
+            "point" | "pose" => poses_csv(&robot, "q", &found.poses, &[]),
+            _ => planned_csv(&robot, of, &found.measurements),
+        };
+        self.write(lines, page)?;
         let text = if self.json {
             to_json(&report)
         } else {
@@ -128,7 +145,7 @@ impl Plan {
 
     /// The poses and, where one is asked for, the page.
     fn write(&self, poses: String, page: impl FnOnce() -> Page) -> Result<()> {
-        let inputs = [&self.robot].into_iter().chain(&self.discriminate);
+        let inputs = [&self.robot].into_iter().chain(&self.discriminate).chain(&self.instruments);
         let inputs: Vec<&Path> = inputs.map(PathBuf::as_path).collect();
         let mut made = Vec::new();
         if let Some(path) = &self.html {

@@ -21,14 +21,16 @@ mod robot;
 mod signed;
 mod source;
 
+pub(crate) use columns::{USUAL_SIGMA_ANGLE, USUAL_SIGMA_PX};
 pub(crate) use comment::on_one_line;
 pub use digest::digest_of_text;
 pub use edit::CsvEdit;
 pub(crate) use edit::{not_that_text, tables};
+pub use instruments::Gathered;
 pub use key::read_key;
 pub use number::number;
 pub use path::Wanted;
-pub use poses::poses_csv;
+pub use poses::{planned_csv, poses_csv};
 pub use robot::{RobotDraft, prior_tables, with_priors};
 pub use signed::{Comment, foreign, overwritable, overwritable_like, signed};
 

@@ -1,5 +1,6 @@
 use super::csv_text;
-use crate::model::Robot;
+use crate::model::{PlannedRow, Robot};
+use crate::observations::Kind;
 use crate::units::{joint_column, joint_to_file, point_to_mm};
 
 /// Poses as lines of a CSV file: a column a joint, named after `prefix`, where
@@ -29,4 +30,58 @@ pub fn poses_csv(
         cells
     };
     csv_text(names.iter().map(String::as_str), poses.iter().enumerate().map(row))
+}
+
+/// Digits of a joint value where the target is to be in one place: 1e-5 degrees or mm.
+const DIGITS: usize = 5;
+
+/// Measurements of a kind to be made, as lines of a measurements.csv: joint values, the
+/// kind, the labels of what is measured on, the columns of its readings, which are empty,
+/// and where the nominal target then is. Rows of one measurement have its number, from 1,
+/// in the column that joins them. Where the joints themselves are read, at contact, those
+/// that are planned stand apart, and what is read is empty.
+#[must_use]
+pub fn planned_csv(robot: &Robot, kind: &dyn Kind, measurements: &[Vec<PlannedRow>]) -> String {
+    let target = robot.nominal_target();
+    let joint = |j: usize| robot.joints[j].link.kind;
+    let number = kind.joined_by().or(kind.labels().contains(&"image").then_some("image"));
+    let used = |label: &&&str| {
+        let mut rows = measurements.iter().flatten();
+        Some(**label) == number || rows.any(|row| row.labels.iter().any(|(l, _)| l == *label))
+    };
+    let labels: Vec<&str> = kind.labels().iter().filter(used).copied().collect();
+    let readings = kind.columns().iter().map(|column| column.name);
+    let at_contact = kind.columns().is_empty();
+    let of_joints = |prefix: &str| -> Vec<String> {
+        (0..robot.joints.len()).map(|j| joint_column(prefix, j, joint(j))).collect()
+    };
+    let mut names = of_joints(if at_contact { "planned" } else { "q" });
+    if at_contact {
+        names.extend(of_joints("q"));
+    }
+    names.push("kind".to_owned());
+    names.extend(labels.iter().copied().chain(readings.clone()).map(str::to_owned));
+    names.extend(["nominal_x_mm", "nominal_y_mm", "nominal_z_mm"].map(str::to_owned));
+    let row = |(i, row): (usize, &PlannedRow)| {
+        let joints = row.q.iter().enumerate();
+        let mut cells: Vec<String> =
+            joints.map(|(j, q)| format!("{:.DIGITS$}", joint_to_file(joint(j), *q))).collect();
+        if at_contact {
+            cells.extend(row.q.iter().map(|_| String::new()));
+        }
+        cells.push(kind.name().to_owned());
+        cells.extend(labels.iter().map(|column| {
+            let own = row.labels.iter().find(|(l, _)| l == column).map(|(_, label)| label.clone());
+            own.unwrap_or_else(|| match Some(*column) == number {
+                true => (i + 1).to_string(),
+                false => String::new(),
+            })
+        }));
+        cells.extend(readings.clone().map(|_| String::new()));
+        cells.extend(point_to_mm(&target(&row.q).translation).map(|x| format!("{x:.3}")));
+        cells
+    };
+    let rows = measurements.iter().enumerate();
+    let rows = rows.flat_map(|(i, rows)| rows.iter().map(move |row| (i, row))).map(row);
+    csv_text(names.iter().map(String::as_str), rows)
 }

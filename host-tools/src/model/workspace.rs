@@ -3,7 +3,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
 
-use super::robot::Robot;
+use super::robot::{Joint, Robot};
 use crate::error::{Error, ErrorKind, Result};
 use crate::units::{joint_from_file, joint_to_file};
 
@@ -90,6 +90,18 @@ impl Workspace {
             })
     }
 
+    /// Joint values uniform within the limits, rounded as [`Self::sample`] does,
+    /// wherever the target then is.
+    #[must_use]
+    pub fn draw(&self, robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<f64> {
+        let joints = self.limits.iter().zip(&robot.joints);
+        let value = |([low, high], joint): (&[f64; 2], &Joint)| {
+            let value = joint_to_file(joint.link.kind, rng.random_range(*low..=*high));
+            joint_from_file(joint.link.kind, (value * 1e3).round() / 1e3)
+        };
+        joints.map(value).collect()
+    }
+
     /// Random poses of the workspace, every joint uniform within its limits and
     /// rounded to what a controller is told (0.001 degrees, 0.001 mm).
     ///
@@ -105,14 +117,7 @@ impl Workspace {
         let mut out = Vec::with_capacity(count);
         let mut tries = 0;
         while out.len() < count {
-            let q: Vec<f64> = (0..self.limits.len())
-                .map(|j| {
-                    let [low, high] = self.limits[j];
-                    let kind = robot.joints[j].link.kind;
-                    let value = joint_to_file(kind, rng.random_range(low..=high));
-                    joint_from_file(kind, (value * 1e3).round() / 1e3)
-                })
-                .collect();
+            let q = self.draw(robot, rng);
             tries += 1;
             if self.admits(&target(&q)) {
                 out.push(q);

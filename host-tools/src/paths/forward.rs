@@ -6,7 +6,7 @@ use crate::blob::arm_terms;
 use crate::error::{Error, ErrorKind, Label, Result};
 use crate::identify::{Conditions, Predictor, State, Surroundings};
 use crate::model::arm::{Kinematics, chain};
-use crate::model::{Measurements, Model, ModelTerm, Placement, Row};
+use crate::model::{Measurements, Model, ModelTerm, Placement, Robot, Row};
 
 /// What is looked at, and from where. Without either: `[tool]` in `[base]`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl Forward {
         let arm = chain(&model.links(), base, tool);
         let surroundings = Surroundings::of_model(model);
         let terms = arm_terms(model).collect();
-        Ok(Self { measured, terms, surroundings, ..Self::new(model, arm) })
+        Ok(Self { measured, terms, surroundings, ..Self::new(&model.robot, arm) })
     }
 
     /// The arm that the controller believes in.
@@ -63,17 +63,23 @@ impl Forward {
         let (station, tool) = seen(model, view)?;
         let small = Pose::from_rotation_vector(model.frame_translation, model.frame_rotation);
         let base = station.map_or(model.robot.base.pose(), |s| s.compose(&small.inverse()));
-        Ok(Self::new(model, chain(&model.robot.nominal(), base, tool)))
+        Ok(Self::new(&model.robot, chain(&model.robot.nominal(), base, tool)))
     }
 
-    fn new(model: &Model, arm: Box<dyn Kinematics>) -> Self {
-        let placement = Placement { xyz: Vector3::zeros(), rpy: model.robot.tool_rpy };
+    /// An arm as its robot file has it, `[tool]` in `[base]`.
+    #[must_use]
+    pub fn of_robot(robot: &Robot) -> Self {
+        Self::new(robot, chain(&robot.nominal(), robot.base.pose(), robot.tool))
+    }
+
+    fn new(robot: &Robot, arm: Box<dyn Kinematics>) -> Self {
+        let placement = Placement { xyz: Vector3::zeros(), rpy: robot.tool_rpy };
         Self {
             arm,
             turn: placement.pose(),
             terms: Vec::new(),
-            kinds: model.robot.joints.iter().map(|j| j.link.kind).collect(),
-            surroundings: Surroundings::new(&model.robot),
+            kinds: robot.joints.iter().map(|j| j.link.kind).collect(),
+            surroundings: Surroundings::new(robot),
             measured: None,
         }
     }

@@ -92,6 +92,12 @@ impl<'a> Inverse<'a> {
         Self { forward, limits, preferred: Vec::new() }
     }
 
+    /// Within these limits instead, rad or m, one a joint.
+    #[must_use]
+    pub fn limited(self, limits: &[[f64; 2]]) -> Self {
+        Self { limits: limits.to_vec(), ..self }
+    }
+
     /// A configuration that is chosen here is one within these ranges, as far as there
     /// is one: those that the identification covered.
     #[must_use]

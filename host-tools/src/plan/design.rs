@@ -17,11 +17,10 @@
 //! distribution of poses attains it. That holds of points: of a kind that measures
 //! more than the tool point, the tool point's trace is a part of the sum only.
 
-use nalgebra::{DMatrix, Matrix3, Matrix6};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6};
 
 use super::imagined::Imagined;
 use crate::identify::Problem;
-use crate::model::{KindId, Robot};
 
 /// Singular values below this share of the largest are redundancy.
 const ZERO: f64 = 1e-10;
@@ -30,23 +29,40 @@ const MOST_SWEEPS: usize = 20;
 /// Candidates and what they tell.
 pub struct Design {
     sigma: f64,
-    kind: KindId,
-    /// Equations of a pose.
+    /// Equations of a measurement.
     width: usize,
     /// Directions that the kind can determine, one a column.
     basis: DMatrix<f64>,
     prior: DMatrix<f64>,
     /// Blocks of the candidates side by side, transposed: p x width each.
     blocks: DMatrix<f64>,
+    open: Open,
+}
+
+/// Directions that no measurement of the kind moves.
+struct Open {
+    /// One a column.
+    basis: DMatrix<f64>,
+    /// How they follow those that are determined, by the prior.
+    follow: DMatrix<f64>,
+    /// Covariance that the prior leaves them, 0 where it says nothing either.
+    covariance: DMatrix<f64>,
+}
+
+/// What is to be known of the arm over a region.
+pub struct Region {
+    /// How it moves with the directions that are determined, in sigmas: three columns a
+    /// pose.
+    blocks: DMatrix<f64>,
+    /// Variance of each pose that stays whatever is measured, m^2.
+    pub open: Vec<f64>,
 }
 
 impl Design {
-    /// At the nominal geometry of `robot`, of a kind of measurement.
+    /// Of what candidates of some kind tell; noise `sigma`, m.
     #[must_use]
-    pub fn new(robot: &Robot, candidates: &[Vec<f64>], kind: KindId) -> Self {
-        let imagined = Imagined::new(robot, candidates, kind);
-        let problem = imagined.problem(robot);
-        let jacobian = imagined.equations(&problem);
+    pub fn new(imagined: &Imagined, problem: &Problem, sigma: f64) -> Self {
+        let (jacobian, width) = imagined.equations(problem);
         // The triangle has the singular values of the whole without squaring.
         let triangle = jacobian.transpose().qr().r();
         let svd = triangle.svd(false, true);
@@ -54,25 +70,24 @@ impl Design {
             .v_t
             .unwrap_or_else(|| DMatrix::identity(jacobian.nrows(), jacobian.nrows()))
             .transpose();
+        let v = completed(v);
         let largest = svd.singular_values.max();
-        let keep: Vec<usize> =
-            (0..v.ncols()).filter(|k| svd.singular_values[*k] > ZERO * largest).collect();
-        let lost: Vec<usize> = (0..v.ncols()).filter(|k| !keep.contains(k)).collect();
+        let is_told = |k: &usize| svd.singular_values.get(*k).is_some_and(|s| *s > ZERO * largest);
+        let (keep, lost): (Vec<usize>, Vec<usize>) = (0..v.ncols()).partition(is_told);
         let (basis, null) = (v.select_columns(&keep), v.select_columns(&lost));
-        let unknowns = &problem.unknowns;
-        let penalty = DMatrix::from_fn(v.nrows(), v.nrows(), |i, j| {
-            if i == j && i >= unknowns.free() { 1.0 } else { 0.0 }
-        });
+        let penalty = penalty(problem, imagined);
         // What the prior says of the basis once it has settled the rest.
         let mut prior = basis.tr_mul(&(&penalty * &basis));
         let cross = basis.tr_mul(&(&penalty * &null));
         let rest = null.tr_mul(&(&penalty * &null));
-        if let Ok(inverse) = rest.pseudo_inverse(1e-9) {
-            prior -= &cross * inverse * cross.transpose();
-        }
+        let covariance = rest
+            .pseudo_inverse(1e-9)
+            .unwrap_or_else(|_| DMatrix::zeros(null.ncols(), null.ncols()));
+        let follow = &cross * &covariance;
+        prior -= &follow * cross.transpose();
         let blocks = basis.tr_mul(&jacobian);
-        let width = jacobian.ncols() / candidates.len().max(1);
-        Self { sigma: robot.sigma, kind, width, basis, prior, blocks }
+        let open = Open { basis: null, follow, covariance };
+        Self { sigma, width, basis, prior, blocks, open }
     }
 
     /// Parameters that the kind can determine.
@@ -93,12 +108,17 @@ impl Design {
         self.width
     }
 
-    /// How the tool point moves at other poses, in sigmas: three columns each.
+    /// How something moves at other poses, m: three columns each, a row an unknown.
     #[must_use]
-    pub fn tool_points(&self, robot: &Robot, poses: &[Vec<f64>]) -> DMatrix<f64> {
-        let imagined = Imagined::new(robot, poses, self.kind);
-        let problem: Problem = imagined.problem(robot);
-        self.basis.tr_mul(&(imagined.tool_points(&problem) / self.sigma))
+    pub fn region(&self, moved: &DMatrix<f64>) -> Region {
+        let (told, open) = (self.basis.tr_mul(moved), self.open.basis.tr_mul(moved));
+        let left = &self.open.covariance * &open;
+        let trace =
+            |k: usize| (3 * k..3 * k + 3).map(|c| left.column(c).dot(&open.column(c))).sum();
+        Region {
+            open: (0..moved.ncols() / 3).map(trace).collect(),
+            blocks: (told - &self.open.follow * open) / self.sigma,
+        }
     }
 
     /// The Jacobian of some candidates, as many rows each as a pose has equations.
@@ -114,14 +134,19 @@ impl Design {
         &self.prior + jacobian.tr_mul(&jacobian)
     }
 
-    /// Standard deviations of the tool point, 3-D, at poses given by blocks, m.
+    /// Standard deviations of what is to be known, 3-D, at the poses of a region, m: as
+    /// far as it is determined at all, and with what stays open.
     #[must_use]
-    pub fn sigmas(&self, chosen: &[usize], at: &DMatrix<f64>) -> Vec<f64> {
+    pub fn sigmas(&self, chosen: &[usize], over: &Region) -> Vec<[f64; 2]> {
+        let at = &over.blocks;
         let weighed = inverse(self.information(chosen)) * at;
         let trace =
             |k: usize| (3 * k..3 * k + 3).map(|c| weighed.column(c).dot(&at.column(c))).sum();
-        let traces = (0..at.ncols() / 3).map(trace);
-        traces.map(|t: f64| self.sigma * t.max(0.0).sqrt()).collect()
+        let both = |(k, open): (usize, &f64)| {
+            let told: f64 = self.sigma * self.sigma * f64::max(trace(k), 0.0);
+            [told.sqrt(), (told + open.max(0.0)).sqrt()]
+        };
+        over.open.iter().enumerate().map(both).collect()
     }
 
     /// Improves a design by exchanging one pose at a time for the candidate
@@ -170,6 +195,32 @@ impl Design {
     }
 }
 
+/// What is known beforehand, as of an identification: links to their tolerances, and the
+/// target about where it is stated; unknowns in tolerances.
+fn penalty(problem: &Problem, imagined: &Imagined) -> DMatrix<f64> {
+    let (count, free) = (problem.unknowns.list().len(), problem.unknowns.free());
+    let links = DVector::from_fn(count, |k, _| if k >= free { 1.0 } else { 0.0 });
+    let targets = problem.clone().about(imagined.state()).of_targets(imagined.state());
+    let targets = targets.columns(0, count);
+    DMatrix::from_diagonal(&links) + targets.tr_mul(&targets)
+}
+
+/// Orthogonal directions, one a column, with others so that they are as many as they have
+/// components: few candidates have fewer.
+fn completed(v: DMatrix<f64>) -> DMatrix<f64> {
+    let size = v.nrows();
+    if v.ncols() == size {
+        return v;
+    }
+    let rest = DMatrix::identity(size, size) - &v * v.transpose();
+    let svd = rest.svd(true, false);
+    let Some(u) = svd.u else { return v };
+    let mut out = DMatrix::zeros(size, size);
+    out.columns_mut(0, v.ncols()).copy_from(&v);
+    out.columns_mut(v.ncols(), size - v.ncols()).copy_from(&u.columns(0, size - v.ncols()));
+    out
+}
+
 /// Inverse of an information matrix; nearly singular ones (fewer equations than
 /// parameters while a pose is taken out) get the last bit of help.
 fn inverse(mut information: DMatrix<f64>) -> DMatrix<f64> {
@@ -184,6 +235,7 @@ fn inverse(mut information: DMatrix<f64>) -> DMatrix<f64> {
 /// Of the identity and a matrix.
 fn determinant(size: usize, of: impl Fn(usize, usize) -> f64) -> f64 {
     match size {
+        1 => 1.0 + of(0, 0),
         3 => (Matrix3::identity() + Matrix3::from_fn(of)).determinant(),
         6 => (Matrix6::identity() + Matrix6::from_fn(of)).determinant(),
         _ => (DMatrix::identity(size, size) + DMatrix::from_fn(size, size, of)).determinant(),

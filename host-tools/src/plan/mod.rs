@@ -1,15 +1,20 @@
 //! Which poses to measure.
 //!
-//! [`Workspace`] says where the arm may go and what the tracker sees; [`plan`]
-//! picks the poses there that determine the arm best ([`design`]);
-//! [`discriminate`] those that tell two explanations of one data set apart.
+//! [`Workspace`] says where the arm may go and what the tracker sees, [`kinds`] what there
+//! is to measure on; [`plan`] picks the poses there that determine the arm best
+//! ([`design`]); [`discriminate`] those that tell two explanations of one data set apart.
 
+pub mod cell;
 pub mod design;
 mod discriminate;
 mod imagined;
+pub mod kinds;
 mod observability;
+mod undetermined;
 
 pub use discriminate::{Discrimination, Explained, discriminate};
+pub use imagined::Imagined;
+pub use kinds::Candidate;
 pub use observability::Observability;
 
 use rand::SeedableRng;
@@ -18,9 +23,11 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::model::{KindId, Robot, Workspace};
+use crate::files::Gathered;
+use crate::model::{KindId, PlannedRow, Robot, Workspace};
 use crate::observations::KINDS;
-use design::Design;
+use cell::Cell;
+use design::{Design, Region};
 
 /// Starts of the exchange; the best design is kept.
 const STARTS: u64 = 3;
@@ -31,9 +38,12 @@ const JUDGED: usize = 2000;
 /// What the user may choose.
 #[derive(Debug, Clone)]
 pub struct PlanOptions {
-    /// What will be measured at each: points, or poses as well.
+    /// What will be measured at each.
     pub kind: KindId,
-    /// Poses to measure; with a target, at most.
+    /// What is stated of what is measured on and with; points and poses need nothing.
+    pub instruments: Gathered,
+    /// Measurements to make; with a target, at most. A pair is one of two poses, an image
+    /// one of many corners.
     pub poses: usize,
     /// Where.
     pub workspace: Workspace,
@@ -51,9 +61,14 @@ pub struct PlanOptions {
 pub struct PosePlan {
     /// Joint values, rad or m, as a file can write them.
     pub poses: Vec<Vec<f64>>,
+    /// What is to be measured there: the rows of each measurement.
+    pub measurements: Vec<Candidate>,
     /// Name of the kind of measurement.
     pub kind: &'static str,
-    /// Parameters that it can determine.
+    /// What the standard deviations are of, in words: the tool point, or the place of what
+    /// measures where the kind says nothing of a tool.
+    pub what: &'static str,
+    /// Parameters that the kind can determine, those of instruments included.
     pub parameters: usize,
     /// Of the scaled Jacobian of the poses.
     pub observability: Observability,
@@ -67,34 +82,125 @@ pub struct PosePlan {
     pub bound: Option<f64>,
     /// Median over some draws of as many random poses: their worst case, m.
     pub random_worst: f64,
+    /// The same three of what the kind determines at all, where something stays open that
+    /// only the tolerances hold.
+    pub determined: Option<Determined>,
+    /// What no measurement of this kind tells, in words.
+    pub undetermined: Vec<String>,
     /// Whether the target was reached, if there was one.
     pub reached: Option<bool>,
+    /// Remarks for the user.
+    pub warnings: Vec<String>,
 }
+
+/// Standard deviations but for what no measurement of a kind tells, m; as of
+/// [`PosePlan`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Determined {
+    /// Largest over the region.
+    pub worst: f64,
+    /// Root mean square.
+    pub rms: f64,
+    /// Largest of as many random measurements.
+    pub random_worst: f64,
+}
+
+/// What stays open counts from this share of the largest standard deviation.
+const COUNTS: f64 = 0.01;
 
 /// Plans the poses of an identification by a single marker from one station.
 ///
 /// # Errors
-/// A region that the arm cannot reach, or fewer poses than parameters need.
+/// A region that the arm cannot reach, fewer poses than parameters need, a kind that needs
+/// places which nothing is stated of, or places that no pose leads to.
 pub fn plan(
     robot: &Robot,
     options: &PlanOptions,
     progress: &dyn Fn(usize, usize),
 ) -> Result<PosePlan> {
-    planned_for(options.kind)?;
     enough_candidates(options)?;
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-    let candidates = options.workspace.sample(robot, options.candidates, &mut rng)?;
+    let (candidates, warnings) = candidates(robot, options, &mut rng)?;
     let judged = options.workspace.sample(robot, JUDGED, &mut rng)?;
-    let design = Design::new(robot, &candidates, options.kind);
-    let judged = design.tool_points(robot, &judged);
-    let mut count = first_count(&design, options, robot.sigma)?;
-    let bound = |n: usize| robot.sigma * (design.parameters() as f64 / n as f64).sqrt();
-    let of_points = options.kind == KindId::default();
+    let imagined = Imagined::new(robot, &candidates, options.kind, &options.instruments)?;
+    let problem = imagined.problem(robot);
+    let design = Design::new(&imagined, &problem, robot.sigma);
+    let motions = imagined.motions(robot, &problem, &judged);
+    let region = design.region(&motions.moved);
+    let (chosen, reached) = chosen(&design, &region, options, robot.sigma, progress)?;
+    let [told, all] = judged_by(&design.sigmas(&chosen, &region));
+    let [random_told, random_worst] = random_worst(&design, &region, chosen.len(), options.seed);
+    let open = region.open.iter().copied().fold(0.0, f64::max).sqrt();
+    let determined = Determined { worst: told.0, rms: told.1, random_worst: random_told };
+    let is_open = open > COUNTS * all.0;
+    let measurements: Vec<Candidate> = chosen.iter().map(|k| candidates[*k].clone()).collect();
+    let undetermined = match is_open {
+        true => undetermined::words(robot, options, &measurements)?,
+        false => Vec::new(),
+    };
+    let bound = robot.sigma * (design.parameters() as f64 / chosen.len() as f64).sqrt();
+    Ok(PosePlan {
+        poses: kinds::poses(&measurements),
+        kind: name(options.kind),
+        what: motions.what,
+        parameters: design.parameters(),
+        observability: Observability::of(&design.jacobian(&chosen), chosen.len()),
+        worst: all.0,
+        rms: all.1,
+        bound: (options.kind == KindId::default()).then_some(bound),
+        random_worst,
+        determined: is_open.then_some(determined),
+        undetermined,
+        reached,
+        warnings,
+        measurements,
+    })
+}
+
+fn name(kind: KindId) -> &'static str {
+    KINDS[usize::from(kind.0)].name()
+}
+
+/// Measurements to choose from, and what is out of reach.
+fn candidates(
+    robot: &Robot,
+    options: &PlanOptions,
+    rng: &mut ChaCha8Rng,
+) -> Result<(Vec<Candidate>, Vec<String>)> {
+    if ["point", "pose"].contains(&name(options.kind)) {
+        let poses = options.workspace.sample(robot, options.candidates, rng)?;
+        let alone = |q| vec![PlannedRow { q, labels: Vec::new() }];
+        return Ok((poses.into_iter().map(alone).collect(), Vec::new()));
+    }
+    let cell = Cell::new(robot, &options.workspace, &options.instruments);
+    let kind = name(options.kind);
+    let (found, closed) = kinds::candidates(kind, &cell, options.candidates, options.seed)?;
+    if found.len() < 2 * options.poses {
+        return Err(Error::data(
+            ErrorKind::NoPoses,
+            format!("only {} of {} draws lead to a {kind}", found.len(), options.candidates),
+            "widen --limits or --box, or allow more --candidates",
+        ));
+    }
+    let warning =
+        (!closed.is_empty()).then(|| format!("out of reach: {}", crate::error::listed(&closed)));
+    Ok((found, warning.into_iter().collect()))
+}
+
+/// The measurements that are best, as many as are asked for or as the target needs, and
+/// whether that is reached.
+fn chosen(
+    design: &Design,
+    region: &Region,
+    options: &PlanOptions,
+    sigma: f64,
+    progress: &dyn Fn(usize, usize),
+) -> Result<(Vec<usize>, Option<bool>)> {
+    let mut count = first_count(design, options, sigma)?;
     loop {
         progress(count, options.poses);
-        let chosen = best_of_starts(&design, count, options.seed);
-        let sigmas = design.sigmas(&chosen, &judged);
-        let worst = sigmas.iter().copied().fold(0.0, f64::max);
+        let chosen = best_of_starts(design, count, options.seed);
+        let [_, (worst, _)] = judged_by(&design.sigmas(&chosen, region));
         let reached = options.target.map(|target| worst <= target);
         if reached == Some(false) && count < options.poses {
             // As the root of n, and never past the target in one leap.
@@ -103,32 +209,17 @@ pub fn plan(
                 .clamp(count + 1, options.poses);
             continue;
         }
-        let squares: f64 = sigmas.iter().map(|s| s * s).sum();
-        return Ok(PosePlan {
-            poses: chosen.iter().map(|k| candidates[*k].clone()).collect(),
-            kind: KINDS[usize::from(options.kind.0)].name(),
-            parameters: design.parameters(),
-            observability: Observability::of(&design.jacobian(&chosen), count),
-            worst,
-            rms: (squares / sigmas.len() as f64).sqrt(),
-            bound: of_points.then(|| bound(count)),
-            random_worst: random_worst(&design, &judged, count, options.seed),
-            reached,
-        });
+        return Ok((chosen, reached));
     }
 }
 
-/// Kinds of which a pose alone says what will be measured there: the others need a
-/// place that is touched, seen or measured from.
-fn planned_for(kind: KindId) -> Result<()> {
-    let kind = KINDS[usize::from(kind.0)];
-    if ["point", "pose"].contains(&kind.name()) {
-        return Ok(());
-    }
-    Err(Error::usage(
-        format!("--kind {}: poses are planned for points and for poses", kind.name()),
-        "poses planned for points do for it as well, though they are not the best",
-    ))
+/// Largest and root mean square, of what is determined and of all.
+fn judged_by(sigmas: &[[f64; 2]]) -> [(f64, f64); 2] {
+    [0, 1].map(|k| {
+        let squares: f64 = sigmas.iter().map(|s| s[k] * s[k]).sum();
+        let largest = sigmas.iter().map(|s| s[k]).fold(0.0, f64::max);
+        (largest, (squares / sigmas.len() as f64).sqrt())
+    })
 }
 
 /// Candidates to choose from?
@@ -150,11 +241,11 @@ fn first_count(design: &Design, options: &PlanOptions, sigma: f64) -> Result<usi
         return Err(Error::data(
             ErrorKind::TooFewPoses,
             format!(
-                "{} poses give {} equations for {} parameters that {}s can determine",
+                "{} poses give {} equations for {} parameters that {} can determine",
                 options.poses,
                 design.width() * options.poses,
                 design.parameters(),
-                KINDS[usize::from(options.kind.0)].name()
+                plural(name(options.kind))
             ),
             format!("plan at least {least} poses, better {}", 2 * least),
         ));
@@ -164,7 +255,8 @@ fn first_count(design: &Design, options: &PlanOptions, sigma: f64) -> Result<usi
         Some(target) => {
             // More than points may need far fewer.
             let of_points = 0.9 * design.parameters() as f64 * (sigma / target).powi(2);
-            let fewest = if design.width() == 3 { of_points } else { 0.0 };
+            let is_point = options.kind == KindId::default();
+            let fewest = if is_point { of_points } else { 0.0 };
             (fewest as usize).clamp(least, options.poses)
         }
         None => options.poses,
@@ -184,11 +276,21 @@ fn some(of: usize, count: usize, rng: &mut ChaCha8Rng) -> Vec<usize> {
     (0..of).collect::<Vec<_>>().sample(rng, count).copied().collect()
 }
 
-fn random_worst(design: &Design, judged: &nalgebra::DMatrix<f64>, count: usize, seed: u64) -> f64 {
+/// Of what is determined and of all.
+fn random_worst(design: &Design, region: &Region, count: usize, seed: u64) -> [f64; 2] {
     let draws = (0..9).map(|k| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed ^ (k + 101) << 32);
-        let sigmas = design.sigmas(&some(design.candidates(), count, &mut rng), judged);
-        sigmas.into_iter().fold(0.0, f64::max)
+        judged_by(&design.sigmas(&some(design.candidates(), count, &mut rng), region))
     });
-    crate::statistics::median(&draws.collect::<Vec<_>>())
+    let draws: Vec<_> = draws.collect();
+    [0, 1].map(|k| {
+        let worst: Vec<f64> = draws.iter().map(|both| both[k].0).collect();
+        crate::statistics::median(&worst)
+    })
+}
+
+/// Measurements of a kind, in words.
+#[must_use]
+pub fn plural(kind: &str) -> String {
+    if kind.ends_with("ch") { format!("{kind}es") } else { format!("{kind}s") }
 }

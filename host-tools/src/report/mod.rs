@@ -34,7 +34,7 @@ pub use gram::GramReport;
 pub use identify::IdentifyReport;
 pub use ik::IkReport;
 pub use import::ImportReport;
-pub use plan::{PlanReport, SeparatedAlternative, SeparationReport};
+pub use plan::{DeterminedFigures, PlanReport, SeparatedAlternative, SeparationReport};
 pub use verify::{Judged, VerifyReport};
 
 /// A report as text.

@@ -2,7 +2,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::model::Robot;
-use crate::plan::{Observability, PosePlan};
+use crate::plan::{Determined, Observability, PosePlan};
 use crate::units::MICRO;
 
 /// What `plan --json` prints.
@@ -18,11 +18,16 @@ pub struct PlanReport {
     pub robot: String,
     /// Poses to measure.
     pub poses: usize,
+    /// Measurements: a pair is one of two poses.
+    pub measurements: usize,
     /// Candidates they were chosen from.
     pub candidates: usize,
     /// Kind of measurement that the poses are for.
     pub kind: &'static str,
-    /// Parameters that it can determine.
+    /// What the standard deviations are of: the tool point, or the place of what
+    /// measures where the kind says nothing of a tool.
+    pub what: &'static str,
+    /// Parameters that it can determine, those of instruments included.
     pub parameters: usize,
     /// Of the scaled Jacobian of the poses.
     pub observability: Observability,
@@ -36,6 +41,11 @@ pub struct PlanReport {
     pub bound_um: Option<f64>,
     /// Worst of as many random poses, median of 9 draws.
     pub random_worst_um: f64,
+    /// The same but for what no measurement of this kind tells; `null` where it tells
+    /// all that matters.
+    pub determined: Option<DeterminedFigures>,
+    /// What no measurement of this kind tells, in words.
+    pub undetermined: Vec<String>,
     /// The worst that was asked for.
     pub target_um: Option<f64>,
     /// Whether it was reached.
@@ -56,18 +66,41 @@ impl PlanReport {
             command: "plan",
             robot: robot.name.clone(),
             poses: found.poses.len(),
+            measurements: found.measurements.len(),
             candidates,
             kind: found.kind,
+            what: found.what,
             parameters: found.parameters,
             observability: found.observability,
             worst_um: found.worst * MICRO,
             rms_um: found.rms * MICRO,
             bound_um: found.bound.map(|bound| bound * MICRO),
             random_worst_um: found.random_worst * MICRO,
+            determined: found.determined.as_ref().map(DeterminedFigures::of),
+            undetermined: found.undetermined.clone(),
             target_um,
             target_reached: found.reached,
-            warnings: robot.warnings.clone(),
+            warnings: [robot.warnings.clone(), found.warnings.clone()].concat(),
         }
+    }
+}
+
+/// Standard deviations of what a kind determines at all.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct DeterminedFigures {
+    /// Largest over the region.
+    pub worst_um: f64,
+    /// Root mean square over the region.
+    pub rms_um: f64,
+    /// Worst of as many random measurements.
+    pub random_worst_um: f64,
+}
+
+impl DeterminedFigures {
+    fn of(found: &Determined) -> Self {
+        let [worst_um, rms_um, random_worst_um] =
+            [found.worst, found.rms, found.random_worst].map(|m| m * MICRO);
+        Self { worst_um, rms_um, random_worst_um }
     }
 }
 

@@ -77,6 +77,55 @@ fn a_plan_is_a_list_of_joints() {
     }
 }
 
+/// A plate as the program plans it: rows to fill in, which `identify` takes when they are.
+#[test]
+fn a_plan_of_a_kind_is_a_file_to_fill_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("robot.toml"), robots::ALL[0]).unwrap();
+    let plan = |kind: &str, more: &[&str]| {
+        let start = ["plan", "robot.toml", "--kind", kind, "--out", "p.csv"];
+        let count = if kind == "pair" { "40" } else { "30" };
+        truearm(folder, &[&start[..], &["--candidates", "400", "--poses", count], more].concat())
+    };
+    let ran = plan("plate", &[]);
+    assert_ne!(ran.code, Some(0));
+    assert!(ran.err.contains("no plate that stands still is stated"), "{}", ran.err);
+    assert!(
+        ran.err.contains("add [[plates]] with label, xyz_mm, rpy_deg and holes"),
+        "{}",
+        ran.err
+    );
+    let ran = plan("plate", &["--instruments", "nowhere.toml"]);
+    assert!(ran.code != Some(0) && ran.err.contains("nowhere.toml"), "{}", ran.err);
+    assert!(plan("nothing", &[]).err.contains("point, pose, distance"));
+
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let arm = robot(robots::ALL[0]);
+    let cell = crate::judged::cell(&arm, &mut rng);
+    let stated = cell.placed(1e-3, true, &mut rng);
+    std::fs::write(folder.join("instruments.toml"), &stated).unwrap();
+    let ran = plan("plate", &["--json"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let report: Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!((&report["kind"], &report["what"]), (&"plate".into(), &"the tool point".into()));
+    let text = std::fs::read_to_string(folder.join("p.csv")).unwrap();
+    assert!(text.starts_with("planned1_deg,planned2_deg,"), "{text}");
+    assert!(text.lines().next().unwrap().contains("q6_deg,kind,plate,hole,nominal_x_mm"));
+    // As it was written nothing was read yet.
+    let ran = truearm(folder, &["identify", "robot.toml", "p.csv"]);
+    assert!(ran.code != Some(0) && ran.err.contains("q1_deg"), "{}", ran.err);
+    std::fs::write(folder.join("m.csv"), cell.filled(&text, &mut rng)).unwrap();
+    let ran = truearm(folder, &["identify", "robot.toml", "m.csv"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let ran = plan("plate", &["--html", "p.html"]);
+    assert!(ran.out.contains("30 poses for") && ran.out.contains("plates can determine"));
+    let page = std::fs::read_to_string(folder.join("p.html")).unwrap();
+    assert!(page.contains("kind plate") && page.contains("read at contact"));
+    let ran = plan("pair", &[]);
+    assert!(ran.out.contains("40 pairs at 80 poses"), "{} {}", ran.out, ran.err);
+}
+
 /// A diagnosis that cannot tell two effects apart, and the same with the planned
 /// poses measured on the simulated arm (`planned_poses_tell_explanations_apart` of
 /// the studies has them made anew): one name is left.

@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
+use truearm_host::files::Gathered;
 use truearm_host::identify::{Problem, Scaling};
 use truearm_host::model::arm::chain;
 use truearm_host::model::{KindId, Robot, Sight, Workspace};
@@ -31,6 +32,7 @@ fn poses_stay_in_limits_box_and_sight() {
     workspace.sight = Some(sight);
     let options = PlanOptions {
         kind: KindId::default(),
+        instruments: Gathered::default(),
         poses: 12,
         workspace,
         candidates: 500,
@@ -67,6 +69,7 @@ fn poses_for_poses_keep_their_promise() {
     let workspace = Workspace::new(&robot, None).unwrap();
     let options = |kind: &str| PlanOptions {
         kind: by_name(kind).unwrap(),
+        instruments: Gathered::default(),
         poses: 12,
         workspace: workspace.clone(),
         candidates: 600,
@@ -102,7 +105,7 @@ fn poses_for_poses_keep_their_promise() {
     );
     assert!((0.85..1.15).contains(&(error / poses.rms)));
     let error = plan(&robot, &options("touch"), &|_, _| ()).unwrap_err();
-    assert!(error.to_string().contains("for points and for poses"), "{error}");
+    assert!(error.to_string().contains("no surface to touch is stated"), "{error}");
 }
 
 #[test]
@@ -112,6 +115,7 @@ fn it_stops_at_the_target_with_few_poses() {
     let target = 1.1 * robot.sigma;
     let options = PlanOptions {
         kind: KindId::default(),
+        instruments: Gathered::default(),
         poses: 80,
         workspace,
         candidates: 1000,
@@ -140,6 +144,7 @@ fn what_cannot_be_planned_is_said() {
     let workspace = Workspace::new(&robot, None).unwrap();
     let options = |poses, candidates, workspace: &Workspace| PlanOptions {
         kind: KindId::default(),
+        instruments: Gathered::default(),
         poses,
         workspace: workspace.clone(),
         candidates,

@@ -91,7 +91,7 @@ impl Cell {
     }
 
     /// Where the image has a point of the camera's frame, px.
-    fn project(&self, point: &Vector3<f64>) -> Option<[f64; 2]> {
+    pub(super) fn project(&self, point: &Vector3<f64>) -> Option<[f64; 2]> {
         let [fx, fy, cx, cy] = self.camera.pinhole;
         let [k1, k2, p1, p2, k3] = self.camera.brown;
         let (x, y) = (point.x / point.z, point.y / point.z);

@@ -4,6 +4,7 @@
 //! quotients. Nothing here comes from the crate.
 
 mod camera;
+mod planned;
 mod rows;
 mod scanner;
 

@@ -46,7 +46,7 @@ impl Cell {
         vec![(q, row)]
     }
 
-    fn begun(&self, kind: &str) -> Row {
+    pub(super) fn begun(&self, kind: &str) -> Row {
         Row::from([
             ("kind", kind.to_owned()),
             ("sigma_mm", mm(self.sigmas.length)),
@@ -62,7 +62,7 @@ impl Cell {
         (q.to_vec(), row)
     }
 
-    fn noise(&self, rng: &mut impl Rng) -> f64 {
+    pub(super) fn noise(&self, rng: &mut impl Rng) -> f64 {
         self.sigmas.length * normal(rng)
     }
 

@@ -1,35 +1,49 @@
-use truearm_host::plan::PosePlan;
+use truearm_host::plan::{PosePlan, plural};
 use truearm_host::report::SeparatedAlternative;
 use truearm_host::table::Table;
 use truearm_host::units::MICRO;
 
 /// Poses of `plan` and what they will tell.
 pub fn planned(found: &PosePlan) -> String {
-    let mut table =
-        Table::new(["predicted 3-D standard deviation of the tool point, geometry alone", "um"]);
+    let head = format!("predicted 3-D standard deviation of {}, geometry alone", found.what);
+    let mut table = Table::new([head.as_str(), "um"]);
+    let determined = found.determined;
     for (name, metres) in [
         ("  worst over the region", Some(found.worst)),
         ("  root mean square over the region", Some(found.rms)),
         ("  no set has a smaller worst than", found.bound),
         ("  worst of as many random poses", Some(found.random_worst)),
+        ("  worst but for what stays open", determined.map(|d| d.worst)),
+        ("  the same of as many random poses", determined.map(|d| d.random_worst)),
     ] {
         if let Some(metres) = metres {
             table.row([name.to_owned(), format!("{:.1}", metres * MICRO)]);
         }
     }
     let o = &found.observability;
+    let open = found.undetermined.iter().map(|line| format!("left open: {line}\n"));
     format!(
-        "{} poses for {} parameters that {}s can determine\n{table}\
+        "{} for {} parameters that {} can determine\n{table}{}\
          observability: O1 {:.4}, O2 {:.2e}, O3 {:.4}, O4 {:.2e}, O5 {:.4}\n",
-        found.poses.len(),
+        counted(found),
         found.parameters,
-        found.kind,
+        plural(found.kind),
+        open.collect::<String>(),
         o.o1,
         o.o2,
         o.o3,
         o.o4,
         o.o5
     )
+}
+
+/// How many poses, and how many measurements where that is another number.
+fn counted(found: &PosePlan) -> String {
+    let (poses, measurements) = (found.poses.len(), found.measurements.len());
+    match poses == measurements {
+        true => format!("{poses} poses"),
+        false => format!("{measurements} {} at {poses} poses", plural(found.kind)),
+    }
 }
 
 /// What so many planned poses tell of alternatives.

@@ -33,9 +33,10 @@ const SIGMA_MM: Sigma = Sigma { unit: "mm", range: SIGMAS, such_as: 0.03, to_si:
 const SIGMA_DEG: Sigma =
     Sigma { unit: "degrees", range: 1e-6..=10.0, such_as: 0.01, to_si: f64::to_radians };
 const SIGMA_PX: Sigma = Sigma { unit: "px", range: 1e-4..=100.0, such_as: 0.1, to_si: |px| px };
-/// Where none is stated, rad and px.
-const USUAL_SIGMA_ANGLE: f64 = 0.01 * std::f64::consts::PI / 180.0;
-const USUAL_SIGMA_PX: f64 = 0.1;
+/// Of an angle that nothing is stated of, rad.
+pub(crate) const USUAL_SIGMA_ANGLE: f64 = 0.01 * std::f64::consts::PI / 180.0;
+/// Of a pixel that nothing is stated of.
+pub(crate) const USUAL_SIGMA_PX: f64 = 0.1;
 /// Farther than any rail goes, mm.
 const MOST_MM: f64 = 1e5;
 /// More degrees no encoder reads.

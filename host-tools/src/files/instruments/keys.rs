@@ -33,6 +33,8 @@ pub(super) struct AnchorFile {
     pub xyz_mm: Triple,
     #[serde(default)]
     pub guess: bool,
+    /// Shortest and longest length that is measured from it.
+    pub reach_mm: Option<Spanned<[f64; 2]>>,
 }
 
 #[derive(Deserialize)]
@@ -78,6 +80,8 @@ pub(super) struct CameraFile {
     pub guess: bool,
     pub focal_px: Spanned<[f64; 2]>,
     pub centre_px: Spanned<[f64; 2]>,
+    /// Width and height of the image.
+    pub image_px: Option<Spanned<[f64; 2]>>,
     /// k1, k2, p1, p2, k3
     pub distortion: Option<Spanned<[f64; 5]>>,
     pub intrinsics: Option<Spanned<String>>,
@@ -91,6 +95,8 @@ pub(super) struct RayFile {
     pub direction: Triple,
     #[serde(default)]
     pub guess: bool,
+    /// Shortest and longest range that is measured along it.
+    pub reach_mm: Option<Spanned<[f64; 2]>>,
 }
 
 #[derive(Deserialize)]

@@ -3,6 +3,7 @@
 
 mod keys;
 mod read;
+mod sight;
 
 use std::collections::HashMap;
 
@@ -12,9 +13,9 @@ use truearm::Pose;
 use crate::model::{Form, Instrument, Measurements, Placement, Robot};
 use crate::observations::Registry;
 
-/// What is known so far.
+/// What is known so far: of an instruments.toml, and of what rows refer to.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Gathered {
+pub struct Gathered {
     /// Instruments, stated ones first.
     pub list: Vec<Instrument>,
     /// Coordinates of holes, balls and corners by plate and label, m.
@@ -22,11 +23,41 @@ pub(super) struct Gathered {
     /// Markers whose place in the last frame is stated, m, and whether it is
     /// only a guess.
     pub markers: Vec<(String, Vector3<f64>, bool)>,
+    /// What an instrument can measure, for planning: of an anchor or a ray the
+    /// shortest and the longest length, m; of a camera width and height of its image, px.
+    pub ranges: Vec<(Form, String, [f64; 2])>,
     /// Remarks for the user.
     pub warnings: Vec<String>,
 }
 
 impl Gathered {
+    /// Instruments of these forms.
+    pub fn of<'a>(&'a self, forms: &'a [Form]) -> impl Iterator<Item = &'a Instrument> {
+        self.list.iter().filter(|i| forms.contains(&i.form))
+    }
+
+    /// What an instrument can measure, where it is stated; see [`Self::ranges`].
+    #[must_use]
+    pub fn range_of(&self, form: Form, label: &str) -> Option<[f64; 2]> {
+        let stated = self.ranges.iter().find(|(f, l, _)| *f == form && l == label);
+        stated.map(|(.., range)| *range)
+    }
+
+    /// Where the marker of a label sits in the last frame, m, where that is stated.
+    #[must_use]
+    pub fn marker(&self, label: &str) -> Option<Vector3<f64>> {
+        self.markers.iter().find(|(l, ..)| l == label).map(|(_, place, _)| *place)
+    }
+
+    /// The holes, balls or corners of a plate, by label, and where they are in its frame, m.
+    #[must_use]
+    pub fn holes_of(&self, plate: &str) -> Vec<(String, Vector3<f64>)> {
+        let own = self.holes.iter().filter(|((of, _), _)| of == plate);
+        let mut all: Vec<_> = own.map(|((_, hole), at)| (hole.clone(), *at)).collect();
+        all.sort_by(|a, b| a.0.cmp(&b.0));
+        all
+    }
+
     /// Takes over what was found of places and numbers that are not stated.
     pub fn known_to(&mut self, found: &[Instrument]) {
         for own in found {

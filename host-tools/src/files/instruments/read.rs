@@ -5,7 +5,7 @@ use toml::Spanned;
 use truearm::Pose;
 
 use super::Gathered;
-use super::keys::{CameraFile, InstrumentsFile, MarkerFile, PlateFile, RayFile, SurfaceFile};
+use super::keys::{InstrumentsFile, MarkerFile, PlateFile, RayFile, SurfaceFile};
 use crate::error::Result;
 use crate::files::source::Source;
 use crate::model::{Form, Instrument, Placement, Robot};
@@ -21,6 +21,14 @@ const FAR: f64 = 1e6;
 type Triple = Spanned<[f64; 3]>;
 
 impl Gathered {
+    /// Reads an instruments.toml.
+    ///
+    /// # Errors
+    /// As of [`Self::parse`], and what the system says.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::parse(path, &crate::files::read(path)?)
+    }
+
     /// What the instruments.toml beside the measurements says, or else the one
     /// beside the robot; nothing where there is none.
     ///
@@ -29,7 +37,7 @@ impl Gathered {
     pub fn beside(data: &Path, robot: &Robot) -> Result<Self> {
         let there = [data, robot.path.as_path()].map(|file| file.with_file_name(NAME));
         match there.iter().find(|file| file.is_file()) {
-            Some(file) => Self::parse(file, &crate::files::read(file)?),
+            Some(file) => Self::read(file),
             None => Ok(Self::default()),
         }
     }
@@ -56,6 +64,8 @@ impl Gathered {
             let place = Pose { translation: reader.point(&a.xyz_mm)?, ..Pose::identity() };
             let found = stated(Instrument::unknown(Form::Anchor, &a.label), place, a.guess);
             book.list.push(found);
+            let reach = reader.reach(a.reach_mm.as_ref())?;
+            book.ranges.extend(reach.map(|reach| (Form::Anchor, a.label.clone(), reach)));
         }
         for surface in &file.surfaces {
             book.list.push(reader.surface(surface.get_ref())?);
@@ -72,6 +82,8 @@ impl Gathered {
         }
         for camera in &file.cameras {
             book.list.push(reader.camera(camera.get_ref())?);
+            let image = reader.image(camera.get_ref())?;
+            book.ranges.push((Form::Camera, camera.get_ref().label.clone(), image));
         }
         for ray in &file.rays {
             reader.ray(ray.get_ref(), &mut book)?;
@@ -88,14 +100,14 @@ impl Gathered {
 }
 
 /// At a stated place: known, or where the search begins.
-fn stated(mut instrument: Instrument, place: Pose<f64>, guess: bool) -> Instrument {
+pub(super) fn stated(mut instrument: Instrument, place: Pose<f64>, guess: bool) -> Instrument {
     instrument.place = place;
     instrument.stated = true;
     if guess { instrument } else { instrument.known() }
 }
 
-struct Reader<'a> {
-    source: Source<'a>,
+pub(super) struct Reader<'a> {
+    pub(super) source: Source<'a>,
 }
 
 impl Reader<'_> {
@@ -128,7 +140,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn finite(&self, span: std::ops::Range<usize>, values: &[f64]) -> Result<()> {
+    pub(super) fn finite(&self, span: std::ops::Range<usize>, values: &[f64]) -> Result<()> {
         match values.iter().find(|v| !v.is_finite() || v.abs() > FAR) {
             Some(v) => Err(self.source.at(span, format!("{v}"), "give a number, lengths in mm")),
             None => Ok(()),
@@ -147,7 +159,11 @@ impl Reader<'_> {
     }
 
     /// `None` where neither key is given.
-    fn place(&self, xyz: Option<&Triple>, rpy: Option<&Triple>) -> Result<Option<Pose<f64>>> {
+    pub(super) fn place(
+        &self,
+        xyz: Option<&Triple>,
+        rpy: Option<&Triple>,
+    ) -> Result<Option<Pose<f64>>> {
         let mut placement = Placement::default();
         if let Some(xyz) = xyz {
             placement.xyz = self.point(xyz)?;
@@ -159,7 +175,7 @@ impl Reader<'_> {
         Ok((xyz.is_some() || rpy.is_some()).then(|| placement.pose()))
     }
 
-    fn on_flange(&self, mounted: Option<&Spanned<String>>, usual: bool) -> Result<bool> {
+    pub(super) fn on_flange(&self, mounted: Option<&Spanned<String>>, usual: bool) -> Result<bool> {
         match mounted.map(|m| (m, m.get_ref().as_str())) {
             None => Ok(usual),
             Some((_, "flange")) => Ok(true),
@@ -209,41 +225,14 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn camera(&self, file: &CameraFile) -> Result<Instrument> {
-        let mut camera = Instrument::unknown(Form::Camera, &file.label);
-        camera.on_flange = self.on_flange(file.mounted.as_ref(), true)?;
-        if let Some(place) = self.place(file.xyz_mm.as_ref(), file.rpy_deg.as_ref())? {
-            camera = stated(camera, place, file.guess);
-        }
-        let [focal, centre] = [&file.focal_px, &file.centre_px];
-        for key in [focal, centre] {
-            self.finite(key.span(), key.get_ref())?;
-        }
-        if focal.get_ref().iter().any(|f| *f <= 0.0) {
-            let help = "give the focal lengths in pixels, such as [1800.0, 1800.0]";
-            return Err(self.source.at(focal.span(), "focal_px is not positive", help));
-        }
-        let pixels = focal.get_ref().iter().chain(centre.get_ref()).map(|px| px * 1e-3);
-        let distortion = file.distortion.as_ref().map_or([0.0; 5], |d| *d.get_ref());
-        camera.numbers = pixels.chain(distortion).collect();
-        let free = match file.intrinsics.as_ref().map(|i| (i, i.get_ref().as_str())) {
-            None | Some((_, "known")) => false,
-            Some((_, "free")) => true,
-            Some((key, other)) => {
-                let help = "write \"known\" or \"free\"";
-                return Err(self.source.at(key.span(), format!("intrinsics = \"{other}\""), help));
-            }
-        };
-        camera.free[6..].fill(free);
-        Ok(camera)
-    }
-
     fn ray(&self, file: &RayFile, book: &mut Gathered) -> Result<()> {
         let rotation = self.towards(&file.direction)?;
         let label = ray_of(&file.marker);
         let mut ray = Instrument::unknown(Form::Turn, &label);
         ray.free[2] = false;
         book.list.push(stated(ray, Pose { rotation, ..Pose::identity() }, file.guess));
+        let reach = self.reach(file.reach_mm.as_ref())?;
+        book.ranges.extend(reach.map(|reach| (Form::Turn, label.clone(), reach)));
         book.markers.push((label, self.point(&file.origin_mm)?, file.guess));
         Ok(())
     }

@@ -131,6 +131,13 @@ impl<'a> Linearised<'a> {
         self.motion(beside).moved(index).1
     }
 
+    /// How something with these partial derivatives moves with each unknown in its
+    /// unit, SI.
+    #[must_use]
+    pub fn block(&self, partials: &Partials) -> DMatrix<f64> {
+        self.motion(&|_, _| Vec::new()).block(partials)
+    }
+
     /// How the frame of what a row measures with is turned by each unknown in its
     /// unit, rad: that of its marker or camera where it has one, else the last.
     #[must_use]

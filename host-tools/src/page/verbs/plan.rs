@@ -6,6 +6,8 @@ use super::super::numbers::{file_name, mm};
 use super::super::picture::Arrow;
 use super::super::sections::{self, table, typed};
 use crate::model::Robot;
+use crate::observations::KINDS;
+use crate::plan::plural;
 use crate::report::{PlanReport, SeparatedAlternative, SeparationReport};
 use crate::units::{joint_column, joint_to_file};
 
@@ -38,21 +40,24 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
         ("root mean square", Some(report.rms_um)),
         ("no set has a smaller worst than", report.bound_um),
         ("worst of as many random poses", Some(report.random_worst_um)),
+        ("worst but for what stays open", report.determined.map(|d| d.worst_um)),
+        ("the same of as many random poses", report.determined.map(|d| d.random_worst_um)),
     ];
     let rows =
         rows.into_iter().filter_map(|(name, x)| Some(vec![name.to_owned(), format!("{:.1}", x?)]));
+    let head = format!("predicted 3-D standard deviation of {}, 1 sigma", report.what);
     let told = Section::new("told", "What they will tell")
-        .node(table(&["predicted 3-D standard deviation of the tool point, 1 sigma", "um"], rows))
+        .node(table(&[&head, "um"], rows))
         .say(
             "Predicted from the geometry and the stated noise alone: it says how well links, base \
              and tool will be known. What bends, wears or turns with the angle is not in it; \
              `truearm diagnose` looks for that in what was measured.",
         )
         .say(format!(
-            "{} parameters that {}s can determine; poses chosen out of {} candidates. \
+            "{} parameters that {} can determine; poses chosen out of {} candidates. \
              Observability: O1 {:.4}, O2 {:.2e}, O3 {:.4}, O4 {:.2e}, O5 {:.4}.",
             report.parameters,
-            report.kind,
+            plural(report.kind),
             report.candidates,
             report.observability.o1,
             report.observability.o2,
@@ -60,13 +65,17 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
             report.observability.o4,
             report.observability.o5
         ));
+    let told = report.undetermined.iter().fold(told, |told, line| {
+        told.say(format!("Left open, and held by the tolerances alone: {line}."))
+    });
     Page {
-        title: format!("{}: {} poses to measure", report.robot, report.poses),
+        title: format!("{}: {} {}", report.robot, report.poses, titled(report.kind)),
         verdict: format!(
-            "Measured at these {} poses, the geometry of the arm will be known so well that the tool \
-             point is predicted to {} anywhere in the region (3-D, 1 sigma), where as many random \
+            "Measured at these {} poses, the geometry of the arm will be known so well that {} is \
+             predicted to {} anywhere in the region (3-D, 1 sigma), where as many random \
              poses give {}{target}; what geometry does not explain comes on top.",
             report.poses,
+            report.what,
             um(report.worst_um),
             um(report.random_worst_um)
         ),
@@ -79,7 +88,7 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
         .into_iter()
         .flatten()
         .collect(),
-        sections: together(told, of, &report.warnings, &points_of(report.kind)),
+        sections: together(told, of, &report.warnings, &to_fill(report.kind)),
     }
 }
 
@@ -108,18 +117,33 @@ pub fn separated(report: &SeparationReport, of: &Planned) -> Page {
         },
         mood: "plain",
         numbers: vec![("poses".to_owned(), report.poses.to_string())],
-        sections: together(told, of, &report.warnings, &points_of("point")),
+        sections: together(told, of, &report.warnings, &to_fill("point")),
     }
 }
 
-/// The columns that a measurement of this kind adds.
-fn points_of(kind: &str) -> String {
-    let turn = if kind == "pose" { ", qx, qy, qz, qw" } else { "" };
-    format!("x_mm, y_mm, z_mm{turn}")
+/// What the poses are for.
+fn titled(kind: &str) -> String {
+    match kind {
+        "point" => "poses to measure".to_owned(),
+        _ => format!("poses for measurements of kind {kind}"),
+    }
+}
+
+/// What is to be done with a measurement of this kind.
+fn to_fill(kind: &str) -> String {
+    let columns = KINDS.iter().filter(|k| k.name() == kind).flat_map(|k| k.columns());
+    let names: Vec<&str> = columns.map(|column| column.name).collect();
+    match (kind, names.is_empty()) {
+        ("point" | "pose", _) => format!("add {} to the rows", names.join(", ")),
+        (_, true) => {
+            "write the joint values that are read at contact into q1.. of the rows".to_owned()
+        }
+        _ => format!("fill in {} in the rows", names.join(", ")),
+    }
 }
 
 /// What every plan shows: where the poses are and their joint values.
-fn together(told: Section, of: &Planned, warnings: &[String], columns: &str) -> Vec<Section> {
+fn together(told: Section, of: &Planned, warnings: &[String], fill: &str) -> Vec<Section> {
     let kinds: Vec<_> = of.robot.joints.iter().map(|j| j.link.kind).collect();
     let target = of.robot.nominal_target();
     let arrow = |(k, q): (usize, &Vec<f64>)| {
@@ -147,7 +171,7 @@ fn together(told: Section, of: &Planned, warnings: &[String], columns: &str) -> 
         .say(format!("The farthest target is {} from the base.", mm(far)));
     let next = Section::new("next", "What to do next")
         .say(format!(
-            "Measure them and add {columns} to the rows of {}; then:",
+            "Measure them and {fill} of {}; then:",
             file_name(&of.file.display().to_string())
         ))
         .node(typed(std::slice::from_ref(&of.then)));
