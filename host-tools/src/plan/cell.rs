@@ -9,10 +9,7 @@ use crate::files::Gathered;
 use crate::model::arm::chain;
 use crate::model::{Form, Placement, Robot, Row, Target, Workspace};
 use crate::paths::{Forward, Inverse};
-use crate::units::{joint_from_file, joint_to_file};
 
-/// Digits of a joint value that files have: 1e-5 degrees or mm.
-pub const DIGITS: usize = 5;
 /// Least sine by which whatever carries the target stands above the surface that it
 /// touches: a stem that is flatter touches first.
 const STEEP: f64 = 0.25;
@@ -70,7 +67,7 @@ impl<'a> Cell<'a> {
             &Target { point: *point, rotation: None },
             start,
         );
-        found.is_reached().then(|| self.admitted(written(&self.robot, &found.joints)))?
+        if found.is_reached() { self.admitted(found.joints) } else { None }
     }
 
     /// The same from the side that a direction points to: what carries the target stands
@@ -96,7 +93,7 @@ impl<'a> Cell<'a> {
         let target = flange.compose(&tool);
         let target = Target { point: target.translation, rotation: Some(target.rotation) };
         let found = self.inverse().solve(&Row::at(start.to_vec()), &target, start);
-        self.admitted(written(&self.robot, &found.joints))
+        self.admitted(found.joints)
     }
 
     /// How something that measures sits in the last frame, of the label of its marker: where
@@ -137,16 +134,6 @@ impl<'a> Cell<'a> {
         let within = limits.all(|(q, [low, high])| (*low..=*high).contains(q));
         (within && self.workspace.admits(&self.target(&q))).then_some(q)
     }
-}
-
-/// Joint values as a file has them.
-fn written(robot: &Robot, q: &[f64]) -> Vec<f64> {
-    let digits = 10_f64.powi(DIGITS as i32);
-    let value = |(q, joint): (&f64, &crate::model::Joint)| {
-        let kind = joint.link.kind;
-        joint_from_file(kind, (joint_to_file(kind, *q) * digits).round() / digits)
-    };
-    q.iter().zip(&robot.joints).map(value).collect()
 }
 
 /// A direction, all alike.

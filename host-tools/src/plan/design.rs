@@ -15,7 +15,9 @@
 //! of the trace is the 3-D standard deviation of the tool point in sigmas:
 //! none is below `sigma sqrt(p / n)` in the worst case, and the D-optimal
 //! distribution of poses attains it. That holds of points: of a kind that measures
-//! more than the tool point, the tool point's trace is a part of the sum only.
+//! more than the tool point, or that finds instruments along with the arm, the tool
+//! point's trace is a part of the sum only, and the sum of its variances over the
+//! region is made small instead ([`Aim`]).
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6};
 
@@ -56,6 +58,24 @@ pub struct Region {
     blocks: DMatrix<f64>,
     /// Variance of each pose that stays whatever is measured, m^2.
     pub open: Vec<f64>,
+}
+
+/// What an exchange is for.
+pub enum Aim {
+    /// The largest determinant of the information: of points, where it is the smallest
+    /// worst case as well.
+    Determinant,
+    /// The smallest sum of variances over a region (I-optimal): where places of instruments
+    /// are found along with the arm, and a determinant would count how well these are known.
+    Variance(DMatrix<f64>),
+}
+
+impl Region {
+    /// To make the mean variance over the region small.
+    #[must_use]
+    pub fn variance(&self) -> Aim {
+        Aim::Variance(&self.blocks * self.blocks.transpose())
+    }
 }
 
 impl Design {
@@ -149,18 +169,17 @@ impl Design {
         over.open.iter().enumerate().map(both).collect()
     }
 
-    /// Improves a design by exchanging one pose at a time for the candidate
-    /// that raises the determinant most, until none does. The poses and the
-    /// logarithm of the determinant.
+    /// Improves a design by exchanging one measurement at a time for the candidate that
+    /// is best by an aim, until none is better. The design and how good it is.
     #[must_use]
-    pub fn exchange(&self, start: Vec<usize>) -> (Vec<usize>, f64) {
+    pub fn exchange(&self, start: Vec<usize>, aim: &Aim) -> (Vec<usize>, f64) {
         let mut chosen = start;
         for _ in 0..MOST_SWEEPS {
             let mut changed = false;
             for place in 0..chosen.len() {
                 let mut others = chosen.clone();
                 let before = others.remove(place);
-                let best = self.best_addition(&others, before);
+                let best = self.best_addition(&others, before, aim);
                 changed |= best != before;
                 chosen[place] = best;
             }
@@ -169,20 +188,33 @@ impl Design {
             }
         }
         let information = self.information(&chosen);
-        let log = information.cholesky().map_or(f64::NEG_INFINITY, |c| {
-            2.0 * c.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>()
-        });
-        (chosen, log)
+        let good = match aim {
+            Aim::Determinant => information.cholesky().map_or(f64::NEG_INFINITY, |c| {
+                2.0 * c.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>()
+            }),
+            Aim::Variance(weights) => -inverse(information).component_mul(weights).sum(),
+        };
+        (chosen, good)
     }
 
-    /// The candidate that raises the determinant most; `now` if none is better.
-    fn best_addition(&self, others: &[usize], now: usize) -> usize {
-        let weighed = inverse(self.information(others)) * &self.blocks;
+    /// The candidate that is best by an aim; `now` if none is better.
+    fn best_addition(&self, others: &[usize], now: usize, aim: &Aim) -> usize {
+        let inverse = inverse(self.information(others));
+        let weighed = &inverse * &self.blocks;
+        let pulled = match aim {
+            Aim::Determinant => DMatrix::zeros(0, 0),
+            Aim::Variance(weights) => weights * &weighed,
+        };
         let gain = |k: usize| {
             let first = self.width * k;
-            determinant(self.width, |c, d| {
-                weighed.column(first + c).dot(&self.blocks.column(first + d))
-            })
+            let own =
+                |c: usize, d: usize| weighed.column(first + c).dot(&self.blocks.column(first + d));
+            match aim {
+                Aim::Determinant => determinant(self.width, own),
+                Aim::Variance(_) => less_variance(self.width, own, |c, d| {
+                    weighed.column(first + c).dot(&pulled.column(first + d))
+                }),
+            }
         };
         let mut best = (gain(now) * (1.0 + 1e-9), now);
         for k in (0..self.candidates()).filter(|k| !others.contains(k)) {
@@ -230,6 +262,21 @@ fn inverse(mut information: DMatrix<f64>) -> DMatrix<f64> {
     }
     let size = information.nrows();
     information.cholesky().map_or_else(|| DMatrix::identity(size, size), |c| c.inverse())
+}
+
+/// By how much a measurement lowers the sum of variances that `pulled` is of: the trace of
+/// `(1 + own)^-1 pulled`.
+fn less_variance(
+    size: usize,
+    own: impl Fn(usize, usize) -> f64,
+    pulled: impl Fn(usize, usize) -> f64,
+) -> f64 {
+    if size == 1 {
+        return pulled(0, 0) / (1.0 + own(0, 0));
+    }
+    let more = DMatrix::identity(size, size) + DMatrix::from_fn(size, size, own);
+    let pulled = DMatrix::from_fn(size, size, pulled);
+    more.cholesky().map_or(0.0, |more| more.solve(&pulled).trace())
 }
 
 /// Of the identity and a matrix.

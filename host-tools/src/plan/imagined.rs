@@ -13,7 +13,7 @@ use crate::files::{Gathered, USUAL_SIGMA_ANGLE, USUAL_SIGMA_PX};
 use crate::identify::{Linearised, Problem, Scaling, State};
 use crate::model::arm::chain;
 use crate::model::{Form, KindId, Measurements, PlannedRow, Robot, Row, Values};
-use crate::observations::{ArmPart, Body, KINDS, Kind, Partials, Told, kind};
+use crate::observations::{ArmPart, Body, KINDS, Kind, Partials, Told, equations_of, kind};
 
 /// The rows, and the state that they were imagined at.
 pub struct Imagined {
@@ -128,7 +128,8 @@ impl Imagined {
     pub fn equations(&self, problem: &Problem) -> (DMatrix<f64>, usize) {
         let at = Linearised::new(problem, &self.state);
         let block = |span: &Range<usize>| {
-            let blocks: Vec<_> = span.clone().map(|row| at.equations(row).block).collect();
+            let rows = span.clone().filter(|row| equations_of(&self.data.rows[*row]) > 0);
+            let blocks: Vec<_> = rows.map(|row| at.equations(row).block).collect();
             let all: Vec<_> = blocks.iter().flat_map(|block| block.row_iter()).collect();
             shortened(DMatrix::from_rows(&all).transpose())
         };

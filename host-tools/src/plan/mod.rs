@@ -27,7 +27,7 @@ use crate::files::Gathered;
 use crate::model::{KindId, PlannedRow, Robot, Workspace};
 use crate::observations::KINDS;
 use cell::Cell;
-use design::{Design, Region};
+use design::{Aim, Design, Region};
 
 /// Starts of the exchange; the best design is kept.
 const STARTS: u64 = 3;
@@ -59,7 +59,8 @@ pub struct PlanOptions {
 /// Poses to measure and what they will tell.
 #[derive(Debug, Clone)]
 pub struct PosePlan {
-    /// Joint values, rad or m, as a file can write them.
+    /// Joint values, rad or m: as a file can write them where points and poses are
+    /// measured, else exactly where something is touched.
     pub poses: Vec<Vec<f64>>,
     /// What is to be measured there: the rows of each measurement.
     pub measurements: Vec<Candidate>,
@@ -197,9 +198,13 @@ fn chosen(
     progress: &dyn Fn(usize, usize),
 ) -> Result<(Vec<usize>, Option<bool>)> {
     let mut count = first_count(design, options, sigma)?;
+    let aim = match name(options.kind) {
+        "point" | "pose" => Aim::Determinant,
+        _ => region.variance(),
+    };
     loop {
         progress(count, options.poses);
-        let chosen = best_of_starts(design, count, options.seed);
+        let chosen = best_of_starts(design, &aim, count, options.seed);
         let [_, (worst, _)] = judged_by(&design.sigmas(&chosen, region));
         let reached = options.target.map(|target| worst <= target);
         if reached == Some(false) && count < options.poses {
@@ -263,10 +268,10 @@ fn first_count(design: &Design, options: &PlanOptions, sigma: f64) -> Result<usi
     })
 }
 
-fn best_of_starts(design: &Design, count: usize, seed: u64) -> Vec<usize> {
+fn best_of_starts(design: &Design, aim: &Aim, count: usize, seed: u64) -> Vec<usize> {
     let starts = (0..STARTS).into_par_iter().map(|start| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed ^ (start + 1) << 32);
-        design.exchange(some(design.candidates(), count, &mut rng))
+        design.exchange(some(design.candidates(), count, &mut rng), aim)
     });
     let best = starts.max_by(|a, b| a.1.total_cmp(&b.1));
     best.map(|(chosen, _)| chosen).unwrap_or_default()

@@ -127,7 +127,8 @@ fn promise(kind: &str, poses: usize, setting: &Setting) {
         let random = bench.random(kind, poses, seed);
         let random = bench.error(kind, &random, &mut rng);
         let worst = planned.determined.map_or([0.0, 1.0], |d| [d.worst, d.random_worst]);
-        assert!(planned.worst <= planned.random_worst * 1.001);
+        let both = [planned.worst, planned.random_worst];
+        assert!(both[0] <= both[1] * 1.001, "{kind}: {both:?} {worst:?}");
         assert!(worst[0] < worst[1], "{kind}: {worst:?}");
         ([planned.rms.powi(2), error, random], planned.determined.is_some())
     };
@@ -195,7 +196,7 @@ fn planned_poses_are_feasible() {
         cell.links = robot.nominal().iter().map(|link| link.parameters.to_array()).collect();
         cell.tool = robot.tool;
         cell.turn = Rotation3::identity();
-        cell.sigmas = Sigmas { length: 0.0, angle: 0.0, pixel: 0.0 };
+        cell.sigmas = Sigmas { length: 1e-8, angle: 1e-8, pixel: 1e-3 };
         Bench::of(robot, cell, &Setting { guess: false, ..*setting }, &mut rng)
     };
     for (kind, setting) in [
@@ -219,7 +220,7 @@ fn planned_poses_are_feasible() {
         let text = bench.cell.filled(&file, &mut rng);
         // No corner is lost, no joint moves by more than its last digit does.
         let data = Measurements::parse_with(Path::new("m.csv"), &text, &bench.robot, &bench.stated);
-        let data = data.unwrap();
+        let data = data.unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(data.rows.len(), rows.len(), "{kind}");
         for (row, planned) in data.rows.iter().zip(&rows) {
             for (q, planned) in row.q.iter().zip(&planned.q) {
@@ -240,7 +241,7 @@ fn planned_poses_are_feasible() {
                 ("touch", "pipe") => {}
                 ("touch", _) => {
                     assert!(bench.cell.planes.iter().any(|(n, far)| {
-                        (n.dot(&target) - far).abs() < 1e-8 && n.dot(&flange) > n.dot(&target)
+                        (n.dot(&target) - far).abs() < 1e-7 && n.dot(&flange) > n.dot(&target)
                     }));
                 }
                 ("range", _) => assert!((0.05..2.0).contains(&row.measured[0])),
