@@ -77,6 +77,9 @@ fn a_plan_is_a_list_of_joints() {
     }
 }
 
+/// The simulated arm turns no joint beyond.
+const LIMITS: &str = "--limits=-150:150,-150:150,-150:150,-150:150,-150:150,-150:150";
+
 /// A plate as the program plans it: rows to fill in, which `identify` takes when they are.
 #[test]
 fn a_plan_of_a_kind_is_a_file_to_fill_in() {
@@ -86,7 +89,10 @@ fn a_plan_of_a_kind_is_a_file_to_fill_in() {
     let plan = |kind: &str, more: &[&str]| {
         let start = ["plan", "robot.toml", "--kind", kind, "--out", "p.csv"];
         let count = if kind == "pair" { "40" } else { "30" };
-        truearm(folder, &[&start[..], &["--candidates", "400", "--poses", count], more].concat())
+        truearm(
+            folder,
+            &[&start[..], &["--candidates", "400", "--poses", count, LIMITS], more].concat(),
+        )
     };
     let ran = plan("plate", &[]);
     assert_ne!(ran.code, Some(0));

@@ -19,7 +19,7 @@ use truearm_host::plan::{Candidate, PlanOptions, PosePlan, plan};
 use truearm_simulate::instruments::{Cell, Sigmas};
 use truearm_simulate::rigid;
 
-const ARMS: u64 = 16;
+const ARMS: u64 = 12;
 /// By how much places that are stated are off, m.
 const OFF: f64 = 1e-3;
 
@@ -86,7 +86,7 @@ impl Bench {
             instruments: self.book(),
             poses,
             workspace: self.workspace.clone(),
-            candidates: 1500,
+            candidates: 600,
             target: None,
             seed: 5,
         }
@@ -147,7 +147,8 @@ fn promise(kind: &str, poses: usize, setting: &Setting) {
 
 #[test]
 fn touches_keep_their_promise() {
-    promise("touch", 70, &ANY);
+    promise("touch", 60, &ANY);
+    promise("touch", 60, &Setting { guess: false, ..ANY });
 }
 
 #[test]
@@ -170,7 +171,7 @@ fn ranges_keep_their_promise() {
 
 #[test]
 fn images_keep_their_promise() {
-    promise("pixel", 12, &ANY);
+    promise("pixel", 10, &ANY);
     promise("pixel", 40, &EYE_TO_HAND);
 }
 
@@ -196,7 +197,7 @@ fn planned_poses_are_feasible() {
         cell.links = robot.nominal().iter().map(|link| link.parameters.to_array()).collect();
         cell.tool = robot.tool;
         cell.turn = Rotation3::identity();
-        cell.sigmas = Sigmas { length: 1e-8, angle: 1e-8, pixel: 1e-3 };
+        cell.sigmas = Sigmas { length: 1e-8, angle: 1e-7, pixel: 1e-3 };
         Bench::of(robot, cell, &Setting { guess: false, ..*setting }, &mut rng)
     };
     for (kind, setting) in [
@@ -224,7 +225,8 @@ fn planned_poses_are_feasible() {
         assert_eq!(data.rows.len(), rows.len(), "{kind}");
         for (row, planned) in data.rows.iter().zip(&rows) {
             for (q, planned) in row.q.iter().zip(&planned.q) {
-                assert!((q - planned).abs() < 1e-6 && q.abs() <= 2.6 + 1e-9, "{kind}");
+                // Nearly stretched arms follow the last digit with more.
+                assert!((q - planned).abs() < 1e-4 && planned.abs() <= 2.6, "{kind} {q} {planned}");
             }
             let flange = bench.cell.flange(&row.q);
             let flange = Vector3::from_fn(|i, _| flange[i][3]);
