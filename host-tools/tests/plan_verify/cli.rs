@@ -128,7 +128,7 @@ fn a_plan_of_a_kind_is_a_file_to_fill_in() {
     assert!(ran.out.contains("30 poses for") && ran.out.contains("plates can determine"));
     let page = std::fs::read_to_string(folder.join("p.html")).unwrap();
     assert!(page.contains("kind plate") && page.contains("read at contact"));
-    let ran = plan("pair", &[]);
+    let ran = plan("pair", &["--force"]);
     assert!(ran.out.contains("40 pairs at 80 poses"), "{} {}", ran.out, ran.err);
 }
 
