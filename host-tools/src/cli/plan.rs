@@ -6,7 +6,7 @@ use truearm_host::files::{Gathered, overwritable_like, planned_csv, poses_csv, w
 use truearm_host::model::{Measurements, Robot, Workspace};
 use truearm_host::observations::{KINDS, by_name};
 use truearm_host::page::{Page, Planned, after_measuring, planned, separated};
-use truearm_host::plan::{Explained, PlanOptions, discriminate, plan};
+use truearm_host::plan::{Explained, PlanOptions, PosePlan, discriminate, plan};
 use truearm_host::report::{PlanReport, SeparatedAlternative, SeparationReport, to_json};
 use truearm_host::units::MICRO;
 use truearm_host::{Error, ErrorKind, Result};
@@ -116,20 +116,31 @@ impl Plan {
         } else {
             words::planned(&found) + &format!("wrote {}\n", self.out.display())
         };
-        let end = match (found.reached, self.target_um) {
-            (Some(false), Some(target)) => End::Failed(Error::data(
-                ErrorKind::GoalMissed,
-                format!(
-                    "with {} poses the worst tool point is {:.1} um, not {target} um",
-                    self.poses,
-                    found.worst * MICRO
-                ),
-                "the poses are written as far as they go; allow more --poses, a wider workspace, or \
-                 measure with a smaller sigma",
-            )),
-            _ => End::Good,
-        };
+        let end = self.end(&found);
         Ok(Said { text, end })
+    }
+
+    /// Whether the goal was reached; by what it could be, if not.
+    fn end(&self, found: &PosePlan) -> End {
+        let (Some(false), Some(target)) = (found.reached, self.target_um) else {
+            return End::Good;
+        };
+        let worst = found.worst * MICRO;
+        let message = format!(
+            "with {} poses the worst tool point is {worst:.1} um, not {target} um",
+            self.poses
+        );
+        let help = match found.determined {
+            Some(d) if d.worst * MICRO <= target => {
+                "the poses are written as far as they go; what stays open needs another kind \
+                 beside this one"
+            }
+            _ => {
+                "the poses are written as far as they go; allow more --poses, a wider workspace, or \
+                 measure with a smaller sigma"
+            }
+        };
+        End::Failed(Error::data(ErrorKind::GoalMissed, message, help))
     }
 
     /// What the page is about.

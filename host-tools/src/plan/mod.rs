@@ -14,7 +14,7 @@ mod undetermined;
 
 pub use discriminate::{Discrimination, Explained, discriminate};
 pub use imagined::Imagined;
-pub use kinds::Candidate;
+pub use kinds::{Candidate, plural};
 pub use observability::Observability;
 
 use rand::SeedableRng;
@@ -250,7 +250,7 @@ fn first_count(design: &Design, options: &PlanOptions, sigma: f64) -> Result<usi
                 options.poses,
                 design.width() * options.poses,
                 design.parameters(),
-                plural(name(options.kind))
+                kinds::plural(name(options.kind))
             ),
             format!("plan at least {least} poses, better {}", 2 * least),
         ));
@@ -292,10 +292,4 @@ fn random_worst(design: &Design, region: &Region, count: usize, seed: u64) -> [f
         let worst: Vec<f64> = draws.iter().map(|both| both[k].0).collect();
         crate::statistics::median(&worst)
     })
-}
-
-/// Measurements of a kind, in words.
-#[must_use]
-pub fn plural(kind: &str) -> String {
-    if kind.ends_with("ch") { format!("{kind}es") } else { format!("{kind}s") }
 }

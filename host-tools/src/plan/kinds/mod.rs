@@ -35,6 +35,12 @@ pub fn poses(measurements: &[Candidate]) -> Vec<Vec<f64>> {
     out
 }
 
+/// Measurements of a kind, in words.
+#[must_use]
+pub fn plural(kind: &str) -> String {
+    if kind.ends_with("ch") { format!("{kind}es") } else { format!("{kind}s") }
+}
+
 /// One way to measure: on a surface, in a hole, from an anchor.
 pub trait Spot: Sync {
     /// What it is, in words.
@@ -87,8 +93,8 @@ pub fn candidates(
         rng.set_stream(number);
         (0..MOST_TRIES).find_map(|_| spot.draw(cell, &mut rng))
     };
-    let is_open = |(k, spot): (usize, &Box<dyn Spot>)| draw(&**spot, k as u64).is_some();
-    let open: Vec<bool> = spots.par_iter().enumerate().map(is_open).collect();
+    let open = spots.par_iter().enumerate().map(|(k, spot)| draw(&**spot, k as u64).is_some());
+    let open: Vec<bool> = open.collect();
     let of = |is_open: bool| spots.iter().zip(&open).filter(move |(_, o)| **o == is_open);
     let closed: Vec<String> = of(false).map(|(spot, _)| spot.name()).collect();
     let open: Vec<&dyn Spot> = of(true).map(|(spot, _)| &**spot).collect();
