@@ -18,6 +18,7 @@ pub mod sensor;
 pub mod solve;
 pub mod store;
 pub mod streaming;
+pub mod thermal_lag;
 mod words;
 
 // The types of these two are part of the interface.
@@ -30,6 +31,7 @@ pub use effects::{Approach, Curves};
 pub use kinematics::{Chain, JointKind, Link, LinkParameter, MdhParameters, Pose};
 pub use position::RealPosition;
 pub use scalar::Scalar;
+pub use thermal_lag::ThermalLag;
 
 /// A six-joint arm, the usual case.
 pub type Arm6<'t, T> = Arm<'t, T, 6>;

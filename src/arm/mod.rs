@@ -10,10 +10,11 @@ pub(crate) use bent::Bent;
 pub use parameters::{ArmParameters, MAX_JOINTS};
 
 use crate::effects::{
-    Approach, Curves, FoldedTerms, GravityModel, Load, MAX_TERMS, Term, TermInputs,
+    Approach, Curves, FoldedTerms, GravityModel, Load, MAX_TERMS, Term, TermInputs, time_constant,
 };
 use crate::kinematics::{Chain, Deflection, Link, Pose, Turns};
 use crate::scalar::Scalar;
+use crate::thermal_lag::ThermalLag;
 
 /// What an arm's terms depend on besides the joint values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +24,8 @@ pub struct State<T, const N: usize> {
     pub approach: [Approach; N],
     /// Mass at the payload point, kg.
     pub payload: T,
-    /// Temperature of the arm, degrees Celsius.
+    /// Temperature of the arm, degrees Celsius: what is read; of an arm that follows it
+    /// late, what [`Arm::thermal_lag`] makes of the readings.
     pub temperature: T,
 }
 
@@ -200,6 +202,13 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     #[must_use]
     pub fn reference_temperature(&self) -> T {
         self.reference_temperature
+    }
+
+    /// What makes of the temperatures that are read that of [`State::temperature`]: the
+    /// readings themselves, unless the arm was found to follow them late.
+    #[must_use]
+    pub fn thermal_lag(&self) -> ThermalLag<T> {
+        ThermalLag::new(time_constant(&self.terms))
     }
 
     /// Where the tool really is at encoder readings `q` (rad or m), in the

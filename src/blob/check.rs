@@ -111,6 +111,7 @@ impl<'a> Blob<'a> {
         for (record, index) in term::each(term_records).zip(0..) {
             term::check(index, record, joints, masses)?;
         }
+        term::check_time_constants(term_records)?;
         if !factor.is_empty() {
             check_factor(factor, uncertain_parameters(count, term_count))?;
         }

@@ -13,9 +13,6 @@ const EFFECT_HIGH: u8 = 0xc0;
 const COMPONENT: u8 = 0x10;
 const ALL_LINKS: u8 = 0x20;
 
-/// Steps of the order in one cycle a turn, or in 1 N m of friction.
-const ORDER_STEPS: f64 = 64.0;
-
 type Result<T> = core::result::Result<T, DecodeError>;
 
 fn flaw(index: u8, field: &'static str, flaw: Flaw) -> DecodeError {
@@ -50,7 +47,7 @@ pub(super) fn to_bytes<T: Scalar>(index: u8, term: &Term<T>) -> Result<[u8; TERM
     let mut order = 0;
     if effect.order() != Order::None {
         let value = term.order.to_f64();
-        let steps = value * ORDER_STEPS + 0.5;
+        let steps = value / effect.order().step() + 0.5;
         // Few enough steps; and none at all for 0 only, which with a friction
         // torque would mean that gravity never decides. NaN fails, too.
         if !(value == 0.0 || value > 0.0 && (1.0..65536.0).contains(&steps)) {
@@ -68,12 +65,14 @@ pub(super) fn to_bytes<T: Scalar>(index: u8, term: &Term<T>) -> Result<[u8; TERM
 pub(super) fn from_bytes<T: Scalar>(bytes: &[u8; TERM]) -> Option<Term<T>> {
     let [first, joints, o0, o1, c0, c1, c2, c3] = *bytes;
     let code = first & EFFECT | (first & EFFECT_HIGH) >> 2;
+    let effect = *Effect::ALL.get(usize::from(code))?;
+    let step = effect.order().step() as f32;
     Some(Term {
-        effect: *Effect::ALL.get(usize::from(code))?,
+        effect,
         joint: if first & ALL_LINKS != 0 { Term::<T>::ALL } else { joints & 0x0f },
         source: joints >> 4,
         component: u8::from(first & COMPONENT != 0),
-        order: T::from_f32(f32::from(u16::from_le_bytes([o0, o1])) / ORDER_STEPS as f32),
+        order: T::from_f32(f32::from(u16::from_le_bytes([o0, o1])) * step),
         coefficient: T::from_f32(f32::from_le_bytes([c0, c1, c2, c3])),
     })
 }
@@ -110,6 +109,18 @@ pub(super) fn check(index: u8, bytes: &[u8; TERM], joints: u8, masses: bool) -> 
     }
     if term.needs_load() && !masses {
         return Err(flaw(index, "effect", Flaw::NeedsMasses));
+    }
+    Ok(())
+}
+
+/// Refuses terms of two time constants: the state of an arm holds one temperature.
+pub(super) fn check_time_constants(terms: &[u8]) -> Result<()> {
+    let mut first = None;
+    for (index, term) in (0..).zip(each(terms).filter_map(from_bytes::<f32>)) {
+        let follows = matches!(term.effect.order(), Order::TimeConstant);
+        if follows && *first.get_or_insert(term.order) != term.order {
+            return Err(flaw(index, "order", Flaw::Implausible));
+        }
     }
     Ok(())
 }

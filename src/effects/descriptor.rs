@@ -53,6 +53,10 @@ pub enum Order {
     Cycles,
     /// Friction of the joint, N m or N, above which gravity decides; 0: never.
     Friction,
+    /// Time constant, s, with which the arm follows the temperature that is read; 0:
+    /// at once. All terms of an arm have the same: it is one temperature that a
+    /// [`State`](crate::State) holds.
+    TimeConstant,
 }
 
 impl Order {
@@ -62,6 +66,16 @@ impl Order {
         matches!(self, Self::Harmonic | Self::Cycles)
     }
 
+    /// What one step of a term's number in a blob is.
+    #[must_use]
+    pub(crate) const fn step(self) -> f64 {
+        match self {
+            // 1/64 of a minute: up to 17 hours.
+            Self::TimeConstant => 60.0 / 64.0,
+            _ => 1.0 / 64.0,
+        }
+    }
+
     /// Whether a term may have this order, a finite number of 0 or more.
     #[must_use]
     pub(crate) fn takes(self, order: f32) -> bool {
@@ -69,7 +83,7 @@ impl Order {
             Self::None => order == 0.0,
             Self::Harmonic => order == 1.0 || order == 2.0,
             Self::Cycles => order > 0.0,
-            Self::Friction => true,
+            Self::Friction | Self::TimeConstant => true,
         }
     }
 }

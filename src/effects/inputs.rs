@@ -11,6 +11,7 @@ pub struct TermInputs<T, const N: usize> {
     pub load: Load<T, N>,
     /// How each joint came to rest.
     pub approach: [Approach; N],
-    /// Temperature above the reference temperature, K.
+    /// Temperature above the reference temperature, K; where the arm follows it late,
+    /// as the arm has it.
     pub warmth: T,
 }

@@ -20,7 +20,7 @@ pub struct Term<T> {
     /// Which of [`Effect::components`]; 0 where there is one coefficient only.
     pub component: u8,
     /// What [`Effect::order`] says: cycles per turn of the joint, a friction in
-    /// N m (N for a prismatic joint), or 0.
+    /// N m (N for a prismatic joint), a time constant in s, or 0.
     pub order: T,
     /// The identified coefficient, unit of [`Term::unit`].
     pub coefficient: T,

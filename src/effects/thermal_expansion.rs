@@ -1,4 +1,7 @@
-//! Lengths grow with temperature: those of one link, or of all ([`Term::ALL`]).
+//! Lengths grow with temperature: those of one link, or of all ([`Term::ALL`]). Where
+//! the arm warms up later than the place at which its temperature is read, the order of
+//! its terms is the time constant of [`crate::ThermalLag`], which makes of readings what
+//! the terms depend on.
 
 use super::descriptor::{ActsOn, Descriptor, NeedsLoad, Order, Units};
 use super::{FoldedTerms, Term, TermInputs};
@@ -11,7 +14,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     acts_on: ActsOn::Lengths,
     coupled: false,
     components: &[],
-    order: Order::None,
+    order: Order::TimeConstant,
     load: NeedsLoad::Never,
     approach: false,
     warmth: true,
@@ -46,6 +49,13 @@ pub(super) struct Growth<T, const N: usize> {
     any: bool,
     /// 1/K.
     by_link: [T; N],
+}
+
+/// Time constant of the arm, s: that of all its terms; 0 of an arm that follows its
+/// temperature at once, or does not grow.
+pub(crate) fn time_constant<T: Scalar>(terms: &[Term<T>]) -> T {
+    let grows = |term: &&Term<T>| matches!(term.effect.order(), Order::TimeConstant);
+    terms.iter().find(grows).map_or(T::ZERO, |term| term.order)
 }
 
 impl<T: Scalar, const N: usize> Growth<T, N> {

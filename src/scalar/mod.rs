@@ -1,6 +1,6 @@
 //! The two number types of the crate and every elementary function it uses.
 //!
-//! All sines, cosines and square roots of the crate come from this file: from
+//! All sines, cosines, exponentials and square roots of the crate come from this file: from
 //! `libm` or from our own polynomial, never from the platform. Together with
 //! Rust's promise not to contract or reorder floating-point operations this
 //! makes results bit-identical between a host and a Cortex-M.
@@ -77,6 +77,9 @@ pub trait Scalar:
     fn atan2(self, x: Self) -> Self;
     /// Square root, correctly rounded; NaN below zero.
     fn sqrt(self) -> Self;
+    /// `1 - exp(-self)`, the share of a step that a lag of first order has taken
+    /// after so many time constants: `libm`, below 1 ulp, near 0 as well.
+    fn settled(self) -> Self;
     /// Magnitude.
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
@@ -128,6 +131,9 @@ impl Scalar for f32 {
     fn sqrt(self) -> Self {
         single::sqrt(self)
     }
+    fn settled(self) -> Self {
+        -libm::expm1f(-self)
+    }
     #[inline]
     fn abs(self) -> Self {
         f32::abs(self)
@@ -177,6 +183,9 @@ impl Scalar for f64 {
     #[inline]
     fn sqrt(self) -> Self {
         libm::sqrt(self)
+    }
+    fn settled(self) -> Self {
+        -libm::expm1(-self)
     }
     #[inline]
     fn abs(self) -> Self {

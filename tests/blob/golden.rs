@@ -60,6 +60,7 @@ fn golden_blobs_mean_what_they_meant() {
     layout_3_covariance().holds();
     layout_3_stiffening().holds();
     layout_3_lateral().holds();
+    layout_3_lag().holds();
     #[cfg(feature = "curves")]
     layout_3_curves().holds();
 }
@@ -72,6 +73,7 @@ fn write_missing_golden_blobs() {
     layout_3_covariance().write_if_missing();
     layout_3_stiffening().write_if_missing();
     layout_3_lateral().write_if_missing();
+    layout_3_lag().write_if_missing();
     #[cfg(feature = "curves")]
     layout_3_curves().write_if_missing();
 }
@@ -100,6 +102,15 @@ fn layout_3_stiffening() -> Golden<1> {
 /// One joint with the effect that format 1.3 added.
 fn layout_3_lateral() -> Golden<1> {
     loaded("layout-3-lateral.blob", Effect::LateralCompliance, 1.5e-5)
+}
+
+/// One joint with the time constant that format 1.4 added: 25 minutes.
+fn layout_3_lag() -> Golden<1> {
+    let all = Term::<f32>::ALL;
+    let terms = [(all, 1.2e-5), (0, 4e-6)]
+        .map(|(joint, size)| term(Effect::ThermalExpansion, joint, 1500.0, size));
+    let parameters = ArmParameters { terms: heapless::Vec::from_iter(terms), ..least() };
+    Golden { name: "layout-3-lag.blob", layout: 3, parameters, factor: None }
 }
 
 /// One joint with masses and what they bend.

@@ -8,7 +8,7 @@ use truearm::blob::{
     encode_with, encoded_len, factor_len, robot_id,
 };
 use truearm::effects::{Effect, MAX_TERMS, Term};
-use truearm::{Approach, Arm, Curves, Pose, State};
+use truearm::{Approach, Arm, ArmParameters, Curves, Pose, State};
 
 fn blob() -> Vec<u8> {
     let mut bytes = vec![0; encoded_len(3, MAX_TERMS)];
@@ -395,6 +395,28 @@ fn orders_are_rounded_to_64ths() {
     encode(&p, &mut bytes).unwrap();
     let read = Blob::check(&bytes).unwrap().parameters::<f32, 3>().unwrap();
     assert_eq!(read.terms[0].order, 202.0 / 64.0);
+}
+
+#[test]
+fn a_time_constant_is_in_64ths_of_a_minute_and_the_same_in_all_terms() {
+    let written = |constants: [f32; 2]| {
+        let terms = constants.map(|tau| term(Effect::ThermalExpansion, 1, tau, 1e-5));
+        let p = ArmParameters { terms: heapless::Vec::from_iter(terms), ..parameters() };
+        let mut bytes = [0; 1024];
+        encode(&p, &mut bytes).map_err(|error| error.to_string())?;
+        let read = Blob::check(&bytes).unwrap().parameters::<f32, 3>().unwrap();
+        assert_eq!(Arm::new(&read).thermal_lag().time_constant(), read.terms[0].order);
+        Ok(read.terms[1].order)
+    };
+    for (tau, read) in [(0.0, 0.0), (1500.0, 1500.0), (100.0, 100.3125), (61_439.0, 61_439.063)] {
+        assert_eq!(written([tau; 2]), Ok::<f32, String>(read));
+    }
+    let range = "these parameters would be refused: term 2 order is outside its plausible range";
+    assert_eq!(written([1500.0, 0.0]), Err(range.to_owned()));
+    assert_eq!(written([600.0, 1500.0]), Err(range.to_owned()));
+    for tau in [0.3, -1.0, 61_440.0, f32::NAN] {
+        assert_eq!(written([tau; 2]), Err(range.replace('2', "1")), "{tau}");
+    }
 }
 
 #[test]

@@ -55,6 +55,7 @@ pub fn with_terms<T: Scalar, const N: usize>(arm: &mut ArmParameters<'static, T,
             Order::Harmonic => 2.0,
             Order::Cycles => 100.0,
             Order::Friction => 5.0,
+            Order::TimeConstant => 1500.0,
         };
         let term = Term {
             effect: *effect,

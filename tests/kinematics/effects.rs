@@ -123,6 +123,7 @@ fn term(effect: Effect, joint: u8, component: u8) -> Term<f64> {
         Order::Harmonic => 2.0,
         Order::Cycles => 7.25 + 193.75 * f64::from(joint % 2),
         Order::None | Order::Friction => 0.0,
+        Order::TimeConstant => 1500.0,
     };
     Term { effect, joint, source: 1 - u8::from(joint == 1), component, order, coefficient: 0.0 }
 }
@@ -528,6 +529,7 @@ fn the_format_lists_every_effect() {
             Order::Harmonic => "1 or 2 cycles a turn",
             Order::Cycles => "cycles a turn, above 0",
             Order::Friction => "friction torque, N m; 0: direction only",
+            Order::TimeConstant => "time constant; 0: none",
         };
         assert_eq!(order, orders, "{name}");
         let (size, unit) = most.split_once(' ').unwrap();
