@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 
 /// A step is made when this share of the time constant has passed: in `f32` shorter ones
 /// would be rounded away, and a tick of a millisecond need not pay for an exponential.
-const STEP: f32 = 1.0 / 1024.0;
+const STEP: f32 = 1.0 / 16_384.0;
 
 /// A lag of first order, exact for a temperature that goes straight from each reading to the
 /// next.

@@ -4,6 +4,16 @@
 use nalgebra::Vector3;
 use truearm::{JointKind, LinkParameter};
 
+/// A time in seconds in words: `40 s`, `25 min`, `2.5 h`.
+#[must_use]
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{s:.0} s"),
+        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
 /// A joint value in degrees, of a prismatic joint in mm.
 #[must_use]
 pub fn joint_to_file(kind: JointKind, value: f64) -> f64 {

@@ -46,10 +46,16 @@ impl Arm {
         let frames = self.frames(&shape);
         let mut seen = apply(&self.station, &apply(&frames[frames.len() - 1], &target));
         for defect in &self.defects {
-            if let DefectKind::MeasurementDrift { shift, turn } = &defect.kind {
-                let way = defect.size * moment.time / 3600.0;
-                seen = Rotation3::from_scaled_axis(turn * (way / 6.0)) * seen + shift * way;
-            }
+            let passed = moment.time / 3600.0;
+            let (shift, turn, way) = match &defect.kind {
+                DefectKind::MeasurementDrift { shift, turn } => (shift, turn, passed),
+                DefectKind::MeasurementSettling { shift, turn, hours } => {
+                    (shift, turn, 1.0 - (-passed / hours).exp())
+                }
+                _ => continue,
+            };
+            let way = defect.size * way;
+            seen = Rotation3::from_scaled_axis(turn * (way / 6.0)) * seen + shift * way;
         }
         seen
     }

@@ -31,8 +31,10 @@ pub struct Moment {
     pub directions: Vec<i8>,
     /// s
     pub time: f64,
-    /// Degrees Celsius.
+    /// Degrees Celsius as it is read.
     pub temperature: f64,
+    /// Degrees Celsius that the links have.
+    pub links: f64,
     /// kg
     pub payload: f64,
     /// Series B.

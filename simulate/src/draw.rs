@@ -22,12 +22,14 @@ pub fn moments(robot: &Robot, rng: &mut ChaCha8Rng) -> [Vec<Moment>; 2] {
     let at = |time: f64, q: Vec<f64>, before: Vec<f64>, rng: &mut ChaCha8Rng| {
         let time = (time * 10.0).round() / 10.0;
         let warm = cold + rise * (1.0 - (-time / lag).exp()) + 0.4 * (time / 700.0).sin();
+        let warm = (warm * 100.0).round() / 100.0;
         Moment {
             directions: q.iter().map(|_| if rng.random_bool(0.5) { 1 } else { -1 }).collect(),
             q,
             before,
             time,
-            temperature: (warm * 100.0).round() / 100.0,
+            temperature: warm,
+            links: warm,
             // The load is changed every ten minutes.
             payload: loads[(time / 600.0) as usize % 3],
             later: time > change,
@@ -51,7 +53,7 @@ pub fn moments(robot: &Robot, rng: &mut ChaCha8Rng) -> [Vec<Moment>; 2] {
 }
 
 /// Anywhere within limits, as a file writes it: what it says is what was.
-fn pose(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<f64> {
+pub(crate) fn pose(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let joint = |j: &Joint| {
         let [low, high] = j.limits.unwrap_or([-1.0, 1.0]);
         let q = rng.random_range(low..high);

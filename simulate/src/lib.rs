@@ -13,6 +13,7 @@ pub mod instruments;
 #[path = "../../tests/common/mod.rs"]
 pub mod oracle;
 pub mod robots;
+pub mod warming;
 
 use body::Moment;
 use nalgebra::{Rotation3, Vector3};
@@ -71,6 +72,7 @@ pub fn at_rest(q: &[f64]) -> Moment {
         directions: vec![1; q.len()],
         time: 0.0,
         temperature: 20.0,
+        links: 20.0,
         payload: 0.0,
         later: false,
     }

@@ -21,3 +21,4 @@ pub mod reproduce;
 pub mod simulated;
 pub mod studies;
 mod terms;
+pub mod warming;

@@ -6,14 +6,14 @@ use truearm::effects::{Curve, Term};
 use truearm::{ArmParameters, Curves, JointKind, MdhParameters};
 
 use crate::model::arm::with_joints;
-use crate::model::{ErrorCurve, friction, friction_unit, part};
+use crate::model::{ErrorCurve, friction, friction_unit, part, time_constant};
 
 /// A blob in words, every field with its unit. `given` is how many bytes it was
 /// found in.
 #[must_use]
 pub fn describe(blob: &Blob, given: usize) -> String {
     let mut text = format!(
-        "truearm parameter blob, layout {} (format 1.3), {} bytes, checksum good\n",
+        "truearm parameter blob, layout {} (format 1.4), {} bytes, checksum good\n",
         blob::LAYOUT,
         blob.size()
     );
@@ -229,6 +229,7 @@ pub(crate) fn term_columns(
     let order = match friction(term) {
         Some(friction) => format!("{friction} {}", friction_unit(kinds, term.joint)),
         None if term.effect.order().is_cycles() => term.order.to_string(),
+        None if time_constant(std::slice::from_ref(term)) > 0.0 => format!("{} s", term.order),
         None => String::new(),
     };
     (joint, part(term), order)

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use truearm::blob::{self, DecodeError, EncodeError, Flaw, Key, Record};
-use truearm::effects::{MAX_TERMS, Masses, Term};
+use truearm::effects::{MAX_TERMS, Masses, Order, Term};
 use truearm::{ArmParameters, Curves};
 
 use crate::error::{Error, ErrorKind, Result};
@@ -129,6 +129,10 @@ pub(crate) fn arm_terms(model: &Model) -> impl Iterator<Item = Term<f64>> {
     })
 }
 
+/// Steps of an order in a blob, and of a time constant in a second.
+const STEPS: f64 = 64.0;
+const STEPS_A_SECOND: f64 = STEPS / 60.0;
+
 /// What the blob does not hold as the model has it, a line each: terms of the
 /// measurement, an accuracy that is not the model's, and orders that the blob's
 /// steps of 1/64 change.
@@ -164,14 +168,21 @@ pub fn notes(model: &Model) -> Vec<String> {
         );
     }
     for (i, term) in arm_terms(model).enumerate() {
-        let rounded = (term.order * 64.0).round() / 64.0;
-        if rounded != term.order {
-            let what = if term.effect.order().is_cycles() { "order" } else { "friction" };
+        let (steps, what) = match term.effect.order() {
+            Order::TimeConstant => (STEPS_A_SECOND, "time constant"),
+            order if order.is_cycles() => (STEPS, "order"),
+            _ => (STEPS, "friction"),
+        };
+        let rounded = (term.order * steps).round() / steps;
+        // What was written as the nearest number to one that a blob holds is that one.
+        if (rounded - term.order).abs() > 1e-9 * term.order {
             out.push(format!(
-                "warning: {what} of term {} ({} of joint {}) rounded from {} to {rounded}",
+                "warning: {what} of term {} ({}) rounded from {} to {rounded}",
                 i + 1,
-                term.effect.name(),
-                term.joint + 1,
+                match term.own_joint() {
+                    Some(joint) => format!("{} of joint {}", term.effect.name(), joint + 1),
+                    None => term.effect.name().to_owned(),
+                },
                 term.order
             ));
         }

@@ -10,6 +10,7 @@ pub const PLAIN: RowInputs = RowInputs {
     across: Vec::new(),
     approach: Vec::new(),
     warmth: 0.0,
+    warming: None,
     curves: Vec::new(),
 };
 

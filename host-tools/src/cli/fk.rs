@@ -49,6 +49,7 @@ impl Fk {
         let forward = if self.nominal {
             Forward::nominal(&model, &view)?
         } else {
+            model.timed(&path.data)?;
             Forward::real(&model, &view)?
         };
         let poses = forward.all(&path.data);

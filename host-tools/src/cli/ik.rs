@@ -46,6 +46,7 @@ impl Ik {
         let forward = if self.nominal {
             Forward::nominal(&model, &view)?
         } else {
+            model.timed(&path.data)?;
             Forward::real(&model, &view)?
         };
         let inverse = Inverse::new(&forward, &model.robot).preferring(&model.covered);

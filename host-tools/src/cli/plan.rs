@@ -1,8 +1,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use truearm_host::diagnose::{DiagnoseOptions, diagnose, instead};
+use truearm_host::diagnose::{Alternative, DiagnoseOptions, diagnose, instead};
 use truearm_host::files::{Gathered, overwritable_like, planned_csv, poses_csv, write_all};
+use truearm_host::identify::State;
 use truearm_host::model::{Measurements, Robot, Workspace};
 use truearm_host::observations::{KINDS, by_name};
 use truearm_host::page::{Page, Planned, after_measuring, planned, separated};
@@ -180,9 +181,18 @@ impl Plan {
         let flagged = &found.outcome.figures.outlier_rows;
         let kept: Vec<usize> =
             (0..data.rows.len()).filter(|row| !flagged.contains(&(row + 1))).collect();
+        let told = |(a, _): &(&Alternative, &State)| a.is_told_by_poses();
+        let (others, states): (Vec<&Alternative>, Vec<State>) = found
+            .outcome
+            .alternatives
+            .iter()
+            .zip(&found.alternatives)
+            .filter(told)
+            .map(|(a, state)| (a, state.clone()))
+            .unzip();
         let explained = Explained {
             named: &found.state,
-            alternatives: &found.alternatives,
+            alternatives: &states,
             kept: &kept,
             lambda: found.outcome.figures.lambda,
         };
@@ -193,7 +203,7 @@ impl Plan {
         let warnings = found.outcome.figures.warnings.clone();
         warn(&warnings);
         let named = [found.outcome.effects.clone(), found.outcome.suspected.clone()].concat();
-        let pairs = found.outcome.alternatives.iter().zip(&planned.separation);
+        let pairs = others.into_iter().zip(&planned.separation);
         let alternatives: Vec<SeparatedAlternative> = pairs
             .map(|(a, added)| SeparatedAlternative {
                 effects: a.effects.clone(),

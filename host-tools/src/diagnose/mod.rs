@@ -24,7 +24,7 @@ pub mod weigh;
 mod white;
 
 pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Verdict, said};
-pub use tell::{instead, place};
+pub use tell::{instead, late, otherwise, place};
 pub use weigh::Doubt;
 
 use crate::error::{ErrorKind, Result};
@@ -139,7 +139,7 @@ fn diagnosed(
         let noise = problem.noise;
         problem = Problem { noise, ..Problem::new(data, robot, Scaling::Prior).about(&start) };
     }
-    let (offered, not_testable) = candidates::all(&problem, robot, weightless);
+    let (offered, not_testable) = candidates::all(&problem, robot, weightless, holdout);
     let folds = folds::random(data, &rows, folds::SEED);
     // Torques that were read need no masses.
     let moments = (!read).then(|| Moments::of(robot, weightless)).flatten();

@@ -29,6 +29,13 @@ pub struct Effect {
     pub joints: Vec<usize>,
     /// Cycles a turn of a periodic effect.
     pub order: Option<f64>,
+    /// Thermal expansion: time constant with which the arm follows the temperature that was
+    /// read, s; none where it does at once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_constant_s: Option<f64>,
+    /// One standard deviation of it, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_constant_sigma_s: Option<f64>,
     /// Its coefficients.
     pub coefficients: Vec<Coefficient>,
     /// That the arm has it, given the data and all that was looked at.
@@ -167,12 +174,26 @@ impl Outcome {
 pub struct Alternative {
     /// Its effects: name and joints.
     pub effects: Vec<(&'static str, Vec<usize>)>,
+    /// Where links grow: the time constant with which the arm then follows the temperature
+    /// that was read, s; none where it does at once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_constant_s: Option<f64>,
     /// How much worse it is: -2 ln of its odds to the named one, in units of
     /// chi-square.
     pub worse_by: f64,
     /// Poses that would tell the two apart best, degrees (mm for prismatic
-    /// joints), each with the distance of the two predictions in mm.
+    /// joints), each with the distance of the two predictions in mm; none where the two
+    /// differ in how late the arm follows its temperature.
     pub separating_poses: Vec<SeparatingPose>,
+}
+
+impl Alternative {
+    /// Whether poses tell it from the model: one that differs in how late the arm follows its
+    /// temperature is told by when they are measured.
+    #[must_use]
+    pub fn is_told_by_poses(&self) -> bool {
+        !self.separating_poses.is_empty()
+    }
 }
 
 /// A pose to measure next.

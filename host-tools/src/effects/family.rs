@@ -70,6 +70,19 @@ pub struct Offer {
 }
 
 impl Offer {
+    /// The same of an arm that follows its temperature with this time constant, s, of so many
+    /// that are tried.
+    #[must_use]
+    pub fn late(&self, time_constant: f64, tried: f64) -> Self {
+        let mut out = Self { tried: self.tried * tried, ..self.clone() };
+        for term in &mut out.terms {
+            if let ModelTerm::Arm(term) = term {
+                term.order = time_constant;
+            }
+        }
+        out
+    }
+
     /// An effect of the arm at joints counted from 0 (source and target of a
     /// coupling, none of the base and of all links): every component of each
     /// order.

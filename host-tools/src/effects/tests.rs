@@ -57,6 +57,7 @@ fn conditions(known: bool) -> Conditions {
         torques: false,
         torques_of_either_sign: false,
         temperature: known,
+        warming: known.then_some([60.0, 7200.0]),
         direction: known,
         direction_from_order: false,
         before: Vec::new(),

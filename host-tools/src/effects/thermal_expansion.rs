@@ -17,12 +17,40 @@ pub(super) const FAMILY: Family = Family {
     several: false,
 };
 
+/// Time constants that are tried, s: thin links by a motor, to a cast base in a hall.
+const SHORTEST: f64 = 30.0;
+const LONGEST: f64 = 40_000.0;
+/// The next one over one.
+const NEXT: f64 = 2.0;
+
+/// One that is shorter than this share of the time from row to row is none...
+const LEAST_STEPS: f64 = 0.25;
+/// ...and of one longer than so many sessions only the beginning of its rise is seen, which
+/// goes with all longer ones alike.
+const MOST_SESSIONS: f64 = 2.0;
+
+/// How many times as many a time constant counts for: as links follow what is read at once
+/// with one coefficient less, a tenth of the name's prior is that of following it late.
+const LATE: f64 = 10.0;
+
 fn offers(data: &Data) -> Result<Vec<Offer>, &'static str> {
     if !data.conditions.temperature {
         return Err("a column temperature_c that varies");
     }
     let links: Vec<_> = data.robot.joints.iter().map(|joint| joint.link).collect();
-    Ok(growing(&links))
+    let at_once = growing(&links);
+    let constants = constants(data.conditions.warming);
+    let price = LATE * constants.len() as f64;
+    let late = constants.iter().flat_map(|tau| at_once.iter().map(|o| o.late(*tau, price)));
+    Ok(at_once.iter().cloned().chain(late.collect::<Vec<_>>()).collect())
+}
+
+/// Time constants that rows at these times may tell from none, s.
+fn constants(times: Option<[f64; 2]>) -> Vec<f64> {
+    let Some([step, session]) = times else { return Vec::new() };
+    let all = std::iter::successors(Some(SHORTEST), |tau| Some(tau * NEXT));
+    let told = |tau: &f64| (LEAST_STEPS * step..=MOST_SESSIONS * session).contains(tau);
+    all.take_while(|tau| *tau < LONGEST).filter(told).collect()
 }
 
 /// All links together, and each that has a length.

@@ -35,6 +35,8 @@ pub enum ErrorKind {
     UnknownMarker,
     /// A model that needs gravity torques, on data that have none.
     NoTorques,
+    /// The arm follows its temperature late, and rows do not say when it was read.
+    NoTimes,
     /// An iteration that did not come to rest.
     NotConverged,
     /// Equations without a unique solution.

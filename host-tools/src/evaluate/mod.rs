@@ -76,9 +76,10 @@ const MARGIN: f64 = 0.01;
 ///
 /// # Errors
 /// A station or marker the training did not have, naming `--reregister`; springs and
-/// no torques.
+/// no torques; an arm that warms up late and no times.
 pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Result<Validation> {
     model.loaded(data)?;
+    model.timed(data)?;
     let conditions = Conditions::of_model(data, model);
     let rigid = Conditions::new(data, &model.robot);
     let state = state_on(model, data, frames)?;

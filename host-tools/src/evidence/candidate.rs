@@ -9,6 +9,9 @@ pub struct Candidate {
     /// order. Candidates of one name, place and part are variants: a model has
     /// at most one of them.
     pub part: usize,
+    /// What all of one name in a model have in common, any number: one time constant of an
+    /// arm. Candidates of one name that differ in it are variants, too.
+    pub common: u64,
     /// Unit of each of its columns, any numbers: columns of one unit keep their
     /// relative size, as cosine and sine of one line do.
     pub units: Vec<usize>,
@@ -20,6 +23,7 @@ impl Candidate {
     /// Whether both cannot stand in one model.
     #[must_use]
     pub fn excludes(&self, other: &Self) -> bool {
-        (self.name, self.place, self.part) == (other.name, other.place, other.part)
+        let one = (self.place, self.part) == (other.place, other.part);
+        self.name == other.name && (one || self.common != other.common)
     }
 }

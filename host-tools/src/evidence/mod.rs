@@ -21,6 +21,7 @@
 //!     name,
 //!     place: 0,
 //!     part: 0,
+//!     common: 0,
 //!     units: vec![0],
 //!     log_odds: prior::log_odds(1, 1),
 //! };

@@ -43,6 +43,7 @@ impl Rows {
             place: 0,
             part: 0,
             units: (0..*width).collect(),
+            common: 0,
             log_odds: prior::log_odds(1, 1),
         };
         let candidates = widths.iter().enumerate().map(candidate).collect();

@@ -8,7 +8,7 @@ use super::pairs;
 use super::source::Source;
 use crate::error::{Error, Result, listed};
 use crate::model::near::Reach;
-use crate::model::{Measurements, Robot, Row};
+use crate::model::{Measurements, Robot, Row, find_sessions};
 
 /// Rows whose joints agree within this are one pose, rad (0.01 degrees).
 const SAME_ANGLE: f64 = 0.01 * std::f64::consts::PI / 180.0;
@@ -117,6 +117,7 @@ impl Measurements {
         if joints.is_some() {
             data.number(robot);
         }
+        find_sessions(&mut data.rows);
         Ok(data)
     }
 

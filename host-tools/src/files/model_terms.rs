@@ -1,12 +1,16 @@
 //! The terms of a model.toml: `[[terms]]` of the arm and `[[measurement_terms]]`
 //! of the measurement. Coefficients are SI, their unit stands beside them.
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 use truearm::JointKind;
 use truearm::effects::{ActsOn, Effect, Order, Term};
 
 use crate::model::{Course, DRIFT, ModelTerm, XYZ, friction_unit};
 
+/// Time constants that a blob can hold, s.
+const LONGEST: RangeInclusive<f64> = 0.5..=61_439.0;
 /// A drift with the order of rows says so.
 const ROWS: &str = "rows";
 
@@ -26,6 +30,9 @@ pub(super) struct TermFile {
     friction_n_m: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     friction_n: Option<f64>,
+    /// With which the arm follows its temperature, if it does so late.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    time_constant_s: Option<f64>,
     coefficient: f64,
     unit: String,
 }
@@ -71,6 +78,7 @@ pub(super) fn to_file(
                     component,
                     friction_n_m: term.friction().filter(|_| !force),
                     friction_n: term.friction().filter(|_| force),
+                    time_constant_s: term.time_constant(),
                     coefficient,
                     unit,
                 });
@@ -110,6 +118,9 @@ pub(super) fn arm_term(file: &TermFile, kinds: &[JointKind]) -> Result<ModelTerm
             found.ok_or_else(|| format!("component must be one of {names:?}"))? as u8
         }
     };
+    if file.time_constant_s.is_some() && effect.order() != Order::TimeConstant {
+        return Err(format!("{} has no time constant", effect.name()));
+    }
     let cycles = effect.order().is_cycles();
     let order = match (effect.order(), file.order, file.friction_n_m.or(file.friction_n)) {
         (_, Some(order), None) if cycles && order > 0.0 && order.is_finite() => order,
@@ -117,6 +128,7 @@ pub(super) fn arm_term(file: &TermFile, kinds: &[JointKind]) -> Result<ModelTerm
             return Err("order must be given, cycles a turn above 0".to_owned());
         }
         (Order::Friction, None, friction) => friction.unwrap_or(0.0),
+        (Order::TimeConstant, None, None) => time_constant(file)?,
         (_, None, None) => 0.0,
         _ => return Err(format!("{} takes no such order or friction", effect.name())),
     };
@@ -127,6 +139,15 @@ pub(super) fn arm_term(file: &TermFile, kinds: &[JointKind]) -> Result<ModelTerm
     let term = Term { effect, joint, source, component, order, coefficient };
     right_unit(&file.unit, term.unit(kinds), coefficient)?;
     Ok(ModelTerm::Arm(term))
+}
+
+/// The time constant of a term that goes with the temperature, s.
+fn time_constant(file: &TermFile) -> Result<f64, String> {
+    match file.time_constant_s {
+        None => Ok(0.0),
+        Some(tau) if LONGEST.contains(&tau) => Ok(tau),
+        Some(tau) => Err(format!("time_constant_s = {tau} where 0.5 to 61439 is meant")),
+    }
 }
 
 /// Joint and source, counted from 0, of joints counted from 1 of so many.
@@ -230,6 +251,7 @@ mod tests {
                         Order::Friction => 3.7 * f64::from(joint),
                         Order::Harmonic | Order::Cycles => 2.013,
                         Order::None => 0.0,
+                        Order::TimeConstant => 1500.0 * f64::from(joint),
                     },
                     coefficient: 1.25e-5,
                 }));
@@ -285,6 +307,14 @@ mod tests {
             (
                 "effect = \"joint-periodic-error\"\nunit = \"rad\"\njoints = [1]\ncomponent = \"sin\"",
                 "order must be given",
+            ),
+            (
+                "effect = \"joint-gain\"\nunit = \"rad/rad\"\njoints = [1]\ntime_constant_s = 60",
+                "joint-gain has no time constant",
+            ),
+            (
+                "effect = \"thermal-expansion\"\nunit = \"1/K\"\ntime_constant_s = -60",
+                "time_constant_s = -60 where 0.5 to 61439 is meant",
             ),
         ] {
             let message = refused(&format!("coefficient = 1e-5\n{text}"));

@@ -19,6 +19,7 @@ use truearm::{JointKind, Pose};
 pub fn accumulate(model: &Model, data: &Measurements) -> Result<Part> {
     let data = &state::labelled(model, data)?;
     model.loaded(data)?;
+    model.timed(data)?;
     let (problem, at) = (state::problem(model, data), state::state(model));
     let rows = problem.counted();
     if rows.is_empty() {

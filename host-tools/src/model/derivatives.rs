@@ -38,7 +38,7 @@ impl Derivatives {
         links: &[Link<f64>],
     ) -> Vector3<f64> {
         with_joints!(q.len(), N => {
-            let (action, basis) = self.action_and_basis(term, &row.fixed::<N>(q), links);
+            let (action, basis) = self.action_and_basis(term, &row.fixed_for::<N>(q, term), links);
             action * basis
         })
     }
@@ -66,7 +66,9 @@ impl Derivatives {
     ) -> Vec<Vector3<f64>> {
         with_joints!(q.len(), N => {
             let inputs = row.fixed::<N>(q);
-            let of = |term| self.action_and_basis(term, &inputs, links);
+            let of = |term| {
+                self.action_and_basis(term, &row.with_warmth_of(term, &inputs), links)
+            };
             terms.iter().map(of).map(|(action, basis)| action * basis).collect()
         })
     }

@@ -4,7 +4,8 @@ use truearm::{MdhParameters, Pose};
 
 use super::robot::Robot;
 use crate::error::{Error, ErrorKind, Result, listed};
-use crate::model::{ErrorCurve, GramState, Instrument, Measurements, ModelTerm};
+use crate::model::{ErrorCurve, GramState, Instrument, Measurements, ModelTerm, Row};
+use crate::units::duration;
 
 /// An identified arm: what `identify` writes, `evaluate` scores, `pack` flashes.
 /// SI units.
@@ -99,6 +100,33 @@ impl Model {
             ),
             "give every row the columns torque1_nm.., or the model's robot gravity and [[links]] \
              and identify anew",
+        ))
+    }
+
+    /// Whether rows say when their temperatures were read, where the arm follows them late.
+    /// Of a temperature that never changes that need not be known.
+    ///
+    /// # Errors
+    /// [`ErrorKind::NoTimes`], naming the file of the rows and the column.
+    pub fn timed(&self, data: &Measurements) -> Result<()> {
+        let Some(late) = self.terms.iter().find_map(ModelTerm::time_constant) else {
+            return Ok(());
+        };
+        let mut read = data.rows.iter().filter_map(|row| row.temperature);
+        let changes = read.next().is_some_and(|first| read.any(|other| other != first));
+        let untimed = |row: &&Row| row.temperature.is_some() && row.warming.is_none();
+        let Some(row) = data.rows.iter().find(untimed).filter(|_| changes) else { return Ok(()) };
+        Err(Error::data(
+            ErrorKind::NoTimes,
+            format!(
+                "{}: line {}: no time_s, and this arm grows with the temperature as it was: it follows \
+                 temperature_c with a time constant of {}",
+                data.path.display(),
+                row.line,
+                duration(late)
+            ),
+            "give every row with a temperature a time in the column time_s; or write the one \
+             temperature at which the arm has long been in all of them",
         ))
     }
 

@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
 
-use super::{Instrument, Values};
+use super::{Instrument, Values, Warming};
 
 /// The rows of a `measurements.csv`, in SI units.
 #[derive(Debug, Clone)]
@@ -80,6 +80,8 @@ pub struct Row {
     pub time: Option<f64>,
     /// Degrees Celsius.
     pub temperature: Option<f64>,
+    /// Where in its session of temperatures it is, if it has a time and a temperature.
+    pub warming: Option<Warming>,
     /// kg
     pub payload: Option<f64>,
     /// Order of measurement.
@@ -111,6 +113,7 @@ impl Row {
             series: None,
             time: None,
             temperature: None,
+            warming: None,
             payload: None,
             order: None,
             orientation: None,
@@ -122,6 +125,17 @@ impl Row {
             sigma_px: 0.0,
             extra: Vec::new(),
         }
+    }
+
+    /// Degrees Celsius of an arm that follows the temperature with this time constant, s,
+    /// which is what was read where it is 0 or the row is in no session.
+    #[must_use]
+    pub fn temperature_of_arm(&self, time_constant: f64) -> Option<f64> {
+        let ahead = match &self.warming {
+            Some(warming) if time_constant > 0.0 => warming.ahead(time_constant),
+            _ => 0.0,
+        };
+        self.temperature.map(|read| read + ahead)
     }
 
     /// Becomes a point, known or not: of what measured more its first three numbers.
@@ -139,6 +153,7 @@ impl Row {
         let like = |other: &Self| Self {
             line: self.line,
             directions: self.directions.clone(),
+            warming: self.warming.clone(),
             ..other.clone()
         };
         self.measured == other.measured && like(other) == *self

@@ -16,6 +16,7 @@ mod robot;
 mod row_inputs;
 mod term;
 mod values;
+mod warming;
 mod workspace;
 
 pub use error_curve::{CURVE, CurveFit, ErrorCurve, JointTables};
@@ -27,7 +28,8 @@ pub use path::{Coordinates, Path, Target};
 pub use planned::PlannedRow;
 pub use prior::LinkPrior;
 pub use robot::{Joint, LinkMass, Mounting, Placement, Robot};
-pub use term::{Course, ModelTerm, friction, friction_unit, part};
+pub use term::{Course, ModelTerm, friction, friction_unit, part, time_constant};
 pub(crate) use term::{DRIFT, XYZ};
 pub use values::Values;
+pub use warming::{Warming, find_sessions};
 pub use workspace::{Sight, Workspace};

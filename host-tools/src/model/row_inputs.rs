@@ -4,6 +4,8 @@ use truearm::Approach;
 use truearm::effects::{Load, Term, TermInputs, deflection};
 use truearm::kinematics::Deflection;
 
+use super::{Warming, time_constant};
+
 /// Calls `$body` with the constant `N` equal to the run-time `$n`.
 macro_rules! with_joints {
     ($n:expr, $N:ident => $body:expr) => {{
@@ -47,8 +49,10 @@ pub struct RowInputs {
     pub across: Vec<[f64; 2]>,
     /// How each joint came to rest; empty if unknown.
     pub approach: Vec<Approach>,
-    /// Temperature above reference, K.
+    /// Temperature above reference as it was read, K.
     pub warmth: f64,
+    /// What an arm that follows it late makes of it.
+    pub warming: Option<Warming>,
     /// What the curves of a model add to each joint here, rad; empty without.
     pub curves: Vec<f64>,
 }
@@ -62,6 +66,15 @@ impl RowInputs {
             return 0.0;
         }
         with_joints!(still.len(), N => spring.basis(&self.fixed::<N>(&still)))
+    }
+
+    /// Temperature above reference of an arm with this time constant, s, K.
+    #[must_use]
+    pub fn warmth_at(&self, time_constant: f64) -> f64 {
+        match &self.warming {
+            Some(warming) if time_constant > 0.0 => self.warmth + warming.ahead(time_constant),
+            _ => self.warmth,
+        }
     }
 
     /// For so many joints; what is not known is zero or [`Approach::Unknown`].
@@ -79,13 +92,29 @@ impl RowInputs {
         }
     }
 
+    /// The same as a term has it.
+    pub(crate) fn fixed_for<const N: usize>(&self, q: &[f64], term: &Term<f64>) -> TermInputs<f64, N> {
+        self.with_warmth_of(term, &self.fixed::<N>(q))
+    }
+
+    /// Inputs with the temperature that a term depends on.
+    pub(crate) fn with_warmth_of<const N: usize>(
+        &self,
+        term: &Term<f64>,
+        inputs: &TermInputs<f64, N>,
+    ) -> TermInputs<f64, N> {
+        let own = std::slice::from_ref(term);
+        TermInputs { warmth: self.warmth_at(time_constant(own)), ..*inputs }
+    }
+
     /// What terms and curves do to an arm.
     pub(super) fn deflection<const N: usize>(
         &self,
         terms: &[Term<f64>],
         inputs: &TermInputs<f64, N>,
     ) -> Deflection<f64, N> {
-        let mut out = deflection(terms, inputs);
+        let warmth = self.warmth_at(time_constant(terms));
+        let mut out = deflection(terms, &TermInputs { warmth, ..*inputs });
         out.joints.iter_mut().zip(&self.curves).for_each(|(joint, curve)| *joint += curve);
         out
     }
@@ -95,7 +124,7 @@ impl RowInputs {
     /// Basis of a term at joint values `q`.
     #[must_use]
     pub fn basis(&self, q: &[f64], term: &Term<f64>) -> f64 {
-        with_joints!(q.len(), N => term.basis(&self.fixed::<N>(q)))
+        with_joints!(q.len(), N => term.basis(&self.fixed_for::<N>(q, term)))
     }
 }
 

@@ -134,6 +134,18 @@ impl ModelTerm {
         }
     }
 
+    /// Time constant, s, with which the arm follows its temperature; none where it does at
+    /// once, and of what does not depend on it.
+    #[must_use]
+    pub fn time_constant(&self) -> Option<f64> {
+        match self {
+            Self::Arm(term) => {
+                Some(time_constant(std::slice::from_ref(term))).filter(|tau| *tau > 0.0)
+            }
+            _ => None,
+        }
+    }
+
     /// Which of several coefficients it is: cos, sin, x, y...; else empty.
     #[must_use]
     pub fn part(&self) -> &'static str {
@@ -179,6 +191,13 @@ pub fn part(term: &Term<f64>) -> &'static str {
 #[must_use]
 pub fn friction(term: &Term<f64>) -> Option<f64> {
     (term.effect.order() == Order::Friction && term.order > 0.0).then_some(term.order)
+}
+
+/// Time constant, s, with which an arm of these terms follows its temperature; 0: at once.
+#[must_use]
+pub fn time_constant(terms: &[Term<f64>]) -> f64 {
+    let late = |term: &&Term<f64>| term.effect.order() == Order::TimeConstant;
+    terms.iter().find(late).map_or(0.0, |term| term.order)
 }
 
 /// Unit of a friction of a joint.

@@ -84,9 +84,11 @@ pub struct Step {
 ///
 /// # Errors
 /// Joints beyond their limits, an orientation that was not identified, more
-/// terms than the law takes, or a marker that the model does not know.
+/// terms than the law takes, a marker that the model does not know, or temperatures without
+/// times where the arm follows them late.
 pub fn compensate(model: &Model, path: &Path, options: &CompensateOptions) -> Result<Compensated> {
     path.within_limits(&model.robot)?;
+    model.timed(&path.data)?;
     let view = View { station: None, marker: options.marker.clone() };
     let (nominal, real) = (Forward::nominal(model, &view)?, Forward::real(model, &view)?);
     let asked = asked(model, options)?;

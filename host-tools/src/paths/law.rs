@@ -132,7 +132,10 @@ impl<T: Scalar, const N: usize> Law for SizedLaw<'_, T, N> {
         let state = State {
             approach,
             payload: row.payload.map_or(rest.payload, T::from_f64),
-            temperature: row.temperature.map_or(rest.temperature, T::from_f64),
+            // What the controller's own filter makes of what was read up to here.
+            temperature: row
+                .temperature_of_arm(self.arm.thermal_lag().time_constant().to_f64())
+                .map_or(rest.temperature, T::from_f64),
         };
         // A new one for every row: what was applied before must not count.
         let Ok(mut compensator) = Compensator::new(self.arm.clone(), self.settings, &q) else {

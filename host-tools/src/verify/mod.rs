@@ -59,6 +59,9 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
         true => residuals(data, &conditions, &aim),
         false => data.rows.iter().zip(&errors).map(of_points).collect(),
     };
+    if joints {
+        model.timed(data)?;
+    }
     let before = joints.then(|| predicted(model, data, &aim, &left));
     let judged = Judged {
         data,

@@ -61,6 +61,7 @@ pub fn moments(
             directions,
             time: 0.0,
             temperature: 0.0,
+            links: 0.0,
             payload,
             later: false,
         };
@@ -68,9 +69,11 @@ pub fn moments(
             let time = length * (out.len() as f64 + rng.random_range(0.0..0.8)) / rows as f64;
             let time = (time * 10.0).round() / 10.0;
             let warm = cold + rise * (1.0 - (-time / lag).exp());
+            let warm = (warm * 100.0).round() / 100.0;
             out.push(Moment {
                 time,
-                temperature: (warm * 100.0).round() / 100.0,
+                temperature: warm,
+                links: warm,
                 later: columns.series && time > change,
                 ..moment.clone()
             });

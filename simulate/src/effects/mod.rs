@@ -48,6 +48,9 @@ pub enum DefectKind {
     /// The tracker's frame moves: m per hour, turning about `turn` as much as
     /// moves a point 3 m away by half of that.
     MeasurementDrift { shift: Vector3<f64>, turn: Vector3<f64> },
+    /// What the tracker stands on settles: m, and turning about `turn` as much as moves a
+    /// point 3 m away by half of that, in so many hours.
+    MeasurementSettling { shift: Vector3<f64>, turn: Vector3<f64>, hours: f64 },
     /// Gross errors in so many rows out of a hundred.
     Outliers,
     /// Unlisted: the axis nods `order` times a turn, rad.
@@ -76,7 +79,7 @@ impl DefectKind {
             Self::ReadoutLag { .. } => "readout-lag",
             Self::ThermalExpansion => "thermal-expansion",
             Self::ToolRemount { .. } => "tool-remount",
-            Self::MeasurementDrift { .. } => "measurement-drift",
+            Self::MeasurementDrift { .. } | Self::MeasurementSettling { .. } => "measurement-drift",
             Self::Outliers => "outliers",
             Self::BearingWobble { .. } => "bearing wobble",
             Self::LinkBending { .. } => "quadratic link bending",
@@ -129,7 +132,9 @@ impl DefectKind {
             Self::JointGain { .. } | Self::JointCoupling { .. } => 5e-3,
             Self::Backlash { .. } | Self::ReadoutLag { .. } | Self::BearingWobble { .. } => 3e-3,
             Self::ThermalExpansion => 4e-5,
-            Self::ToolRemount { .. } | Self::MeasurementDrift { .. } => 2e-3,
+            Self::ToolRemount { .. }
+            | Self::MeasurementDrift { .. }
+            | Self::MeasurementSettling { .. } => 2e-3,
             Self::Outliers => 3.0,
             Self::LinkBending { .. } => 1e-4,
             Self::Memory { .. } => 2e-3,
@@ -163,7 +168,7 @@ impl Defect {
             DefectKind::JointCoupling { source, joint } => shape.joints[joint] += size * q(source),
             DefectKind::ThermalExpansion => {
                 // The coefficient itself grows; integrated from 20 degrees.
-                let warmth = moment.temperature - 20.0;
+                let warmth = moment.links - 20.0;
                 let growth = (size * (warmth + 0.001 * warmth * warmth)).exp();
                 for link in &mut shape.links {
                     link[1] *= growth;

@@ -79,6 +79,11 @@ impl Draft {
         (text, Draft { robot, arm, sigma, scale, training, holdout })
     }
 
+    /// Noise so many times as large as is stated.
+    pub fn misstate(&mut self, times: f64) {
+        self.sigma *= times;
+    }
+
     /// Measures, and seals what was hidden: training, hold-out, secret.
     pub fn sealed(self, rng: &mut ChaCha8Rng) -> ([String; 2], Secret) {
         let (measurements, outliers) = self.measured(&self.training, rng, true);

@@ -12,6 +12,7 @@ mod planning;
 mod power;
 mod reproduce;
 mod ties;
+mod warming;
 
 use clap::Subcommand;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -48,6 +49,8 @@ pub enum Study {
     Lambda(lambda::Options),
     /// Two effects look alike: is it said, and do the proposed poses tell?
     Ties(ties::Options),
+    /// Links that follow the temperature late: is it said, and how late?
+    Warming(warming::Options),
     /// The paper's experiment on simulated cells: its tables and figures, and a discussion
     Reproduce(reproduce::Options),
 }
@@ -65,6 +68,7 @@ pub fn run(study: &Study) -> Result {
         Study::Lines(options) => lines::run(options),
         Study::Lambda(options) => lambda::run(options),
         Study::Ties(options) => ties::run(options),
+        Study::Warming(options) => warming::run(options),
         Study::Reproduce(options) => reproduce::run(options),
     }
 }

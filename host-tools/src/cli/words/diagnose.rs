@@ -1,6 +1,6 @@
 use truearm_host::diagnose::policy::POLICY;
 use truearm_host::diagnose::{
-    Alternative, Effect, GapUnit, Outcome, Verdict, instead, place, said,
+    Alternative, Effect, GapUnit, Outcome, Verdict, late, otherwise, place, said,
 };
 use truearm_host::effects::OUTLIERS;
 use truearm_host::identify::KindFigures;
@@ -127,11 +127,14 @@ fn gap(r: &Outcome) -> Table {
 /// An alternative by what it has that the model has not, and the reverse.
 fn alternative(a: &Alternative, r: &Outcome) -> String {
     let own = [r.effects.clone(), r.suspected.clone()].concat();
+    let how = match a.is_told_by_poses() {
+        true => "measure these poses to tell them apart:",
+        false => "measure on while the arm warms up and while it cools down to tell them apart",
+    };
     let mut out = format!(
-        "alternative within reach (worse by {:.1} in chi-square): {}\n  \
-         measure these poses to tell them apart:\n",
+        "alternative within reach (worse by {:.1} in chi-square): {}\n  {how}\n",
         a.worse_by,
-        instead(&a.effects, &own)
+        otherwise(a, &own)
     );
     for pose in &a.separating_poses {
         let joints: Vec<String> = pose.joints.iter().map(|q| format!("{q:.2}")).collect();
@@ -144,6 +147,9 @@ fn effect(e: &Effect, suspected: bool) -> String {
     let mut out = place(e.name, &e.joints);
     if let Some(order) = e.order {
         out += &format!(", {order} cycles a turn");
+    }
+    if let Some(late) = late(e) {
+        out += &format!(", {late}");
     }
     let values: Vec<String> = e
         .coefficients

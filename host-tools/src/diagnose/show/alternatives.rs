@@ -24,9 +24,10 @@ pub fn alternatives(
     let mut out: Vec<(Alternative, State)> = Vec::new();
     for (added, odds) in rivals {
         let theirs = claims(added);
-        // More of the same is no alternative.
+        // More of the same is no alternative, but that it is late or at once.
         let more = mine.iter().all(|m| theirs.contains(m));
-        if more || out.len() == POLICY.alternatives {
+        let otherwise = late(&best.added).is_some() != late(added).is_some();
+        if more && !(otherwise && mine == theirs) || out.len() == POLICY.alternatives {
             continue;
         }
         // What cannot be fitted is no explanation.
@@ -34,12 +35,25 @@ pub fn alternatives(
         if !node.implausible(&q.problem.conditions).is_empty() {
             continue;
         }
-        let poses = separating(q, robot, &best.fit.fit.state, &node.fit.fit.state);
-        let alternative =
-            Alternative { effects: theirs, worse_by: -2.0 * odds.ln(), separating_poses: poses };
+        let poses = match more {
+            // That is told by time and not by poses.
+            true => Vec::new(),
+            false => separating(q, robot, &best.fit.fit.state, &node.fit.fit.state),
+        };
+        let alternative = Alternative {
+            effects: theirs,
+            time_constant_s: late(added),
+            worse_by: -2.0 * odds.ln(),
+            separating_poses: poses,
+        };
         out.push((alternative, node.fit.fit.state));
     }
     out
+}
+
+/// Time constant with which the arm follows its temperature, s; none where it does at once.
+fn late(added: &[Candidate]) -> Option<f64> {
+    added.iter().map(Candidate::time_constant).find(|tau| *tau > 0.0)
 }
 
 /// Names and joints, each once.

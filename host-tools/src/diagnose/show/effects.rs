@@ -1,7 +1,7 @@
 use truearm::JointKind;
 use truearm::effects::ActsOn;
 
-use super::certainty::sigmas;
+use super::certainty::certainty;
 use super::gap::stage_name;
 use crate::diagnose::crowd::crowded;
 use crate::diagnose::node::Node;
@@ -23,7 +23,7 @@ pub fn effects(
     best: &Node,
     weighed: &Weighed,
 ) -> (Vec<Effect>, Vec<Effect>) {
-    let sigmas = sigmas(findings, weighed.moments.as_ref());
+    let certainty = certainty(findings, weighed.moments.as_ref());
     let kinds: Vec<JointKind> = findings.problem.nominal.iter().map(|link| link.kind).collect();
     let first = findings.problem.unknowns.terms().start;
     let (mut named, mut suspected) = curves(weighed, gap);
@@ -37,7 +37,9 @@ pub fn effects(
                 name,
                 joints,
                 order: term.order(),
-                coefficients: vec![coefficient(term, &kinds, sigmas[first + i])],
+                time_constant_s: term.time_constant(),
+                time_constant_sigma_s: term.time_constant().and(certainty.time_constant),
+                coefficients: vec![coefficient(term, &kinds, certainty.sigmas[first + i])],
                 probability: claim.map_or(0.0, |c| c.probability),
                 half_gain: claim.map_or([0.0; 2], |c| c.half_gain),
                 doubt: claim.and_then(|c| c.doubt),
@@ -69,6 +71,8 @@ fn curves(weighed: &Weighed, gap: &[GapRow]) -> (Vec<Effect>, Vec<Effect>) {
             name: CURVE,
             joints: own.iter().map(|c| usize::from(c.table.joint()) + 1).collect(),
             order: None,
+            time_constant_s: None,
+            time_constant_sigma_s: None,
             coefficients: own.iter().map(|c| curve_size(c)).collect(),
             probability: least(|c| probability(&c)),
             half_gain: [least(|c| c.half_gain[0]), least(|c| c.half_gain[1])],
@@ -118,6 +122,8 @@ fn gross_rows(findings: &Findings) -> Effect {
         name: OUTLIERS,
         joints: Vec::new(),
         order: None,
+        time_constant_s: None,
+        time_constant_sigma_s: None,
         coefficients: Vec::new(),
         probability: 1.0 - chance.min(1.0),
         half_gain: [0.0; 2],

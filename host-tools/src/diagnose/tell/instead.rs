@@ -1,8 +1,11 @@
 //! What an alternative says otherwise, in words.
 
-use crate::diagnose::Effect;
+use truearm::effects::Effect::ThermalExpansion;
+
+use crate::diagnose::{Alternative, Effect};
 use crate::effects::OUTLIERS;
 use crate::model::CURVE;
+use crate::units::duration;
 
 /// An effect at its joints.
 type Placed = (&'static str, Vec<usize>);
@@ -19,6 +22,36 @@ pub fn instead(alternative: &[Placed], effects: &[Effect]) -> String {
         if names.is_empty() { "nothing".to_owned() } else { names.join(" and ") }
     };
     format!("{} instead of {}", words(alternative, &own), words(&own, alternative))
+}
+
+/// What an alternative says otherwise: other effects, or the same ones at once and not late.
+#[must_use]
+pub fn otherwise(alternative: &Alternative, effects: &[Effect]) -> String {
+    if alternative.is_told_by_poses() {
+        return instead(&alternative.effects, effects);
+    }
+    let said = |tau: Option<f64>| match tau {
+        Some(tau) => format!("{} late", duration(tau)),
+        None => "at once".to_owned(),
+    };
+    let own = effects.iter().find_map(|e| e.time_constant_s);
+    format!(
+        "{} {} instead of {}",
+        ThermalExpansion.name(),
+        said(alternative.time_constant_s),
+        said(own)
+    )
+}
+
+/// How late an arm follows its temperature: `with the temperature as it was, 25 min late
+/// (+- 2 min)`; none where it does at once.
+#[must_use]
+pub fn late(e: &Effect) -> Option<String> {
+    let tau = e.time_constant_s?;
+    let sure = e.time_constant_sigma_s.map_or(String::new(), |sigma| {
+        format!(" (+- {})", duration(sigma))
+    });
+    Some(format!("with the temperature as it was, {} late{sure}", duration(tau)))
 }
 
 /// What a model names, as alternatives name it: a joint each, but for couplings.

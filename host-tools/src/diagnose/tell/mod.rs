@@ -5,5 +5,5 @@ mod instead;
 mod slip;
 mod whereabouts;
 
-pub use instead::{instead, place};
+pub use instead::{instead, late, otherwise, place};
 pub use whereabouts::sentences;

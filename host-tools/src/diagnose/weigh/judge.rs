@@ -137,7 +137,9 @@ fn rivals(of: &Explained, found: &Explanation) -> Vec<(Vec<Candidate>, f64)> {
             members.iter().map(|m| Claim::from(&of.possible[*m].entry)).collect();
         out.sort();
         out.dedup();
-        out
+        // Late or at once: the same name, but not the same explanation.
+        let late = members.iter().any(|m| of.possible[*m].entry.common != 0);
+        (out, late)
     };
     let best = found.posterior.models.first().map_or(1.0, |m| m.1);
     let mut seen = vec![claims(&found.best.members)];
@@ -148,7 +150,7 @@ fn rivals(of: &Explained, found: &Explanation) -> Vec<(Vec<Candidate>, f64)> {
         if odds < POLICY.odds || seen.contains(&own) {
             continue;
         }
-        let plain = own.iter().all(|claim| claim.name < NAMELESS);
+        let plain = own.0.iter().all(|claim| claim.name < NAMELESS);
         if plain {
             let added = listed(of.possible, members).into_iter().cloned().collect();
             out.push((added, odds));

@@ -7,6 +7,7 @@ mod halves;
 mod joint_curves;
 mod judge;
 mod lags;
+mod late;
 mod lines;
 mod nameless;
 mod partial_fits;
@@ -222,6 +223,8 @@ fn candidates(
     let mut out: Vec<Possible> =
         q.offered.iter().map(|candidate| numbers.offered(candidate.clone())).collect();
     out.extend(settling::near(&node.added, q.offered).map(|c| numbers.offered(c)));
+    let late = late::near(q, node, weights, noise.1);
+    out.extend(late.into_iter().map(|c| numbers.offered(c)));
     out.extend(lags::offered(q.problem, refused, &mut numbers));
     let columns = scan::columns(q.problem, state, rows, weights, noise);
     out.extend(lines::offered(

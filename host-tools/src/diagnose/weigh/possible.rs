@@ -130,6 +130,7 @@ impl Numbers {
             name: self.name(candidate.name()),
             place: self.place(place(&candidate)),
             part: 0,
+            common: candidate.time_constant().to_bits(),
             units: units(&candidate.terms),
             log_odds: prior::log_odds(candidate.tried as usize, 1),
         };
@@ -150,6 +151,7 @@ impl Numbers {
             name: NAMELESS + nameless.kind(),
             place: self.place(nameless.joint().map(|joint| joint + 1).into_iter().collect()),
             part: nameless.part(),
+            common: 0,
             units: nameless.units(),
             log_odds: prior::log_odds(tried, 1),
         };

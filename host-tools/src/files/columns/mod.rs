@@ -174,6 +174,7 @@ impl Columns {
             series: Some(text(o.series)).filter(|s| !s.is_empty()).map(str::to_owned),
             time: plausible::time(cells, o.time)?,
             temperature: plausible::temperature(cells, o.temperature)?,
+            warming: None,
             payload: plausible::payload(cells, o.payload)?,
             order: plausible::order(cells, o.order)?,
             orientation,

@@ -6,7 +6,9 @@ use truearm::effects::Term;
 use truearm::{Approach, Pose};
 
 use crate::model::arm::{ArmMasses, Kinematics, RowInputs, chain};
-use crate::model::{ErrorCurve, JointTables, Measurements, Model, Mounting, Robot, Row};
+use crate::model::{
+    ErrorCurve, JointTables, Measurements, Model, Mounting, Robot, Row, Warming,
+};
 
 /// Inputs of every row, and which of them are known at all.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -22,6 +24,9 @@ pub struct Conditions {
     pub torques_of_either_sign: bool,
     /// Some row has a temperature, and they differ.
     pub temperature: bool,
+    /// Where they differ and every row that has one has a time: the usual time from row to
+    /// row and the length of the longest session, s.
+    pub warming: Option<[f64; 2]>,
     /// Some row has approach sides.
     pub direction: bool,
     /// They were taken from the order of the rows.
@@ -81,10 +86,11 @@ impl Surroundings {
         let payload = row.payload.unwrap_or(0.0);
         let load = self.masses.as_ref().map(|m| self.arm.load(m, q, payload)).unwrap_or_default();
         let warmth = row.temperature.map_or(0.0, |t| t - self.reference);
+        let warming = row.warming.clone();
         let approach = row.directions.iter().map(|d| Approach::of_motion(f64::from(*d)));
         let curves = self.curves.as_ref().map_or_else(Vec::new, |tables| tables.bend(q));
         let approach = approach.collect();
-        RowInputs { approach, warmth, curves, ..load }
+        RowInputs { approach, warmth, warming, curves, ..load }
     }
 }
 
@@ -112,6 +118,7 @@ impl Conditions {
             torques,
             torques_of_either_sign: torques && robot.gravity.is_none(),
             temperature: differ(|r| r.temperature),
+            warming: warming(&data.rows).filter(|_| differ(|r| r.temperature)),
             direction: data.rows.iter().any(|r| r.directions.iter().any(|d| *d != 0)),
             direction_from_order: data.directions_from_order,
             before: data.moved_from(),
@@ -154,6 +161,19 @@ impl Conditions {
         }
         self
     }
+}
+
+/// The usual time from row to row and the length of the longest session, s, if every row
+/// that has a temperature is in one.
+fn warming(rows: &[Row]) -> Option<[f64; 2]> {
+    if rows.iter().any(|row| row.temperature.is_some() && row.warming.is_none()) {
+        return None;
+    }
+    let all = || rows.iter().filter_map(|row| row.warming.as_ref());
+    let mut steps: Vec<f64> = all().filter_map(Warming::step).filter(|step| *step > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    let usual = *steps.get(steps.len() / 2)?;
+    Some([usual, all().map(Warming::passed).fold(0.0, f64::max)])
 }
 
 /// Puts torques that were read in the place of computed ones; whether there are

@@ -6,8 +6,8 @@ use truearm::effects::{ActsOn, Order, Term};
 use super::super::numbers::period;
 use super::Seen;
 use crate::model::arm::RowInputs;
-use crate::model::{Course, ModelTerm};
-use crate::units::{joint_from_file, joint_to_file, joint_unit};
+use crate::model::{Course, ModelTerm, time_constant};
+use crate::units::{duration, joint_from_file, joint_to_file, joint_unit};
 
 /// Cycles a turn above which one cycle is shown in place of a turn.
 const FOLDED: f64 = 4.0;
@@ -25,8 +25,8 @@ pub enum Covariate {
     Moment(usize),
     /// Size of the gravity moment across a joint's axis.
     Across(usize),
-    /// Temperature above reference.
-    Warmth,
+    /// Temperature above reference, of an arm that follows it with this time constant, s.
+    Warmth(f64),
     /// Side of its gap on which a joint rests, by this term.
     Side(Term<f64>),
     /// Side from which a joint came to rest.
@@ -50,7 +50,7 @@ impl Covariate {
         match (term.effect.acts_on(), term.effect.order()) {
             (ActsOn::Base, _) => Self::Moment(usize::from(term.component)),
             (ActsOn::Axis, _) => Self::Across(joint),
-            (ActsOn::Lengths, _) => Self::Warmth,
+            (ActsOn::Lengths, _) => Self::Warmth(time_constant(std::slice::from_ref(term))),
             (_, Order::Cycles) if term.order > FOLDED => Self::Cycle(joint, term.order),
             (_, Order::Friction) => Self::Side(*term),
             (_, Order::Harmonic | Order::Cycles) => Self::Angle(joint),
@@ -77,7 +77,11 @@ impl Covariate {
                 format!("overturning moment about the base's {}, N m", ["x", "y"][*k % 2])
             }
             Self::Across(j) => format!("gravity moment across the axis of joint {}, N m", j + 1),
-            Self::Warmth => "temperature above reference, K".to_owned(),
+            Self::Warmth(0.0) => "temperature above reference, K".to_owned(),
+            Self::Warmth(tau) => format!(
+                "temperature above reference as the arm has it, {} late, K",
+                duration(*tau)
+            ),
             Self::Side(t) => format!("side of its gap on which joint {} rests", t.joint + 1),
             Self::Arrival(j) => format!("side that joint {} came to rest moving to", j + 1),
             Self::Session(Course::Rows) => "number in the session, thousands of rows".to_owned(),
@@ -96,7 +100,7 @@ impl Covariate {
             Self::Torque(j) => inputs.torque.get(*j).copied().unwrap_or(f64::NAN),
             Self::Moment(k) => inputs.moment[*k % 2],
             Self::Across(j) => inputs.across.get(*j).map_or(f64::NAN, |[x, y]| x.hypot(*y)),
-            Self::Warmth => inputs.warmth,
+            Self::Warmth(tau) => inputs.warmth_at(*tau),
             Self::Side(term) => place(inputs.basis(&of.q, term)),
             Self::Arrival(j) => of.directions.get(*j).map_or(f64::NAN, |d| place(f64::from(*d))),
             // A base that settles is shown against time, as one that drifts.
@@ -139,7 +143,7 @@ impl Covariate {
                 inputs.across = vec![[0.0; 2]; joints];
                 inputs.across[*j] = [x, 0.0];
             }
-            Self::Warmth => inputs.warmth = x,
+            Self::Warmth(_) => inputs.warmth = x,
             Self::Side(_) => return side(x),
             Self::Arrival(_) | Self::Session(_) | Self::Series => {}
         }

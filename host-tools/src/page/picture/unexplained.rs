@@ -95,7 +95,7 @@ fn covariates(seen: &Seen, joints: usize) -> Vec<Covariate> {
         covariates.push(Covariate::Session(Course::Rows));
     }
     if seen.conditions.temperature {
-        covariates.push(Covariate::Warmth);
+        covariates.push(Covariate::Warmth(0.0));
     }
     covariates
 }

@@ -6,10 +6,10 @@ use super::super::document::{Figure, Section};
 use super::super::numbers::{cycles, period, runs};
 use super::super::picture::Part;
 use super::{details, list, table};
-use crate::diagnose::{Coefficient, Effect, said};
+use crate::diagnose::{Coefficient, Effect, late, said};
 use crate::effects::OUTLIERS;
 use crate::model::CURVE;
-use crate::units::{MICRO, MILLI};
+use crate::units::{MICRO, MILLI, duration};
 
 /// Pictures of one page, at most.
 const MOST: usize = 24;
@@ -26,7 +26,10 @@ pub fn short(e: &Effect) -> String {
     match e.order {
         Some(n) if n > 1.0 => format!("{name}{joints}, {} (every {})", cycles(n), period(n)),
         Some(n) => format!("{name}{joints}, {}", cycles(n)),
-        None => format!("{name}{joints}"),
+        None => match e.time_constant_s {
+            Some(tau) => format!("{name}{joints}, {} late", duration(tau)),
+            None => format!("{name}{joints}"),
+        },
     }
 }
 
@@ -71,7 +74,8 @@ fn sentence(e: &Effect) -> String {
         .collect();
     let mut name = short(e);
     name[..1].make_ascii_uppercase();
-    format!("{name}: {}.", sizes.join(", "))
+    let late = late(e).map_or(String::new(), |late| format!(" It grows {late}."));
+    format!("{name}: {}.{late}", sizes.join(", "))
 }
 
 /// A coefficient in a unit that leaves one to three digits before the point.

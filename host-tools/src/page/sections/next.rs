@@ -6,7 +6,7 @@ use truearm::effects::MAX_TERMS;
 
 use super::super::document::Section;
 use super::{table, typed};
-use crate::diagnose::{Alternative, Outcome, instead};
+use crate::diagnose::{Alternative, Outcome, otherwise};
 use crate::markup::{Node, element};
 
 /// What the next command is about.
@@ -97,7 +97,15 @@ pub fn poses(outcome: &Outcome) -> Option<Section> {
          predictions are furthest apart.",
     );
     let named = [outcome.effects.clone(), outcome.suspected.clone()].concat();
-    for a in &outcome.alternatives {
+    for a in outcome.alternatives.iter().filter(|a| !a.is_told_by_poses()) {
+        section = section.say(format!(
+            "Worse by {:.1} in chi-square: {}. No pose tells them apart, but rows while the arm warms \
+             up and while it cools down do.",
+            a.worse_by,
+            otherwise(a, &named)
+        ));
+    }
+    for a in outcome.alternatives.iter().filter(|a| a.is_told_by_poses()) {
         let joints = a.separating_poses.first().map_or(0, |p| p.joints.len());
         let names: Vec<String> = (1..=joints).map(|j| format!("q{j}")).collect();
         let mut head: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -112,7 +120,7 @@ pub fn poses(outcome: &Outcome) -> Option<Section> {
                 "Worse by {:.1} in chi-square: {}. Joint values in degrees (mm where a joint \
                  slides):",
                 a.worse_by,
-                instead(&a.effects, &named)
+                otherwise(a, &named)
             ))
             .node(table(&head, rows));
     }
