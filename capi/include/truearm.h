@@ -22,7 +22,7 @@
  Version of this interface: changes whenever a function, a structure or the
  memory it needs does.
  */
-#define TRUEARM_VERSION 3
+#define TRUEARM_VERSION 4
 
 /*
  Bytes of memory that `truearm_init` needs.
@@ -269,7 +269,8 @@ typedef struct TruearmState {
    */
   float payload_kg;
   /*
-   Temperature of the arm, degrees Celsius.
+   Temperature of the arm, degrees Celsius: what `truearm_arm_temperature` makes of
+   the readings of its thermometer.
    */
   float temperature_c;
 } TruearmState;
@@ -427,6 +428,22 @@ TruearmError truearm_set_tool(struct Truearm *arm, const float *tool);
  `arm` is NULL or came from `truearm_init`.
  */
 TruearmError truearm_set_active(struct Truearm *arm, int32_t active);
+
+/*
+ The temperature of the arm for `temperature_c` of a state, degrees Celsius, at a
+ reading of its thermometer that was taken `dt_s` seconds after the one before: the
+ reading itself, unless the arm was found to follow it late. The first reading after
+ `truearm_init` is where the arm begins, as nothing is known of what was before. Call
+ it with every reading, once a second or in every tick; one that is no number lets
+ time pass.
+
+ # Safety
+ Every pointer is NULL or as typed.
+ */
+TruearmError truearm_arm_temperature(struct Truearm *arm,
+                                     float dt_s,
+                                     float reading_c,
+                                     float *temperature_c);
 
 /*
  One control tick: the joints, rad, at which the real tool is where the

@@ -14,7 +14,7 @@ mod types;
 use core::ffi::c_void;
 
 use truearm::blob::{Acceptance, AcceptanceError, Covariance};
-use truearm::{Arm6, Compensator};
+use truearm::{Arm6, Compensator, ThermalLag};
 
 use pointer::{handle, input, writable};
 pub use poses::{truearm_nominal_pose, truearm_point_sigma, truearm_real_pose};
@@ -26,7 +26,7 @@ use types::{settings_of, state_of};
 
 /// Version of this interface: changes whenever a function, a structure or the
 /// memory it needs does.
-pub const TRUEARM_VERSION: u32 = 3;
+pub const TRUEARM_VERSION: u32 = 4;
 /// Bytes of memory that `truearm_init` needs.
 pub const TRUEARM_MEMORY_SIZE: usize = 4288;
 /// Alignment of that memory.
@@ -48,6 +48,8 @@ pub struct Truearm {
     /// Whether the last tick was one without compensation.
     idle: bool,
     covariance: Option<Covariance<'static>>,
+    /// Of the arm that is loaded.
+    lag: ThermalLag<f32>,
     compensator: Option<Compensator<'static, f32, TRUEARM_JOINTS>>,
 }
 
@@ -125,8 +127,13 @@ pub unsafe extern "C" fn truearm_init(
             return Err(TruearmError::Alignment);
         }
         let place = memory.cast::<Truearm>();
-        let empty =
-            Truearm { initialised: INITIALISED, idle: true, covariance: None, compensator: None };
+        let empty = Truearm {
+            initialised: INITIALISED,
+            idle: true,
+            covariance: None,
+            lag: ThermalLag::new(0.0),
+            compensator: None,
+        };
         // SAFETY: the caller's promise; size and alignment have been checked.
         unsafe {
             place.write(empty);
@@ -174,6 +181,11 @@ pub unsafe extern "C" fn truearm_load(
         let parameters = blob.parameters().map_err(|_| TruearmError::OtherArm)?;
         this.start(Arm6::new(&parameters), &settings, &joints)?;
         this.covariance = blob.covariance();
+        // An arm is as warm as it was before parameters came that say the same of it.
+        let lag = this.arm()?.thermal_lag();
+        if lag.time_constant() != this.lag.time_constant() {
+            this.lag = lag;
+        }
         Ok(())
     })())
 }
@@ -247,6 +259,34 @@ pub unsafe extern "C" fn truearm_set_active(arm: *mut Truearm, active: i32) -> T
         let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
         compensator.set_active(active != 0);
         this.idle &= active == 0;
+        Ok(())
+    })())
+}
+
+/// The temperature of the arm for `temperature_c` of a state, degrees Celsius, at a
+/// reading of its thermometer that was taken `dt_s` seconds after the one before: the
+/// reading itself, unless the arm was found to follow it late. The first reading after
+/// `truearm_init` is where the arm begins, as nothing is known of what was before. Call
+/// it with every reading, once a second or in every tick; one that is no number lets
+/// time pass.
+///
+/// # Safety
+/// Every pointer is NULL or as typed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truearm_arm_temperature(
+    arm: *mut Truearm,
+    dt_s: f32,
+    reading_c: f32,
+    temperature_c: *mut f32,
+) -> TruearmError {
+    code((|| {
+        // SAFETY: the caller's promise.
+        let this = unsafe { handle(arm)? };
+        writable(temperature_c)?;
+        this.arm()?;
+        let arm = this.lag.step(dt_s, reading_c);
+        // SAFETY: the caller's promise; not NULL and aligned.
+        unsafe { temperature_c.write(arm) };
         Ok(())
     })())
 }

@@ -9,6 +9,7 @@ use std::vec;
 use std::vec::Vec;
 
 use truearm::blob::{Blob, encode_with, encoded_len, factor_len};
+use truearm::effects::{Effect, Term};
 use truearm::{ArmParameters6, State};
 
 use super::*;
@@ -111,6 +112,51 @@ fn an_arm_works_as_in_rust() {
     assert_eq!(tick.status, TruearmStatus::Ramping);
 }
 
+/// The blob with an arm that grows 25 minutes late in place of what it has beside geometry.
+fn late() -> &'static [u8] {
+    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+    BYTES.get_or_init(|| {
+        let mut parameters: ArmParameters6<f32> = Blob::check(BLOB).unwrap().parameters().unwrap();
+        parameters.terms.clear();
+        let term = Term {
+            effect: Effect::ThermalExpansion,
+            joint: Term::<f32>::ALL,
+            source: 0,
+            component: 0,
+            order: 1500.0,
+            coefficient: 1.2e-5,
+        };
+        parameters.terms.push(term).unwrap();
+        let mut bytes = vec![0; encoded_len(6, 1) + parameters.curves.as_bytes().len()];
+        encode_with(&parameters, None, &mut bytes).unwrap();
+        bytes
+    })
+}
+
+#[test]
+fn readings_become_the_temperature_of_the_arm() {
+    let mut memory = memory();
+    let arm = initialised(&mut memory);
+    let read = |dt, reading| {
+        let mut out = f32::NAN;
+        // SAFETY: as the function wants it.
+        let error = unsafe { truearm_arm_temperature(arm, dt, reading, &mut out) };
+        (error, out)
+    };
+    assert_eq!(read(0.0, 20.0).0, TruearmError::NotLoaded);
+    assert_eq!(load(arm, BLOB), TruearmError::Ok);
+    assert_eq!(read(0.0, 20.0), (TruearmError::Ok, 20.0));
+    assert_eq!(read(1.0, 30.0), (TruearmError::Ok, 30.0));
+    assert_eq!(load(arm, late()), TruearmError::Ok);
+    let mut same = ThermalLag::new(1500.0);
+    for (dt, reading) in [(0.0, 20.0), (300.0, 30.0), (300.0, 31.0)] {
+        assert_eq!(read(dt, reading), (TruearmError::Ok, same.step(dt, reading)));
+    }
+    // Parameters that say the same of it leave it as warm as it was.
+    assert_eq!(load(arm, late()), TruearmError::Ok);
+    assert_eq!(read(300.0, 31.0), (TruearmError::Ok, same.step(300.0, 31.0)));
+}
+
 #[test]
 fn null_is_refused_everywhere() {
     let mut memory = memory();
@@ -139,6 +185,8 @@ fn null_is_refused_everywhere() {
             truearm_set_tool(none, tool),
             truearm_set_tool(arm, null()),
             truearm_set_active(none, 1),
+            truearm_arm_temperature(none, 0.0, 20.0, sigma),
+            truearm_arm_temperature(arm, 0.0, 20.0, null_mut()),
             truearm_tick(none, q, &NEUTRAL, tick),
             truearm_tick(arm, null(), &NEUTRAL, tick),
             truearm_tick(arm, q, null(), tick),

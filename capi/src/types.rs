@@ -99,7 +99,8 @@ pub struct TruearmState {
     pub approach: [i8; TRUEARM_JOINTS],
     /// Mass at the payload point, kg.
     pub payload_kg: f32,
-    /// Temperature of the arm, degrees Celsius.
+    /// Temperature of the arm, degrees Celsius: what `truearm_arm_temperature` makes of
+    /// the readings of its thermometer.
     pub temperature_c: f32,
 }
 
