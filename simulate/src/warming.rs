@@ -143,7 +143,8 @@ mod tests {
         let times: Vec<f64> = (0..200).map(|k| f64::from(k) * 70.0).collect();
         for (t, w) in times.iter().zip(climate.links(&times)) {
             let (own, place) = ((-t / tau).exp(), (-t / housing).exp());
-            let exact = climate.cold + 10.0 - 10.0 * (tau * own - housing * place) / (tau - housing)
+            let exact = climate.cold + 10.0
+                - 10.0 * (tau * own - housing * place) / (tau - housing)
                 + 1.5 * own;
             assert!((w - exact).abs() < 1e-9, "{t}: {w}, not {exact}");
         }

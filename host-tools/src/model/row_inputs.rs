@@ -93,7 +93,11 @@ impl RowInputs {
     }
 
     /// The same as a term has it.
-    pub(crate) fn fixed_for<const N: usize>(&self, q: &[f64], term: &Term<f64>) -> TermInputs<f64, N> {
+    pub(crate) fn fixed_for<const N: usize>(
+        &self,
+        q: &[f64],
+        term: &Term<f64>,
+    ) -> TermInputs<f64, N> {
         self.with_warmth_of(term, &self.fixed::<N>(q))
     }
 

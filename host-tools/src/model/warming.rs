@@ -54,6 +54,12 @@ impl Warming {
         self.session.ahead(time_constant)[self.at]
     }
 
+    /// Whether both are readings of one session.
+    #[must_use]
+    pub fn goes_on(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.session, &other.session)
+    }
+
     /// From the first reading of the session to this one, s.
     #[must_use]
     pub fn passed(&self) -> f64 {
@@ -154,7 +160,8 @@ mod tests {
         // By turns on one clock.
         let by_turns =
             rows(&[("a", 0.0, 20.0), ("b", 300.0, 30.0), ("a", 400.0, 30.0), ("b", 500.0, 30.0)]);
-        let alone = rows(&[("", 0.0, 20.0), ("", 300.0, 30.0), ("", 400.0, 30.0), ("", 500.0, 30.0)]);
+        let alone =
+            rows(&[("", 0.0, 20.0), ("", 300.0, 30.0), ("", 400.0, 30.0), ("", 500.0, 30.0)]);
         assert_eq!(arm(&by_turns[3], 600.0), arm(&alone[3], 600.0));
     }
 

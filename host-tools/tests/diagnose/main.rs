@@ -6,6 +6,7 @@ mod curves;
 mod hidden_effects;
 #[path = "../judged/mod.rs"]
 mod judged;
+mod late;
 #[path = "../simulated/mod.rs"]
 mod simulated;
 mod springs;

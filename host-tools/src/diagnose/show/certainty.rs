@@ -1,15 +1,11 @@
 //! How sure coefficients are: of springs, beside loads that were found with them.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::DMatrix;
 
+use super::late;
 use crate::diagnose::moments::Moments;
 use crate::identify::Findings;
 use crate::identify::problem::accumulate::{CHUNK, tree};
-use crate::model::ModelTerm;
-use crate::model::arm::Derivatives;
-
-/// Share of a time constant by which it is varied for a derivative.
-const VARIED: f64 = 0.02;
 
 /// How sure a model is.
 pub struct Certainty {
@@ -56,53 +52,13 @@ pub fn certainty(findings: &Findings, moments: Option<&Moments>) -> Certainty {
             }
         }
     }
-    let late = late(findings, &covariance);
-    if let Some((variance, moved)) = &late {
-        for (own, moved) in variances.iter_mut().zip(moved.iter()) {
-            *own += moved * moved * variance;
-        }
+    let late = late::late(findings, &covariance);
+    if let Some(late) = &late {
+        variances.iter_mut().zip(&late.widened).for_each(|(own, more)| *own += more);
     }
     let sigma = |(v, unit): (&f64, &f64)| v.max(0.0).sqrt() * unit;
     Certainty {
         sigmas: variances.iter().zip(&problem.units()).map(sigma).collect(),
-        time_constant: late.map(|(variance, _)| variance.sqrt()),
+        time_constant: late.map(|late| late.variance.sqrt()),
     }
-}
-
-/// The variance of the arm's time constant, s^2, all unknowns free beside it, and how these
-/// move with it; none of an arm that follows its temperature at once.
-fn late(findings: &Findings, covariance: &DMatrix<f64>) -> Option<(f64, DVector<f64>)> {
-    let (problem, state) = (findings.problem, &findings.found.fit.state);
-    let tau = state.terms.iter().find_map(ModelTerm::time_constant)?;
-    let unknowns = covariance.nrows();
-    let at = problem.linearise(state);
-    let moved = |i: usize, d: &Derivatives| {
-        let (row, inputs) = (&problem.data.rows[i], &problem.conditions.rows[i]);
-        let with = |term: &ModelTerm, times: f64| match term {
-            ModelTerm::Arm(term) if term.order == tau => {
-                let other = truearm::effects::Term { order: tau * times, ..*term };
-                d.column(&other, inputs, &row.q, &problem.nominal) * term.coefficient
-            }
-            _ => Vector3::zeros(),
-        };
-        let late = state.terms.iter().filter(|term| term.time_constant().is_some());
-        let change = late.map(|term| with(term, 1.0 + VARIED) - with(term, 1.0 - VARIED));
-        vec![change.sum::<Vector3<f64>>() / (2.0 * VARIED * tau)]
-    };
-    let leaf = |rows: &[usize]| {
-        let (mut coupled, mut own) = (DVector::zeros(unknowns), 0.0);
-        for row in rows {
-            let e = at.equations_beside(*row, &moved);
-            let column = e.block.column(unknowns);
-            coupled += e.block.columns(0, unknowns).tr_mul(&column);
-            own += column.norm_squared();
-        }
-        (coupled, own)
-    };
-    let join = |a: (DVector<f64>, f64), b: (DVector<f64>, f64)| (a.0 + b.0, a.1 + b.1);
-    let (coupled, own) = tree(&findings.found.robust.kept, CHUNK, &leaf, &join);
-    let moved = covariance * &coupled;
-    let told = own - coupled.dot(&moved);
-    // What rounding leaves of a time constant that nothing tells is no information.
-    (told > 1e-9 * own).then(|| (1.0 / told, -moved))
 }

@@ -6,6 +6,7 @@ mod alternatives;
 mod certainty;
 mod effects;
 mod gap;
+mod late;
 mod stages;
 
 pub use alternatives::alternatives;

@@ -48,9 +48,8 @@ pub fn otherwise(alternative: &Alternative, effects: &[Effect]) -> String {
 #[must_use]
 pub fn late(e: &Effect) -> Option<String> {
     let tau = e.time_constant_s?;
-    let sure = e.time_constant_sigma_s.map_or(String::new(), |sigma| {
-        format!(" (+- {})", duration(sigma))
-    });
+    let sure =
+        e.time_constant_sigma_s.map_or(String::new(), |sigma| format!(" (+- {})", duration(sigma)));
     Some(format!("with the temperature as it was, {} late{sure}", duration(tau)))
 }
 

@@ -40,8 +40,9 @@ fn best(q: &Question, node: &Node, weights: &Weights, scale: f64) -> f64 {
         node.added.iter().partition(|c| c.time_constant() > 0.0);
     let tau = late.iter().map(|c| c.time_constant()).fold(0.0, f64::max);
     let step = AROUND / f64::from(STEPS);
-    let tried: Vec<f64> =
-        (-STEPS..=STEPS).map(|k| if k == 0 { tau } else { tau * (step * f64::from(k)).exp() }).collect();
+    let tried: Vec<f64> = (-STEPS..=STEPS)
+        .map(|k| if k == 0 { tau } else { tau * (step * f64::from(k)).exp() })
+        .collect();
     let mut numbers = Numbers::default();
     let mut possible: Vec<_> = others.iter().map(|c| numbers.offered((*c).clone())).collect();
     for tau in &tried {

@@ -237,6 +237,7 @@ impl Part<'_> {
         let mut terms = Vec::new();
         for (i, term) in part.terms.iter().enumerate() {
             let read = model_terms::arm_term(term.get_ref(), &kinds);
+            let read = read.and_then(|read| one_time_constant(&terms, read));
             terms.push(read.map_err(|e| {
                 self.source.at(term.span(), format!("[[terms]] entry {}: {e}", i + 1), HELP)
             })?);
@@ -264,6 +265,20 @@ impl Model {
             return Self::read(path);
         }
         Ok(Self::nominal(Robot::parse(path, &text)?))
+    }
+}
+
+/// A term, unless it follows the temperature otherwise than those before it: a controller's
+/// state holds one temperature.
+fn one_time_constant(
+    before: &[ModelTerm],
+    term: ModelTerm,
+) -> std::result::Result<ModelTerm, String> {
+    let of_warmth = |t: &&ModelTerm| matches!(t, ModelTerm::Arm(t) if t.effect.needs_warmth());
+    let other = before.iter().find(of_warmth).filter(|_| of_warmth(&&term));
+    match other.filter(|other| other.time_constant() != term.time_constant()) {
+        Some(_) => Err(format!("all of {} have one time_constant_s", term.effect_name())),
+        None => Ok(term),
     }
 }
 

@@ -6,9 +6,7 @@ use truearm::effects::Term;
 use truearm::{Approach, Pose};
 
 use crate::model::arm::{ArmMasses, Kinematics, RowInputs, chain};
-use crate::model::{
-    ErrorCurve, JointTables, Measurements, Model, Mounting, Robot, Row, Warming,
-};
+use crate::model::{ErrorCurve, JointTables, Measurements, Model, Mounting, Robot, Row, Warming};
 
 /// Inputs of every row, and which of them are known at all.
 #[derive(Debug, Clone, Default, PartialEq)]

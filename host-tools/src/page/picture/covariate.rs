@@ -78,10 +78,9 @@ impl Covariate {
             }
             Self::Across(j) => format!("gravity moment across the axis of joint {}, N m", j + 1),
             Self::Warmth(0.0) => "temperature above reference, K".to_owned(),
-            Self::Warmth(tau) => format!(
-                "temperature above reference as the arm has it, {} late, K",
-                duration(*tau)
-            ),
+            Self::Warmth(tau) => {
+                format!("temperature above reference as the arm has it, {} late, K", duration(*tau))
+            }
             Self::Side(t) => format!("side of its gap on which joint {} rests", t.joint + 1),
             Self::Arrival(j) => format!("side that joint {} came to rest moving to", j + 1),
             Self::Session(Course::Rows) => "number in the session, thousands of rows".to_owned(),
