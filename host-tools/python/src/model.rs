@@ -106,9 +106,16 @@ impl Model {
     /// Joint values at which the real tool is where the commanded ones want it, by the
     /// controller's law. `single` has the controller's bits; rows that the identification
     /// did not cover stay as they were unless `extrapolate`. `task` is `position` or `pose`;
-    /// `payload` (kg) and `temperature` (degrees C) are a number or one a row.
+    /// `payload` (kg), `temperature` (degrees C) and `time` (s, which an arm that warms up late
+    /// needs beside temperatures that change) are a number or one a row.
     #[pyo3(signature = (
-        joint_values, extrapolate=false, single=false, task=None, payload=None, temperature=None
+        joint_values,
+        extrapolate=false,
+        single=false,
+        task=None,
+        payload=None,
+        temperature=None,
+        time=None
     ))]
     #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
     fn compensate(
@@ -120,11 +127,13 @@ impl Model {
         task: Option<&str>,
         payload: Option<Bound<'_, PyAny>>,
         temperature: Option<Bound<'_, PyAny>>,
+        time: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Compensated> {
         let robot = Robot { inner: self.inner.robot.clone() };
         let rows = joint_values.as_array().nrows();
         let mut state = vec![("row".to_owned(), (0..rows).map(|k| k.to_string()).collect())];
-        for (name, given) in [("payload_kg", payload), ("temperature_c", temperature)] {
+        let columns = [("payload_kg", payload), ("temperature_c", temperature), ("time_s", time)];
+        for (name, given) in columns {
             if let Some(given) = given {
                 state.push((name.to_owned(), numbers(&given, rows)?));
             }

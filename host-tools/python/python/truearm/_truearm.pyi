@@ -62,6 +62,7 @@ class Model:
         task: str | None = None,
         payload: float | Sequence[float] | None = None,
         temperature: float | Sequence[float] | None = None,
+        time: float | Sequence[float] | None = None,
     ) -> Compensated: ...
 
 class Compensated:
