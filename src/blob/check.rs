@@ -108,10 +108,10 @@ impl<'a> Blob<'a> {
         for (record, index) in records.chunks_exact(RECORD).zip(0..) {
             check_record(index, record, masses)?;
         }
+        let mut late = None;
         for (record, index) in term::each(term_records).zip(0..) {
-            term::check(index, record, joints, masses)?;
+            term::check(index, record, (joints, masses), &mut late)?;
         }
-        term::check_time_constants(term_records)?;
         if !factor.is_empty() {
             check_factor(factor, uncertain_parameters(count, term_count))?;
         }

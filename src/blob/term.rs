@@ -77,8 +77,14 @@ pub(super) fn from_bytes<T: Scalar>(bytes: &[u8; TERM]) -> Option<Term<T>> {
     })
 }
 
-/// Checks the `index`-th term, counted from 0, of an arm with so many joints.
-pub(super) fn check(index: u8, bytes: &[u8; TERM], joints: u8, masses: bool) -> Result<()> {
+/// Checks the `index`-th term, counted from 0, of an arm with so many joints. `late` is the
+/// time constant of the terms before it: all have one, as a state holds one temperature.
+pub(super) fn check(
+    index: u8,
+    bytes: &[u8; TERM],
+    (joints, masses): (u8, bool),
+    late: &mut Option<f32>,
+) -> Result<()> {
     let unknown = |field| Err(flaw(index, field, Flaw::Unknown));
     let implausible = |field| Err(flaw(index, field, Flaw::Implausible));
     let [first, numbers, ..] = *bytes;
@@ -98,7 +104,9 @@ pub(super) fn check(index: u8, bytes: &[u8; TERM], joints: u8, masses: bool) -> 
     if if term.effect.is_coupled() { source >= joints || source == joint } else { source != 0 } {
         return implausible("source joint");
     }
-    if !term.effect.order().takes(term.order) {
+    let order = term.effect.order();
+    let other = order == Order::TimeConstant && *late.get_or_insert(term.order) != term.order;
+    if other || !order.takes(term.order) {
         return implausible("order");
     }
     if !term.coefficient.is_finite() {
@@ -109,18 +117,6 @@ pub(super) fn check(index: u8, bytes: &[u8; TERM], joints: u8, masses: bool) -> 
     }
     if term.needs_load() && !masses {
         return Err(flaw(index, "effect", Flaw::NeedsMasses));
-    }
-    Ok(())
-}
-
-/// Refuses terms of two time constants: the state of an arm holds one temperature.
-pub(super) fn check_time_constants(terms: &[u8]) -> Result<()> {
-    let mut first = None;
-    for (index, term) in (0..).zip(each(terms).filter_map(from_bytes::<f32>)) {
-        let follows = matches!(term.effect.order(), Order::TimeConstant);
-        if follows && *first.get_or_insert(term.order) != term.order {
-            return Err(flaw(index, "order", Flaw::Implausible));
-        }
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use truearm::Pose;
 use truearm::blob::Blob;
 use truearm::effects::{Effect, Term};
 use truearm_host::ErrorKind;
@@ -34,7 +35,7 @@ struct Cell {
 impl Cell {
     fn new(tau: f64, seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let robot = robot(&format!("measurement_sigma_mm = 0.02\n{UR10_LIKE}"));
+        let robot = robot(UR10_LIKE);
         let told = stated(&robot);
         let body = Body {
             kinds: told.joints.iter().map(|j| j.kind).collect(),
@@ -222,6 +223,8 @@ fn one_arm_has_one_time_constant() {
         let effect = Effect::ThermalExpansion;
         ModelTerm::Arm(Term { effect, joint, source: 0, component: 0, order, coefficient: 1e-5 })
     };
+    model.markers = vec![(String::new(), Vector3::zeros())];
+    model.stations = vec![(String::new(), Pose::identity())];
     model.terms = vec![term(Term::<f64>::ALL, TAU), term(2, 600.0)];
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.toml");

@@ -44,6 +44,9 @@ fn poses<T: Scalar>(blob: &Blob<'_>, arm: &Arm<'_, T, 6>, q: &[T; 6]) {
     compute(arm.real_pose_in(q, black_box(&state)));
     compute(arm.deflection(q, black_box(&state)));
     compute(arm.covers(q));
+    let mut lag = black_box(arm.thermal_lag());
+    compute((lag.step(black_box(x), black_box(y)), lag.step(black_box(y), black_box(x))));
+    compute(lag.time_constant());
     let curves = arm.curves();
     compute(curves.of_joint(black_box(0)).map(|curve| (curve.at(x), curve.band())));
     compute((arm.limits(), arm.orientation_identified(), arm.reference_temperature()));
