@@ -40,6 +40,12 @@ impl<T: Scalar, const N: usize> Bent<T, N> {
 }
 
 impl<T: Scalar, const N: usize> Arm<'_, T, N> {
+    /// Whether links grow.
+    #[inline]
+    pub(crate) fn grows(&self) -> bool {
+        self.folded.needs_warmth()
+    }
+
     /// What terms do whatever the joints: links grow.
     #[inline]
     pub(crate) fn grow(&self, state: &State<T, N>, bent: &mut Bent<T, N>) {
@@ -69,7 +75,8 @@ impl<T: Scalar, const N: usize> Arm<'_, T, N> {
             *offset = *rigid - *share * *bend;
             *joint += *offset;
         }
-        bent.slopes = self.folded.add_waves(&joints, &mut bent.deflection.joints);
+        bent.slopes = [T::ZERO; N];
+        self.folded.add_waves(&joints, &mut bent.deflection.joints, &mut bent.slopes);
         if !self.curves.is_empty() {
             self.curves.add(&joints, &mut bent.deflection.joints, &mut bent.slopes);
         }

@@ -141,7 +141,7 @@ impl<T: Scalar> BlockFactor<T> {
 
     /// Whether every pivot is positive; those of the orientation stay one where
     /// it is not asked for.
-    #[inline(never)]
+    #[inline]
     fn is_positive(&self) -> bool {
         let [a, b] = [&self.position.inverse, &self.rotation.inverse];
         let pivots = [a.x, a.y, a.z, b.x, b.y, b.z];

@@ -56,26 +56,34 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         state: &State<T, N>,
         out: &mut Correction<T, N>,
     ) {
-        out.nominal.set(arm.nominal().joints(), command);
+        let (joints, beyond) = (arm.nominal().joints(), &self.beyond_nominal);
+        out.nominal.set_both(joints, command, &mut out.identified, beyond);
         out.target = arm.nominal().tool_jacobian(&out.nominal, &mut out.columns);
         self.make_room(command, out);
         out.system.set(&out.columns, &self.rule);
-        out.identified.set_turned(&out.nominal, &self.beyond_nominal);
         out.along = Twist::zero();
         let bends = arm.bends();
-        if bends {
+        let grows = arm.grows();
+        if grows {
             arm.grow(state, &mut out.bent);
         }
-        let frame = arm.rigid_axes(&out.identified, bends.then_some(&out.bent));
+        let frame = arm.rigid_axes(&out.identified, grows.then_some(&out.bent));
         self.look(&frame, false, out);
-        for _ in 0..self.refinements {
+        for refinement in 0..self.refinements {
             if bends {
-                out.near.set_moved(&out.nominal, arm.nominal().joints(), &out.joints);
-                let Correction { near, rigid, share, joints, bent, .. } = &mut *out;
-                arm.bend(near, state, [command, rigid, share], joints, bent);
+                out.loaded.set_moved(&out.nominal, arm.nominal().joints(), &out.joints);
+                let Correction { loaded, rigid, share, joints, bent, .. } = &mut *out;
+                arm.bend(loaded, state, [command, rigid, share], joints, bent);
             }
-            let stands = if bends && !out.limited.is_empty() { out.stands() } else { out.rigid };
-            out.near.set_moved(&out.identified, arm.real().joints(), &stands);
+            if bends && refinement == 0 && out.limited.is_empty() {
+                // The first look left the joints where the rigid chain stands: the sines
+                // are at hand.
+                out.near.set_turned(&out.loaded, &self.beyond_nominal);
+            } else {
+                let limited = bends && !out.limited.is_empty();
+                let stands = if limited { out.stands() } else { out.rigid };
+                out.near.set_moved(&out.identified, arm.real().joints(), &stands);
+            }
             let frame = arm.rigid_axes(&out.near, bends.then_some(&out.bent));
             self.look(&frame, bends, out);
         }
@@ -91,8 +99,8 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         work: &mut Correction<T, N>,
     ) -> Twist<T> {
         let bends = arm.bends();
-        work.nominal.set(arm.nominal().joints(), joints);
-        work.identified.set_turned(&work.nominal, &self.beyond_nominal);
+        let (nominal, beyond) = (arm.nominal().joints(), &self.beyond_nominal);
+        work.nominal.set_both(nominal, joints, &mut work.identified, beyond);
         let mut stands = [T::ZERO; N];
         if bends {
             let Correction { nominal, joints: offset, bent, .. } = &mut *work;

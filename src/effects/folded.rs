@@ -21,7 +21,7 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
     pub fn deflection(&self, inputs: &TermInputs<T, N>) -> Deflection<T, N> {
         let mut out = Deflection::none();
         self.smooth(inputs, &mut out);
-        let _ = self.add_waves(&inputs.q, &mut out.joints);
+        self.add_waves(&inputs.q, &mut out.joints, &mut [T::ZERO; N]);
         out
     }
 
@@ -36,10 +36,10 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
         self.growth.grow(warmth, out);
     }
 
-    /// Adds the periodic terms at joint values `q` to what bends the `joints`;
-    /// returns by how much these terms change with their own joint.
+    /// Adds the periodic terms at joint values `q` to what bends the `joints`, and to
+    /// `slopes` by how much these terms change with their own joint.
     #[inline]
-    pub(crate) fn add_waves(&self, q: &[T; N], joints: &mut [T; N]) -> [T; N] {
-        self.waves.add(q, joints)
+    pub(crate) fn add_waves(&self, q: &[T; N], joints: &mut [T; N], slopes: &mut [T; N]) {
+        self.waves.add(q, joints, slopes);
     }
 }

@@ -1,6 +1,6 @@
 use nalgebra::Vector3;
 
-use crate::kinematics::{Chain, FoldedJoint, Turns, axes, cross, dot, rotate};
+use crate::kinematics::{Chain, FoldedJoint, Turns, axes, cross, dot};
 use crate::scalar::Scalar;
 
 /// Masses that load an arm; SI units.
@@ -54,7 +54,11 @@ impl<T: Scalar, const N: usize> Load<T, N> {
 /// What gravity does to a chain, reduced to what a tick has to compute.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct GravityModel<T, const N: usize> {
-    gravity: Vector3<T>,
+    /// Gravity in the frame that the first joint turns in, m/s^2.
+    gravity: [T; 3],
+    /// Overturning moment about the base's x and y axes: what a first moment there gives
+    /// along each axis, m/s^2, and what a mass adds, m^2/s^2.
+    overturning: [(Vector3<T>, T); 2],
     mass: [T; N],
     /// Mass times centre of mass of each link in its joint's turned frame, kg m.
     moment: [[T; 3]; N],
@@ -74,7 +78,17 @@ impl<T: Scalar, const N: usize> Masses<T, N> {
             }
         }
         let payload = chain.in_turned_frame(N.saturating_sub(1), &self.payload_com);
-        GravityModel { gravity: self.gravity, mass: self.mass, moment, payload }
+        let (root, base) = (chain.root(), chain.base());
+        let inside = |v: &Vector3<T>| axes(&root.rotation).map(|axis| dot(&axis, v));
+        let arm = root.translation - base.translation;
+        let [x, y, _] = axes(&base.rotation);
+        // x (m x g) = m (g x x).
+        let overturning = [x, y].map(|axis| {
+            let per_moment = cross(&self.gravity, &axis);
+            (inside(&per_moment).into(), dot(&per_moment, &arm))
+        });
+        let gravity = inside(&self.gravity);
+        GravityModel { gravity, overturning, mass: self.mass, moment, payload }
     }
 
     /// Gravity torque of every joint, moment across its axis, and overturning moment of
@@ -101,13 +115,12 @@ impl<T: Scalar, const N: usize> GravityModel<T, N> {
             *torque =
                 if joint.prismatic() { g[2] * mass } else { moment[0] * g[1] - moment[1] * g[0] };
         });
-        let [x, y, z] = moment;
-        let (root, base) = (chain.root(), chain.base());
-        let arm = root.translation - base.translation;
-        let moment = rotate(&root.rotation, &Vector3::new(x, y, z)) + arm * mass;
-        let about = cross(&moment, &self.gravity);
-        let [x, y, _] = axes(&base.rotation);
-        load.moment = [dot(&x, &about), dot(&y, &about)];
+        let moment = Vector3::from(moment);
+        let about = |(per_moment, per_mass): &(Vector3<T>, T)| {
+            dot(per_moment, &moment) + *per_mass * mass
+        };
+        let [x, y] = &self.overturning;
+        load.moment = [about(x), about(y)];
         load
     }
 
@@ -115,7 +128,7 @@ impl<T: Scalar, const N: usize> GravityModel<T, N> {
     #[inline(always)]
     fn pull(&self, chain: &Chain<T, N>, turns: &Turns<T, N>) -> [[T; 3]; N] {
         let mut pull = [[T::ZERO; 3]; N];
-        let mut g = axes(&chain.root().rotation).map(|axis| dot(&axis, &self.gravity));
+        let mut g = self.gravity;
         for ((joint, (turn, _)), pull) in chain.joints().iter().zip(turns.each()).zip(&mut pull) {
             g = turn.undo(g);
             *pull = g;

@@ -50,11 +50,10 @@ impl<T: Scalar> Waves<T> {
         Self(Vec::new())
     }
 
-    /// Adds the waves at joint values `q` to what bends the `joints`; returns by
-    /// how much they change with their own joint.
+    /// Adds the waves at joint values `q` to what bends the `joints`, and to `slopes`
+    /// by how much they change with their own joint.
     #[inline]
-    pub fn add<const N: usize>(&self, q: &[T; N], joints: &mut [T; N]) -> [T; N] {
-        let mut slopes = [T::ZERO; N];
+    pub fn add<const N: usize>(&self, q: &[T; N], joints: &mut [T; N], slopes: &mut [T; N]) {
         for Wave { joint, order, cos, sin } in &self.0 {
             let joint = usize::from(*joint);
             let places = (joints.get_mut(joint), slopes.get_mut(joint), q.get(joint));
@@ -64,6 +63,5 @@ impl<T: Scalar> Waves<T> {
                 *slope += *order * (*sin * c - *cos * s);
             }
         }
-        slopes
     }
 }

@@ -49,6 +49,24 @@ impl<T: Scalar, const N: usize> Turns<T, N> {
         }
     }
 
+    /// The same for a tick, where time counts more than text; and `other` becomes these
+    /// with every joint turned on by a constant angle.
+    #[inline(never)]
+    pub(crate) fn set_both(
+        &mut self,
+        joints: &[FoldedJoint<T>; N],
+        q: &[T; N],
+        other: &mut Self,
+        by: &[Turn<T>; N],
+    ) {
+        (self.q, other.q) = (*q, *q);
+        let places = self.turns.iter_mut().zip(&mut other.turns);
+        for ((turn, other), (joint, (q, by))) in places.zip(joints.iter().zip(q.iter().zip(by))) {
+            *turn = joint.turn(*q);
+            *other = turn.then(by);
+        }
+    }
+
     /// Becomes `other` with every joint turned on by a constant angle.
     #[inline(never)]
     pub(crate) fn set_turned(&mut self, other: &Self, by: &[Turn<T>; N]) {
@@ -144,12 +162,15 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     ) -> [Vector3<T>; 3] {
         let (root, tip) = (&self.root.translation, &self.tip.translation);
         let joints = turns.of(&self.joints);
-        let Some(deflected) = deflected else {
-            return self.axes_to_base(joints, |joint, _| joint.offset, root, tip, |_, _| ());
+        let grows = deflected.filter(|d| d.growth.iter().any(|growth| *growth != T::ZERO));
+        let [x, y, p] = if let Some(Deflection { growth, .. }) = grows {
+            let (root, tip) = self.grown_ends(growth);
+            self.axes_to_base(joints, Self::grown(growth), &root, &tip, |_, _| ())
+        } else {
+            // The same bits for fewer instructions.
+            self.axes_to_base(joints, |joint, _| joint.offset, root, tip, |_, _| ())
         };
-        let (root, tip) = self.grown_ends(&deflected.growth);
-        let grown = Self::grown(&deflected.growth);
-        let [x, y, p] = self.axes_to_base(joints, grown, &root, &tip, |_, _| ());
+        let Some(deflected) = deflected else { return [x, y, p] };
         let mut pose = Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p };
         self.tilt(&mut pose, turns, deflected);
         let [x, y, _] = axes(&pose.rotation);
