@@ -90,6 +90,6 @@ impl<T: Scalar, const N: usize> Arm<'_, T, N> {
         turns: &Turns<T, N>,
         bent: Option<&Bent<T, N>>,
     ) -> [Vector3<T>; 3] {
-        self.real.axes_at(turns, bent.map(|bent| &bent.deflection))
+        self.real.axes_at(turns, bent.map(|bent| &bent.deflection), self.grows())
     }
 }

@@ -191,7 +191,7 @@ impl<T: Scalar, const N: usize> Law<T, N> {
 /// point; and three entries of the rotation, which are its vector to first order in the
 /// angle, or zero where only the position counts. For errors that a law takes back,
 /// thousandths of a radian: from a right angle on they are too small, at half a turn none.
-#[inline(never)]
+#[inline]
 fn error_in_tool<T: Scalar>(
     [x, y, p]: &[Vector3<T>; 3],
     nominal: &Pose<T>,

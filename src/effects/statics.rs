@@ -116,9 +116,8 @@ impl<T: Scalar, const N: usize> GravityModel<T, N> {
                 if joint.prismatic() { g[2] * mass } else { moment[0] * g[1] - moment[1] * g[0] };
         });
         let moment = Vector3::from(moment);
-        let about = |(per_moment, per_mass): &(Vector3<T>, T)| {
-            dot(per_moment, &moment) + *per_mass * mass
-        };
+        let about =
+            |(per_moment, per_mass): &(Vector3<T>, T)| dot(per_moment, &moment) + *per_mass * mass;
         let [x, y] = &self.overturning;
         load.moment = [about(x), about(y)];
         load

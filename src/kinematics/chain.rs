@@ -132,7 +132,7 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[inline]
     pub fn forward_deflected(&self, q: &[T; N], deflection: &Deflection<T, N>) -> Pose<T> {
         let turns = self.turns(&deflection.deflected(q));
-        let [x, y, p] = self.axes_at(&turns, Some(deflection));
+        let [x, y, p] = self.axes_at(&turns, Some(deflection), true);
         Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p }
     }
 

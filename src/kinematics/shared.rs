@@ -153,21 +153,21 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
 
     /// Two axes and the point of the tool, with the sines taken already; of the
     /// `deflected` chain, whose angles are those of `turns` as they are, but
-    /// whose links grow and whose base tilts. One copy of it serves all.
+    /// whose links grow and whose base tilts. Where they do not grow, the same bits take
+    /// fewer instructions by saying so. One copy of it serves all.
     #[inline(never)]
     pub(crate) fn axes_at(
         &self,
         turns: &Turns<T, N>,
         deflected: Option<&Deflection<T, N>>,
+        grows: bool,
     ) -> [Vector3<T>; 3] {
         let (root, tip) = (&self.root.translation, &self.tip.translation);
         let joints = turns.of(&self.joints);
-        let grows = deflected.filter(|d| d.growth.iter().any(|growth| *growth != T::ZERO));
-        let [x, y, p] = if let Some(Deflection { growth, .. }) = grows {
+        let [x, y, p] = if let (true, Some(Deflection { growth, .. })) = (grows, deflected) {
             let (root, tip) = self.grown_ends(growth);
             self.axes_to_base(joints, Self::grown(growth), &root, &tip, |_, _| ())
         } else {
-            // The same bits for fewer instructions.
             self.axes_to_base(joints, |joint, _| joint.offset, root, tip, |_, _| ())
         };
         let Some(deflected) = deflected else { return [x, y, p] };
