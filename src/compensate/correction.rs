@@ -25,10 +25,9 @@ pub(super) struct Correction<T, const N: usize> {
     /// Jacobian of the nominal arm at the command, weighed.
     pub columns: [Twist<T>; N],
     pub system: System<T>,
-    /// The nominal arm at the command, and where gravity loads it.
+    /// The nominal arm at the command, the identified one there, and either
+    /// somewhere near.
     pub nominal: Turns<T, N>,
-    pub loaded: Turns<T, N>,
-    /// The identified arm at the command, and somewhere near.
     pub identified: Turns<T, N>,
     pub near: Turns<T, N>,
     pub bent: Bent<T, N>,
@@ -52,7 +51,6 @@ impl<T: Scalar, const N: usize> Correction<T, N> {
             columns: [Twist::zero(); N],
             system: System::none(),
             nominal: Turns::none(),
-            loaded: Turns::none(),
             identified: Turns::none(),
             near: Turns::none(),
             bent: Bent::none(),

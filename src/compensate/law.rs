@@ -71,16 +71,16 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         self.look(&frame, false, out);
         for refinement in 0..self.refinements {
             if bends {
-                out.loaded.set_moved(&out.nominal, arm.nominal().joints(), &out.joints);
-                let Correction { loaded, rigid, share, joints, bent, .. } = &mut *out;
-                arm.bend(loaded, state, [command, rigid, share], joints, bent);
+                out.near.set_moved(&out.nominal, arm.nominal().joints(), &out.joints);
+                let Correction { near, rigid, share, joints, bent, .. } = &mut *out;
+                arm.bend(near, state, [command, rigid, share], joints, bent);
             }
-            if bends && refinement == 0 && out.limited.is_empty() {
-                // The first look left the joints where the rigid chain stands: the sines
-                // are at hand.
-                out.near.set_turned(&out.loaded, &self.beyond_nominal);
+            let limited = bends && !out.limited.is_empty();
+            if bends && refinement == 0 && !limited {
+                // So far nothing had bent: gravity was taken at the joints at which the
+                // rigid chain stands.
+                out.near.turn_on(&self.beyond_nominal);
             } else {
-                let limited = bends && !out.limited.is_empty();
                 let stands = if limited { out.stands() } else { out.rigid };
                 out.near.set_moved(&out.identified, arm.real().joints(), &stands);
             }

@@ -67,14 +67,11 @@ impl<T: Scalar, const N: usize> Turns<T, N> {
         }
     }
 
-    /// Becomes `other` with every joint turned on by a constant angle.
-    #[inline(never)]
-    pub(crate) fn set_turned(&mut self, other: &Self, by: &[Turn<T>; N]) {
-        let places = self.turns.iter_mut().zip(&mut self.q);
-        let others = other.turns.iter().zip(&other.q);
-        for ((turn, q), ((other, at), by)) in places.zip(others.zip(by)) {
-            *turn = other.then(by);
-            *q = *at;
+    /// Turns every joint on by a constant angle.
+    #[inline]
+    pub(crate) fn turn_on(&mut self, by: &[Turn<T>; N]) {
+        for (turn, by) in self.turns.iter_mut().zip(by) {
+            *turn = turn.then(by);
         }
     }
 
