@@ -7,3 +7,4 @@ mod arms;
 mod common;
 mod law;
 mod paths;
+mod shortcuts;

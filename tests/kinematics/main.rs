@@ -8,6 +8,7 @@ mod common;
 mod curves;
 mod effects;
 mod error_curves;
+mod loads;
 mod oracle;
 mod parameters;
 mod scalar;
