@@ -102,16 +102,22 @@ impl<T: Scalar> Gram<T> {
     /// Of a Jacobian by columns; of the position alone the rest is not used.
     #[inline]
     fn of(columns: &[Twist<T>]) -> Self {
-        let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
-        let (mut position, mut rotation) = (Symmetric::of(&none), Symmetric::of(&none));
-        let (mut x, mut y, mut z) = (none, none, none);
+        // Minus zero, to which a number is added without a bit changed: as if nothing were.
+        let none = -T::ZERO;
+        let mut position = Symmetric { xx: none, yx: none, yy: none, zx: none, zy: none, zz: none };
+        let mut rotation = position.clone();
+        let [mut x, mut y, mut z] = [Vector3::new(none, none, none); 3];
         for Twist { linear, angular } in columns {
             position.add(linear);
             rotation.add(angular);
             x += linear * angular.x;
             y += linear * angular.y;
-            z += linear * angular.z;
+            z.x += linear.x * angular.z;
+            z.y += linear.y * angular.z;
         }
+        // A joint moves the tool across its axis: of all products of like coordinates the sum
+        // is zero.
+        z.z = -(x.x + y.y);
         Self { position, mixed: [x, y, z], rotation }
     }
 }
@@ -119,7 +125,7 @@ impl<T: Scalar> Gram<T> {
 impl<T: Scalar> BlockFactor<T> {
     /// Becomes the factors with damping of position and orientation.
     // Inlined into the tick that is not damped.
-    #[inline]
+    #[inline(always)]
     fn set(&mut self, gram: &Gram<T>, damping: [T; 2], pose: bool) {
         self.position = Factor::new(&gram.position, damping[0]);
         if !pose {

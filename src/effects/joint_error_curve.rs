@@ -122,8 +122,12 @@ impl<'t> Curve<'t> {
         let square = whole(3 * (a - 2 * b + c));
         let cube = whole(d - a + 3 * (b - c));
         let sixth = T::from_f32(self.step()) * T::from_f64(1.0 / 6.0);
-        let value = constant + x * (linear + x * (square + x * cube));
-        let slope = linear + x * (square + square + x * (T::from_f32(3.0) * cube));
+        // Horner's rule, and once more over what it gives on the way.
+        let steep = x * cube;
+        let inner = square + steep;
+        let outer = linear + x * inner;
+        let value = constant + x * outer;
+        let slope = outer + x * (inner + steep);
         [value * sixth, slope * (sixth * per_radian)]
     }
 }
