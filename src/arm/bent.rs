@@ -22,19 +22,31 @@ impl<T: Scalar, const N: usize> Bent<T, N> {
 
     /// Joints, in `offset` from the command, at which the rigid chain stands
     /// where `rigid` wants it: from the offset at which the terms are known, one
-    /// Newton step a joint. `share` of each joint's bend is taken back.
+    /// Newton step a joint.
     #[inline]
-    pub fn take_back(&self, rigid: &[T; N], share: &[T; N], offset: &mut [T; N]) {
-        let wanted = rigid.iter().zip(share);
+    pub fn take_back(&self, rigid: &[T; N], offset: &mut [T; N]) {
         let known = self.deflection.joints.iter().zip(&self.slopes);
-        for (offset, ((rigid, share), (bend, slope))) in offset.iter_mut().zip(wanted.zip(known)) {
-            let step = *rigid - *share * *bend - *offset;
-            let mut slope = T::ONE + *share * *slope;
+        for (offset, (rigid, (bend, slope))) in offset.iter_mut().zip(rigid.iter().zip(known)) {
+            let step = *rigid - *bend - *offset;
+            let mut slope = T::ONE + *slope;
             // Steeper than any gear; the step stays one.
             if slope < T::from_f32(0.5) {
                 slope = T::from_f32(0.5);
             }
             *offset += step / slope;
+        }
+    }
+
+    /// Keeps of what bends each joint the `share` that is taken back at it; the rest is
+    /// added to where the rigid chain `stands`.
+    #[cold]
+    #[inline(never)]
+    pub fn share_out(&mut self, share: &[T; N], stands: &mut [T; N]) {
+        let bends = self.deflection.joints.iter_mut().zip(&mut self.slopes);
+        for ((bend, slope), (share, stands)) in bends.zip(share.iter().zip(stands)) {
+            *stands += *bend * (T::ONE - *share);
+            *bend *= *share;
+            *slope *= *share;
         }
     }
 }
@@ -68,12 +80,12 @@ impl<T: Scalar, const N: usize> Arm<'_, T, N> {
         bent: &mut Bent<T, N>,
     ) {
         self.folded.smooth(&self.inputs_at(turns, state), &mut bent.deflection);
-        let mut joints = *command;
+        let mut joints = [T::ZERO; N];
         let smooth = bent.deflection.joints.iter().zip(share);
-        let places = offset.iter_mut().zip(&mut joints);
-        for ((offset, joint), (rigid, (bend, share))) in places.zip(rigid.iter().zip(smooth)) {
+        let places = offset.iter_mut().zip(joints.iter_mut().zip(command));
+        for ((offset, (joint, q)), (rigid, (bend, share))) in places.zip(rigid.iter().zip(smooth)) {
             *offset = *rigid - *share * *bend;
-            *joint += *offset;
+            *joint = *q + *offset;
         }
         bent.slopes = [T::ZERO; N];
         self.folded.add_waves(&joints, &mut bent.deflection.joints, &mut bent.slopes);
@@ -82,9 +94,10 @@ impl<T: Scalar, const N: usize> Arm<'_, T, N> {
         }
     }
 
-    /// Two axes and the point of the tool of the rigid identified arm at angles
-    /// whose sines are known, with its base tilted and its links grown.
-    #[inline(never)]
+    /// Two axes and the point of the tool of the rigid identified arm, in the frame that its
+    /// first joint turns in, at angles whose sines are known, with its base tilted and its
+    /// links grown.
+    #[inline]
     pub(crate) fn rigid_axes(
         &self,
         turns: &Turns<T, N>,

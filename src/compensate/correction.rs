@@ -12,7 +12,8 @@ use crate::scalar::Scalar;
 pub(super) struct Correction<T, const N: usize> {
     /// To be added to the command, rad or m.
     pub joints: [T; N],
-    /// Where the nominal arm has its tool at the command.
+    /// Where the nominal arm has its tool at the command, in the frame that the first
+    /// joint of the identified one turns in.
     pub target: Pose<T>,
     /// Joints at their largest correction, to which all were scaled.
     pub bound: Joints,
@@ -68,19 +69,6 @@ impl<T: Scalar, const N: usize> Correction<T, N> {
     #[inline]
     pub fn is_finite(&self) -> bool {
         self.joints.iter().fold(T::ZERO, |zero, x| zero + *x * T::ZERO) == T::ZERO
-    }
-
-    /// By how much the rigid chain stands further than at the command: as wanted,
-    /// and by that of a joint's bend which is not taken back at the joint.
-    #[cold]
-    #[inline(never)]
-    pub fn stands(&self) -> [T; N] {
-        let mut stands = self.rigid;
-        let bends = self.bent.deflection.joints.iter().zip(&self.share);
-        for (stands, (bend, share)) in stands.iter_mut().zip(bends) {
-            *stands += *bend * (T::ONE - *share);
-        }
-        stands
     }
 
     #[cold]

@@ -24,6 +24,10 @@ pub(super) struct Law<T, const N: usize> {
     free: [[T; 2]; N],
     /// By how much the identified joint angles are further than the nominal ones.
     beyond_nominal: [Turn<T>; N],
+    /// From the frame that the identified arm's first joint turns in to that of the
+    /// nominal one's. Tools are compared in the former, to which a walk leads: one
+    /// change of the frame for the target in place of one for every look.
+    first: Pose<T>,
 }
 
 impl<T: Scalar, const N: usize> Law<T, N> {
@@ -41,6 +45,7 @@ impl<T: Scalar, const N: usize> Law<T, N> {
             limits,
             free,
             beyond_nominal: arm.real().turned_from(arm.nominal()),
+            first: arm.real().root().inverse().compose(arm.nominal().root()),
         }
     }
 
@@ -58,7 +63,7 @@ impl<T: Scalar, const N: usize> Law<T, N> {
     ) {
         let (joints, beyond) = (arm.nominal().joints(), &self.beyond_nominal);
         out.nominal.set_both(joints, command, &mut out.identified, beyond);
-        out.target = arm.nominal().tool_jacobian(&out.nominal, &mut out.columns);
+        out.target = arm.nominal().tool_jacobian(&out.nominal, &mut out.columns, &self.first);
         self.make_room(command, out);
         out.system.set(&out.columns, &self.rule);
         out.along = Twist::zero();
@@ -81,7 +86,10 @@ impl<T: Scalar, const N: usize> Law<T, N> {
                 // rigid chain stands.
                 out.near.turn_on(&self.beyond_nominal);
             } else {
-                let stands = if limited { out.stands() } else { out.rigid };
+                let mut stands = out.rigid;
+                if limited {
+                    out.bent.share_out(&out.share, &mut stands);
+                }
                 out.near.set_moved(&out.identified, arm.real().joints(), &stands);
             }
             let frame = arm.rigid_axes(&out.near, bends.then_some(&out.bent));
@@ -111,8 +119,10 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         work.near.set_moved(&work.identified, arm.real().joints(), &stands);
         let axes = arm.rigid_axes(&work.near, bends.then_some(&work.bent));
         let error = error_in_tool(&axes, &work.target, true);
-        let turn = &work.target.rotation;
-        Twist { linear: rotate(turn, &error.linear), angular: rotate(turn, &error.angular) }
+        let turns = [&work.target.rotation, &arm.real().root().rotation];
+        let [linear, angular] = [error.linear, error.angular]
+            .map(|error| turns.iter().fold(error, |error, turn| rotate(turn, &error)));
+        Twist { linear, angular }
     }
 
     /// Solves for the error of the rigid chain, whose tool has these axes and
@@ -139,7 +149,7 @@ impl<T: Scalar, const N: usize> Law<T, N> {
             out.share_out();
         }
         if bends {
-            out.bent.take_back(&out.rigid, &out.share, &mut out.joints);
+            out.bent.take_back(&out.rigid, &mut out.joints);
         } else {
             out.joints = out.rigid;
         }

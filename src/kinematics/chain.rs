@@ -3,7 +3,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::deflection::Deflection;
 use super::folded_joint::{FoldedJoint, TurnedJoint, Turns};
 use super::link::Link;
-use super::pose::{Pose, axes, cross, from_axes, rotate};
+use super::pose::Pose;
 use crate::scalar::Scalar;
 
 /// A serial chain ready for the control loop: base, N links, tool
@@ -33,6 +33,8 @@ pub struct Chain<T, const N: usize> {
     pub(super) tool: Pose<T>,
     /// All before the first joint, `base Rx(alpha_1) Tx(a_1)`.
     pub(super) root: Pose<T>,
+    /// Sine and cosine of that alpha.
+    pub(super) alpha: [T; 2],
     /// All behind the last joint, `Tz(d_N) Ry(beta_N) tool`.
     pub(super) tip: Pose<T>,
 }
@@ -43,16 +45,17 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[must_use]
     #[inline(never)]
     pub fn new(links: &[Link<T>; N], base: Pose<T>, tool: Pose<T>) -> Self {
-        let mut root = base;
+        let (mut root, mut alpha) = (base, [T::ZERO, T::ONE]);
         if let Some(first) = links.first() {
             let ((s, c), o, l) = (first.parameters.alpha.sin_cos_once(), T::ZERO, T::ONE);
+            alpha = [s, c];
             root = base.compose(&Pose {
                 rotation: Matrix3::new(l, o, o, o, c, -s, o, s, c),
                 translation: Vector3::new(first.parameters.a, o, o),
             });
         }
         let joints = FoldedJoint::between(links);
-        Self { links: *links, joints, base, tool, root, tip: tool }.with_tool(tool)
+        Self { links: *links, joints, base, tool, root, alpha, tip: tool }.with_tool(tool)
     }
 
     /// The same chain with another tool pose in the last frame.
@@ -123,8 +126,7 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[must_use]
     #[inline]
     pub fn forward(&self, q: &[T; N]) -> Pose<T> {
-        let (root, tip) = (&self.root.translation, &self.tip.translation);
-        self.tool_to_base(self.turned(q), |joint, _| joint.offset, root, tip)
+        self.root.of(&self.axes_to_first(self.turned(q), |_, _| ()))
     }
 
     /// The same of the deflected arm: joints, lengths and base.
@@ -132,8 +134,8 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
     #[inline]
     pub fn forward_deflected(&self, q: &[T; N], deflection: &Deflection<T, N>) -> Pose<T> {
         let turns = self.turns(&deflection.deflected(q));
-        let [x, y, p] = self.axes_at(&turns, Some(deflection), true);
-        Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p }
+        let grows = deflection.growth != [T::ZERO; N];
+        self.root.of(&self.axes_at(&turns, Some(deflection), grows))
     }
 
     /// Every joint with its angle.
@@ -149,58 +151,24 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         })
     }
 
-    /// From each joint's axis to the next, with every link's growth.
+    /// The first link's length, m.
     #[inline]
-    pub(super) fn grown(growth: &[T; N]) -> impl Fn(&FoldedJoint<T>, usize) -> [T; 3] {
-        let of = |index: usize| growth.get(index).copied().unwrap_or(T::ZERO);
-        move |joint, index| joint.grown(of(index), of(index + 1))
+    pub(super) fn first_length(&self) -> T {
+        self.links.first().map_or(T::ZERO, |link| link.parameters.a)
     }
 
-    /// Translations of root and tip, with the growth of the first and the last link.
-    pub(super) fn grown_ends(&self, growth: &[T; N]) -> (Vector3<T>, Vector3<T>) {
-        let (mut root, mut tip) = (self.root.translation, self.tip.translation);
-        if let (Some(link), Some(growth)) = (self.links.first(), growth.first()) {
-            let [along, ..] = axes(&self.base.rotation);
-            root += along * (link.parameters.a * *growth);
-        }
-        if let (Some(link), Some(growth)) = (self.links.last(), growth.last()) {
-            tip.z += link.parameters.d * *growth;
-        }
-        (root, tip)
-    }
-
-    /// From tool to base, with `offset` from each joint's axis to the next
-    /// (joints counted from 0), `root` and `tip` in place of the translations
-    /// before the first and behind the last joint.
+    /// Two axes and the point of the tool, from the tool to the frame that the first joint
+    /// turns in. `see` is shown the three in the turned frame of each joint, the last first.
     #[inline]
-    fn tool_to_base<'a>(
-        &'a self,
+    pub(super) fn axes_to_first<'a>(
+        &self,
         joints: impl DoubleEndedIterator<Item = TurnedJoint<'a, T>>,
-        offset: impl Fn(&FoldedJoint<T>, usize) -> [T; 3],
-        root: &Vector3<T>,
-        tip: &Vector3<T>,
-    ) -> Pose<T> {
-        let [x, y, p] = self.axes_to_base(joints, offset, root, tip, |_, _| ());
-        Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p }
-    }
-
-    /// The same, short of the third axis: x and y axis of the tool, and the tool
-    /// point. `see` is shown the three in the turned frame of each joint, the
-    /// last first.
-    #[inline]
-    pub(super) fn axes_to_base<'a>(
-        &'a self,
-        joints: impl DoubleEndedIterator<Item = TurnedJoint<'a, T>>,
-        offset: impl Fn(&FoldedJoint<T>, usize) -> [T; 3],
-        root: &Vector3<T>,
-        tip: &Vector3<T>,
         mut see: impl FnMut(&FoldedJoint<T>, &[[T; 3]; 3]),
     ) -> [Vector3<T>; 3] {
         let [mut x, mut y, _] = self.tip.rotation.data.0;
-        let mut p = [tip.x, tip.y, tip.z];
+        let [mut p] = self.tip.translation.data.0;
         let mut joints = joints.rev();
         let mut next = joints.next();
-        let mut index = N.wrapping_sub(1);
         while let Some(TurnedJoint { joint, q, turn }) = next {
             if joint.prismatic() {
                 p[2] += q;
@@ -209,13 +177,11 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
             (x, y, p) = (turn.apply(x), turn.apply(y), turn.apply(p));
             next = joints.next();
             let Some(TurnedJoint { joint: before, .. }) = next else { break };
-            index = index.wrapping_sub(1);
             (x, y, p) = (before.twist(x), before.twist(y), before.twist(p));
-            for (p, offset) in p.iter_mut().zip(offset(before, index)) {
-                *p += offset;
+            for (p, offset) in p.iter_mut().zip(&before.offset) {
+                *p += *offset;
             }
         }
-        let turned = |[x, y, z]: [T; 3]| rotate(&self.root.rotation, &Vector3::new(x, y, z));
-        [turned(x), turned(y), turned(p) + root]
+        [x, y, p].map(Vector3::from)
     }
 }

@@ -23,8 +23,9 @@ pub struct FoldedJoint<T> {
     pub cos_twist: T,
     /// From a point on this axis to one on the next, turned with the joint.
     pub offset: [T; 3],
-    /// The parts of `offset` that are the next link's length and this link's offset.
-    across: [T; 3],
+    /// The part of its z that the next link's length is; its x and y are that length's alone.
+    down: T,
+    /// This link's offset, the rest of its z; behind the last joint the tip has it.
     along: T,
 }
 
@@ -94,7 +95,7 @@ impl<T: Scalar> FoldedJoint<T> {
             sin_twist: T::ZERO,
             cos_twist: T::ONE,
             offset: [T::ZERO; 3],
-            across: [T::ZERO; 3],
+            down: T::ZERO,
             along: T::ZERO,
         };
         let mut joints = [none; N];
@@ -110,6 +111,7 @@ impl<T: Scalar> FoldedJoint<T> {
         for (i, (joint, this)) in joints.iter_mut().zip(links).enumerate() {
             joint.kind = this.kind;
             joint.theta = this.parameters.theta + behind;
+            joint.along = this.parameters.d;
             behind = match links.get(i + 1) {
                 Some(next) => joint.reach(this, next),
                 None => T::ZERO,
@@ -137,17 +139,16 @@ impl<T: Scalar> FoldedJoint<T> {
         self.before = before;
         let (s, c) = before.sin_cos_once();
         let a = next.parameters.a;
-        self.across = [c * cb * a, -(s * cb * a), -(sb * a)];
-        self.along = this.parameters.d;
-        self.offset = self.grown(T::ZERO, T::ZERO);
+        self.down = -(sb * a);
+        self.offset = [c * cb * a, -(s * cb * a), self.down + self.along];
         behind
     }
 
-    /// `offset` with this link and the next one stretched.
+    /// By how much the way to the next joint, or to the tip, grows with this link and the next.
     #[inline]
-    pub fn grown(&self, this: T, next: T) -> [T; 3] {
-        let [x, y, z] = self.across.map(|a| a + a * next);
-        [x, y, z + self.along + self.along * this]
+    pub fn growth(&self, this: T, next: T) -> [T; 3] {
+        let [x, y, _] = self.offset;
+        [x * next, y * next, self.down * next + self.along * this]
     }
 
     /// `Rx(twist) v`.

@@ -1,7 +1,7 @@
 use nalgebra::Vector3;
 
 use super::chain::Chain;
-use super::folded_joint::{FoldedJoint, TurnedJoint};
+use super::folded_joint::TurnedJoint;
 use super::link::{JointKind, Link, LinkParameter, MdhParameters};
 use super::pose::{Pose, axes, cross, from_axes, rotate};
 use crate::scalar::Scalar;
@@ -151,27 +151,13 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         Jacobian { pose, columns }
     }
 
-    /// Tool pose; the geometric Jacobian goes into `columns`.
+    /// Tool pose, from base to tool; the geometric Jacobian goes into `columns`.
     #[inline]
     pub(crate) fn jacobian_into(&self, q: &[T; N], columns: &mut [Twist<T>; N]) -> Pose<T> {
-        let (root, tip) = (&self.root.translation, &self.tip.translation);
-        self.base_to_tool(self.turned(q), |joint, _| joint.offset, root, tip, columns)
-    }
-
-    /// From base to tool; arguments as those of `tool_to_base`.
-    #[inline]
-    fn base_to_tool<'a>(
-        &'a self,
-        joints: impl Iterator<Item = TurnedJoint<'a, T>>,
-        offset: impl Fn(&FoldedJoint<T>, usize) -> [T; 3],
-        root: &Vector3<T>,
-        tip: &Vector3<T>,
-        columns: &mut [Twist<T>; N],
-    ) -> Pose<T> {
         let [mut x, mut y, mut z] = axes(&self.root.rotation);
-        let mut o = *root;
+        let mut o = self.root.translation;
         for (index, (TurnedJoint { joint, q, turn }, out)) in
-            joints.zip(columns.iter_mut()).enumerate()
+            self.turned(q).zip(columns.iter_mut()).enumerate()
         {
             // The joint's axis and, until the tool point is known, a point on it.
             *out = Twist { linear: o, angular: z };
@@ -180,14 +166,15 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
                 o += z * q;
             }
             if index + 1 < N {
-                let [a, b, c] = offset(joint, index);
+                let [a, b, c] = joint.offset;
                 o += x * a + y * b + z * c;
                 let (sin, cos) = (joint.sin_twist, joint.cos_twist);
                 (y, z) = (y * cos + z * sin, z * cos - y * sin);
             }
         }
         let flange = Pose { rotation: from_axes([x, y, z]), translation: o };
-        let pose = flange.compose(&Pose { translation: *tip, ..self.tip });
+        let [x, y, _] = axes(&self.tip.rotation);
+        let pose = flange.of(&[x, y, self.tip.translation]);
         for (joint, twist) in self.joints.iter().zip(columns) {
             if joint.prismatic() {
                 *twist = Twist { linear: twist.angular, ..Twist::zero() };

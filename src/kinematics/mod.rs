@@ -2,6 +2,7 @@
 //! far it is from rigid.
 
 mod chain;
+mod deflected;
 mod deflection;
 mod folded_joint;
 mod jacobian;
@@ -9,7 +10,6 @@ mod link;
 mod pose;
 mod shared;
 mod step;
-mod tilted;
 mod walk;
 
 pub use chain::Chain;

@@ -112,13 +112,20 @@ impl<T: Scalar> Pose<T> {
     }
 
     /// `self * other`: first `other`, then `self`.
+    // Work of load time, of which every copy is text.
     #[must_use]
+    #[inline(never)]
     pub fn compose(&self, other: &Self) -> Self {
-        let [x, y, _] = axes(&other.rotation).map(|axis| rotate(&self.rotation, &axis));
-        Self {
-            rotation: from_axes([x, y, cross(&x, &y)]),
-            translation: self.transform_point(&other.translation),
-        }
+        let [x, y, _] = axes(&other.rotation);
+        self.of(&[x, y, other.translation])
+    }
+
+    /// `self` times the pose of two axes and an origin.
+    #[inline]
+    pub(crate) fn of(&self, [x, y, p]: &[Vector3<T>; 3]) -> Self {
+        let [x, y] = [x, y].map(|axis| rotate(&self.rotation, axis));
+        let rotation = from_axes([x, y, cross(&x, &y)]);
+        Self { rotation, translation: self.transform_point(p) }
     }
 
     /// The transform that undoes this one.
@@ -129,28 +136,23 @@ impl<T: Scalar> Pose<T> {
         Self { rotation, translation: -moved }
     }
 
-    /// Turns the frame about `centre` by the small rotation `w`, rad. By Cayley's
-    /// formula, without sine or root: always a rotation, about `w`, by an
-    /// angle whose half has the tangent |w| / 2, so |w|^3 / 12 less than |w|.
-    // Where it is not inlined, what was walked to the pose goes through memory.
-    #[inline(always)]
-    pub(crate) fn tilt(&mut self, centre: &Vector3<T>, w: &Vector3<T>) {
-        let half = *w * T::from_f32(0.5);
-        let scale = (T::ONE + T::ONE) / (T::ONE + dot(&half, &half));
-        let [x, y, _] = axes(&self.rotation);
-        let mut all = [x, y, self.translation - centre];
-        for p in &mut all {
-            *p += cross(&half, &(*p + cross(&half, p))) * scale;
-        }
-        let [x, y, p] = all;
-        self.rotation = from_axes([x, y, cross(&x, &y)]);
-        self.translation = p + centre;
-    }
-
     /// `rotation * p + translation`, m.
     #[must_use]
     pub fn transform_point(&self, p: &Vector3<T>) -> Vector3<T> {
         rotate(&self.rotation, p) + self.translation
+    }
+}
+
+/// Turns axes and points about the origin by the small rotation `w`, rad. By Cayley's
+/// formula, without sine or root: always a rotation, about `w`, by an angle whose half has
+/// the tangent |w| / 2, so |w|^3 / 12 less than |w|.
+// Where it is not inlined, what was walked to goes through memory.
+#[inline(always)]
+pub(crate) fn tilt<T: Scalar>(all: &mut [Vector3<T>], w: &Vector3<T>) {
+    let half = *w * T::from_f32(0.5);
+    let scale = (T::ONE + T::ONE) / (T::ONE + dot(&half, &half));
+    for p in all {
+        *p += cross(&half, &(*p + cross(&half, p))) * scale;
     }
 }
 

@@ -7,7 +7,7 @@ use super::chain::Chain;
 use super::deflection::Deflection;
 use super::folded_joint::{FoldedJoint, Turn, Turns};
 use super::jacobian::Twist;
-use super::pose::{Pose, axes, cross, from_axes};
+use super::pose::Pose;
 use crate::scalar::Scalar;
 
 impl<T: Scalar> Turn<T> {
@@ -105,10 +105,10 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         })
     }
 
-    /// Tool pose with the sines taken already; the geometric Jacobian *in the
-    /// frame of the tool* goes into `columns`.
+    /// Tool pose with the sines taken already, with `root` in place of all before the first
+    /// joint; the geometric Jacobian *in the frame of the tool* goes into `columns`.
     ///
-    /// On the way from the tool to the base the axes and the point of the tool
+    /// On the way from the tool inwards the axes and the point of the tool
     /// pass through the frame of every joint. There the joint's axis is z, and
     /// a column has two products a coordinate; from the base outwards, in the
     /// frame of the base, it takes half as many operations again.
@@ -117,41 +117,32 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         &self,
         turns: &Turns<T, N>,
         columns: &mut [Twist<T>; N],
+        root: &Pose<T>,
     ) -> Pose<T> {
-        let (root, tip) = (&self.root.translation, &self.tip.translation);
         let mut places = columns.iter_mut().rev();
-        let [x, y, p] = self.axes_to_base(
-            turns.of(&self.joints),
-            |joint, _| joint.offset,
-            root,
-            tip,
-            |joint, [x, y, p]| {
-                let Some(column) = places.next() else { return };
-                // The tool's third axis. The z coordinates of all three are the
-                // joint's axis in the frame of the tool.
-                let z = [
-                    x[1] * y[2] - x[2] * y[1],
-                    x[2] * y[0] - x[0] * y[2],
-                    x[0] * y[1] - x[1] * y[0],
-                ];
-                let axis = Vector3::new(x[2], y[2], z[2]);
-                if joint.prismatic() {
-                    *column = Twist { linear: axis, ..Twist::zero() };
-                } else {
-                    // z x p = (-p_y, p_x, 0).
-                    let along = |a: &[T; 3]| a[1] * p[0] - a[0] * p[1];
-                    column.linear = Vector3::new(along(x), along(y), along(&z));
-                    column.angular = axis;
-                }
-            },
-        );
-        Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p }
+        let frame = self.axes_to_first(turns.of(&self.joints), |joint, [x, y, p]| {
+            let Some(column) = places.next() else { return };
+            // The tool's third axis. The z coordinates of all three are the
+            // joint's axis in the frame of the tool.
+            let z =
+                [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
+            let axis = Vector3::new(x[2], y[2], z[2]);
+            if joint.prismatic() {
+                *column = Twist { linear: axis, ..Twist::zero() };
+            } else {
+                // z x p = (-p_y, p_x, 0).
+                let along = |a: &[T; 3]| a[1] * p[0] - a[0] * p[1];
+                column.linear = Vector3::new(along(x), along(y), along(&z));
+                column.angular = axis;
+            }
+        });
+        root.of(&frame)
     }
 
-    /// Two axes and the point of the tool, with the sines taken already; of the
-    /// `deflected` chain, whose angles are those of `turns` as they are, but
-    /// whose links grow and whose base tilts. Where they do not grow, the same bits take
-    /// fewer instructions by saying so. One copy of it serves all.
+    /// Two axes and the point of the tool in the frame that the first joint turns in, with
+    /// the sines taken already; of the `deflected` chain, whose angles are those of `turns` as
+    /// they are, but whose links grow and whose base tilts. Where they do not grow, the same
+    /// bits take fewer instructions by saying so. One copy of it serves all.
     #[inline(never)]
     pub(crate) fn axes_at(
         &self,
@@ -159,18 +150,10 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
         deflected: Option<&Deflection<T, N>>,
         grows: bool,
     ) -> [Vector3<T>; 3] {
-        let (root, tip) = (&self.root.translation, &self.tip.translation);
-        let joints = turns.of(&self.joints);
-        let [x, y, p] = if let (true, Some(Deflection { growth, .. })) = (grows, deflected) {
-            let (root, tip) = self.grown_ends(growth);
-            self.axes_to_base(joints, Self::grown(growth), &root, &tip, |_, _| ())
-        } else {
-            self.axes_to_base(joints, |joint, _| joint.offset, root, tip, |_, _| ())
-        };
-        let Some(deflected) = deflected else { return [x, y, p] };
-        let mut pose = Pose { rotation: from_axes([x, y, cross(&x, &y)]), translation: p };
-        self.tilt(&mut pose, turns, deflected);
-        let [x, y, _] = axes(&pose.rotation);
-        [x, y, pose.translation]
+        let mut frame = self.axes_to_first(turns.of(&self.joints), |_, _| ());
+        if let Some(deflected) = deflected {
+            self.deflect(&mut frame, turns, deflected, grows);
+        }
+        frame
     }
 }
