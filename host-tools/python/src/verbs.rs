@@ -149,8 +149,9 @@ pub fn plan<'py>(
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, String)> {
     let workspace = Workspace::new(&robot.inner, None).map_err(refused)?;
     let target = target_um.map(|um| um * 1e-6);
-    let kind = by_name(kind)
-        .ok_or_else(|| crate::wrong(format!("kind={kind:?}"), "give a kind of measurements.csv, such as touch"))?;
+    let kind = by_name(kind).ok_or_else(|| {
+        crate::wrong(format!("kind={kind:?}"), "give a kind of measurements.csv, such as touch")
+    })?;
     let instruments = Gathered::beside(&robot.inner.path, &robot.inner).map_err(refused)?;
     let options = PlanOptions { kind, instruments, poses, workspace, candidates, target, seed };
     let found = py.detach(|| planning::plan(&robot.inner, &options, &|_, _| ()));
