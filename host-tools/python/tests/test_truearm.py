@@ -213,10 +213,11 @@ class Truearm(unittest.TestCase):
         # Only orientations tell how the last frame is turned.
         point, pose = (reports[kind]["parameters"] for kind in ["point", "pose"])
         self.assertGreater(pose, point)
-        for kind in ["nothing", "distance"]:
+        # From nowhere no distance is measured.
+        for kind, help in [("nothing", "measurements.csv"), ("distance", "[[anchors]]")]:
             with self.assertRaises(truearm.TruearmError) as caught:
                 truearm.plan(robot, 12, candidates=300, kind=kind)
-            self.assertIn("point", caught.exception.help)
+            self.assertIn(help, caught.exception.help)
 
     def test_errors_say_what_to_do(self):
         with self.assertRaises(truearm.TruearmError) as caught:
