@@ -4,6 +4,8 @@
 //! obeys `tau dw/dt = T - w`. The host identifies tau with this filter, and a controller
 //! makes of its readings with it what [`crate::State::temperature`] holds.
 
+use crate::arm::Arm;
+use crate::effects::time_constant;
 use crate::scalar::Scalar;
 
 /// A step is made when this share of the time constant has passed: in `f32` shorter ones
@@ -87,5 +89,14 @@ impl<T: Scalar> ThermalLag<T> {
             self.passed = T::ZERO;
         }
         reading + self.ahead
+    }
+}
+
+impl<T: Scalar, const N: usize> Arm<'_, T, N> {
+    /// What makes of the temperatures that are read that of [`crate::State::temperature`]: the
+    /// readings themselves, unless the arm was found to follow them late.
+    #[must_use]
+    pub fn thermal_lag(&self) -> ThermalLag<T> {
+        ThermalLag::new(time_constant(self.terms()))
     }
 }

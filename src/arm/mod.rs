@@ -10,11 +10,10 @@ pub(crate) use bent::Bent;
 pub use parameters::{ArmParameters, MAX_JOINTS};
 
 use crate::effects::{
-    Approach, Curves, FoldedTerms, GravityModel, Load, MAX_TERMS, Term, TermInputs, time_constant,
+    Approach, Curves, FoldedTerms, GravityModel, Load, MAX_TERMS, Term, TermInputs,
 };
 use crate::kinematics::{Chain, Deflection, Link, Pose, Turns};
 use crate::scalar::Scalar;
-use crate::thermal_lag::ThermalLag;
 
 /// What an arm's terms depend on besides the joint values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -202,13 +201,6 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     #[must_use]
     pub fn reference_temperature(&self) -> T {
         self.reference_temperature
-    }
-
-    /// What makes of the temperatures that are read that of [`State::temperature`]: the
-    /// readings themselves, unless the arm was found to follow them late.
-    #[must_use]
-    pub fn thermal_lag(&self) -> ThermalLag<T> {
-        ThermalLag::new(time_constant(&self.terms))
     }
 
     /// Where the tool really is at encoder readings `q` (rad or m), in the

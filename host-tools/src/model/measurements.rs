@@ -127,17 +127,6 @@ impl Row {
         }
     }
 
-    /// Degrees Celsius of an arm that follows the temperature with this time constant, s,
-    /// which is what was read where it is 0 or the row is in no session.
-    #[must_use]
-    pub fn temperature_of_arm(&self, time_constant: f64) -> Option<f64> {
-        let ahead = match &self.warming {
-            Some(warming) if time_constant > 0.0 => warming.ahead(time_constant),
-            _ => 0.0,
-        };
-        self.temperature.map(|read| read + ahead)
-    }
-
     /// Becomes a point, known or not: of what measured more its first three numbers.
     pub fn make_point(&mut self) {
         self.measured = self.measured.point().into();
@@ -148,8 +137,7 @@ impl Row {
 
     /// Whether both say the same, on whatever line of the file.
     fn repeats(&self, other: &Self) -> bool {
-        // Most differ in what was measured: no need to look at the rest. Where approach
-        // sides are taken from the order, the first of a file has none.
+        // Most differ in what was measured. The first of a file has no sides taken from order.
         let like = |other: &Self| Self {
             line: self.line,
             directions: self.directions.clone(),

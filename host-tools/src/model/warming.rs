@@ -74,6 +74,19 @@ impl Warming {
     }
 }
 
+impl Row {
+    /// Degrees Celsius of an arm that follows the temperature with this time constant, s,
+    /// which is what was read where it is 0 or the row is in no session.
+    #[must_use]
+    pub fn temperature_of_arm(&self, time_constant: f64) -> Option<f64> {
+        let ahead = match &self.warming {
+            Some(warming) if time_constant > 0.0 => warming.ahead(time_constant),
+            _ => 0.0,
+        };
+        self.temperature.map(|read| read + ahead)
+    }
+}
+
 /// The same place among the same readings.
 impl PartialEq for Warming {
     fn eq(&self, other: &Self) -> bool {
