@@ -47,11 +47,12 @@ pub struct ThermalLag<T> {
 }
 
 impl<T: Scalar> ThermalLag<T> {
-    /// Of a time constant in s, before any reading; one that is zero, negative or no number
-    /// stands for none.
+    /// Of a time constant in s, before any reading; one that is zero, negative, no number or
+    /// so small that a share of it is nothing stands for none.
     #[must_use]
     pub fn new(time_constant: T) -> Self {
-        let lags = time_constant > T::ZERO && time_constant.is_finite();
+        let share = time_constant * T::from_f32(STEP);
+        let lags = share > T::ZERO && time_constant.is_finite();
         let time_constant = if lags { time_constant } else { T::ZERO };
         Self { time_constant, reading: None, ahead: T::ZERO, passed: T::ZERO }
     }
@@ -81,13 +82,17 @@ impl<T: Scalar> ThermalLag<T> {
         if !reading.is_finite() || self.passed < self.time_constant * T::from_f32(STEP) {
             return last + self.ahead;
         }
-        self.reading = Some(reading);
         if self.time_constant > T::ZERO {
             let constants = self.passed / self.time_constant;
             let share = constants.settled();
-            self.ahead += -self.ahead * share - (reading - last) * (share / constants);
-            self.passed = T::ZERO;
+            let ahead = self.ahead - self.ahead * share - (reading - last) * (share / constants);
+            // Readings so far apart that numbers end are none: what is kept stays a number.
+            if !(reading + ahead).is_finite() {
+                return last + self.ahead;
+            }
+            (self.ahead, self.passed) = (ahead, T::ZERO);
         }
+        self.reading = Some(reading);
         reading + self.ahead
     }
 }

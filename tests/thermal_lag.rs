@@ -1,6 +1,7 @@
 //! The temperature of an arm that follows its thermometer late, against the equation
 //! itself, integrated in steps a thousand times as short.
 
+use proptest::prelude::*;
 use truearm::ThermalLag;
 
 /// tau dw/dt = T - w by Heun's method from w = T at time 0, at these times.
@@ -111,6 +112,30 @@ fn without_a_time_constant_the_arm_has_what_is_read() {
         assert_eq!(lag.time_constant(), 0.0);
         for reading in [20.0, 31.5, -4.0] {
             assert_eq!(lag.step(0.0, reading), reading, "{none}");
+        }
+    }
+}
+
+proptest! {
+    /// Whatever bits a thermometer and a clock have: nothing panics, and from the first
+    /// reading on the arm has a temperature, which the first reading and those that are
+    /// numbers have between them.
+    #[test]
+    fn no_bits_take_the_temperature_away(
+        tau in any::<f32>(), steps in proptest::collection::vec(any::<(f32, f32)>(), 1..40),
+    ) {
+        let mut lag = ThermalLag::new(tau);
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for (dt, reading) in steps {
+            let arm = lag.step(dt, reading);
+            if reading.is_finite() {
+                (low, high) = (low.min(reading), high.max(reading));
+            }
+            if low <= high {
+                let rounding = 1e-5 * low.abs().max(high.abs());
+                prop_assert!(arm.is_finite() && arm >= low - rounding && arm <= high + rounding,
+                    "{arm} of {low} to {high}, tau {tau}");
+            }
         }
     }
 }

@@ -66,9 +66,9 @@ impl Order {
         matches!(self, Self::Harmonic | Self::Cycles)
     }
 
-    /// What one step of a term's number in a blob is.
+    /// What one step of a term's number in a blob is: cycles a turn, N m or N, s.
     #[must_use]
-    pub(crate) const fn step(self) -> f64 {
+    pub const fn step(self) -> f64 {
         match self {
             // 1/64 of a minute: up to 17 hours.
             Self::TimeConstant => 60.0 / 64.0,

@@ -10,7 +10,7 @@
 //! have no jumps, which joints would follow.
 //!
 //! Error of 256 nodes, relative to the standard deviation of a random smooth curve of
-//! the length scale 2 degrees (`tests/kinematics/error_curves.rs`); a spline takes 100 instructions of a
+//! the length scale 2 degrees (`tests/kinematics/error_curves.rs`); a spline takes 93 instructions of a
 //! tick on a Cortex-M4F, its slope included:
 //!
 //! | between nodes | nodes from samples | nodes by least squares |

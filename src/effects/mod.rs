@@ -43,7 +43,7 @@ pub(crate) use joint_error_curve::{EXPONENTS, HEAD as CURVE_HEAD, first as first
 pub(crate) use statics::GravityModel;
 pub use statics::{Load, Masses};
 pub use term::{Term, deflection};
-pub(crate) use thermal_expansion::time_constant;
+pub use thermal_expansion::time_constant;
 
 use crate::kinematics::{Deflection, JointKind};
 use crate::scalar::Scalar;

@@ -51,9 +51,10 @@ pub(super) struct Growth<T, const N: usize> {
     by_link: [T; N],
 }
 
-/// Time constant of the arm, s: that of all its terms; 0 of an arm that follows its
-/// temperature at once, or does not grow.
-pub(crate) fn time_constant<T: Scalar>(terms: &[Term<T>]) -> T {
+/// Time constant, s, with which an arm of these terms follows its temperature: all its terms
+/// have one; 0 of an arm that follows it at once, or does not grow.
+#[must_use]
+pub fn time_constant<T: Scalar>(terms: &[Term<T>]) -> T {
     let grows = |term: &&Term<T>| matches!(term.effect.order(), Order::TimeConstant);
     terms.iter().find(grows).map_or(T::ZERO, |term| term.order)
 }

@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 use truearm::blob::{self, Blob};
-use truearm::effects::{Curve, Term};
+use truearm::effects::{Curve, Term, time_constant};
 use truearm::{ArmParameters, Curves, JointKind, MdhParameters};
 
 use crate::model::arm::with_joints;
-use crate::model::{ErrorCurve, friction, friction_unit, part, time_constant};
+use crate::model::{ErrorCurve, friction, friction_unit, part};
 
 /// A blob in words, every field with its unit. `given` is how many bytes it was
 /// found in.

@@ -129,13 +129,9 @@ pub(crate) fn arm_terms(model: &Model) -> impl Iterator<Item = Term<f64>> {
     })
 }
 
-/// Steps of an order in a blob, and of a time constant in a second.
-const STEPS: f64 = 64.0;
-const STEPS_A_SECOND: f64 = STEPS / 60.0;
-
 /// What the blob does not hold as the model has it, a line each: terms of the
 /// measurement, an accuracy that is not the model's, and orders that the blob's
-/// steps of 1/64 change.
+/// steps change.
 #[must_use]
 pub fn notes(model: &Model) -> Vec<String> {
     let mut out = Vec::new();
@@ -168,12 +164,13 @@ pub fn notes(model: &Model) -> Vec<String> {
         );
     }
     for (i, term) in arm_terms(model).enumerate() {
-        let (steps, what) = match term.effect.order() {
-            Order::TimeConstant => (STEPS_A_SECOND, "time constant"),
-            order if order.is_cycles() => (STEPS, "order"),
-            _ => (STEPS, "friction"),
+        let order = term.effect.order();
+        let what = match order {
+            Order::TimeConstant => "time constant",
+            order if order.is_cycles() => "order",
+            _ => "friction",
         };
-        let rounded = (term.order * steps).round() / steps;
+        let rounded = (term.order / order.step()).round() * order.step();
         // What was written as the nearest number to one that a blob holds is that one.
         if (rounded - term.order).abs() > 1e-9 * term.order {
             out.push(format!(

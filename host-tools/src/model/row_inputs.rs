@@ -1,10 +1,10 @@
 //! What terms depend on at a row of an arm whose number of joints is known at run time.
 
 use truearm::Approach;
-use truearm::effects::{Load, Term, TermInputs, deflection};
+use truearm::effects::{Load, Term, TermInputs, deflection, time_constant};
 use truearm::kinematics::Deflection;
 
-use super::{Warming, time_constant};
+use super::Warming;
 
 /// Calls `$body` with the constant `N` equal to the run-time `$n`.
 macro_rules! with_joints {

@@ -2,7 +2,7 @@
 //! measurement, which never do.
 
 use truearm::JointKind;
-use truearm::effects::{Order, Term};
+use truearm::effects::{Order, Term, time_constant};
 
 use super::measurements::Row;
 
@@ -191,13 +191,6 @@ pub fn part(term: &Term<f64>) -> &'static str {
 #[must_use]
 pub fn friction(term: &Term<f64>) -> Option<f64> {
     (term.effect.order() == Order::Friction && term.order > 0.0).then_some(term.order)
-}
-
-/// Time constant, s, with which an arm of these terms follows its temperature; 0: at once.
-#[must_use]
-pub fn time_constant(terms: &[Term<f64>]) -> f64 {
-    let late = |term: &&Term<f64>| term.effect.order() == Order::TimeConstant;
-    terms.iter().find(late).map_or(0.0, |term| term.order)
 }
 
 /// Unit of a friction of a joint.

@@ -2,6 +2,8 @@
 //! evidence of all that it has beside it is highest, is a candidate in the next round, as
 //! the orders of lines are.
 
+use truearm::effects::Order;
+
 use super::possible::Numbers;
 use super::sheet::{Sheet, Weights};
 use crate::diagnose::candidates::Candidate;
@@ -74,6 +76,6 @@ fn best(q: &Question, node: &Node, weights: &Weights, scale: f64) -> f64 {
 
 /// As a blob holds it, s.
 fn held(time_constant: f64) -> f64 {
-    const STEP: f64 = 60.0 / 64.0;
-    STEP * (time_constant / STEP).round().max(1.0)
+    let step = Order::TimeConstant.step();
+    step * (time_constant / step).round().max(1.0)
 }

@@ -1,12 +1,12 @@
 //! What an effect goes with: a joint's angle, its load, the time.
 
 use truearm::JointKind;
-use truearm::effects::{ActsOn, Order, Term};
+use truearm::effects::{ActsOn, Order, Term, time_constant};
 
 use super::super::numbers::period;
 use super::Seen;
 use crate::model::arm::RowInputs;
-use crate::model::{Course, ModelTerm, time_constant};
+use crate::model::{Course, ModelTerm};
 use crate::units::{duration, joint_from_file, joint_to_file, joint_unit};
 
 /// Cycles a turn above which one cycle is shown in place of a turn.
