@@ -132,6 +132,47 @@ fn a_plan_of_a_kind_is_a_file_to_fill_in() {
     assert!(ran.out.contains("40 pairs at 80 poses"), "{} {}", ran.out, ran.err);
 }
 
+/// A bowl: what is touched from inside is planned inside, and the arm as it is drawn, which is
+/// there to a digit of the file, fits it; told that it is touched from outside, no place of
+/// the bowl does.
+#[test]
+fn a_surface_is_touched_from_inside() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("robot.toml"), robots::ALL[0]).unwrap();
+    let bowl = |radius: f64| {
+        format!(
+            "[[surfaces]]\nlabel = \"bowl\"\nshape = \"sphere\"\npoint_mm = [500, 300, 400]\n\
+             radius_mm = {radius}\n\n[[probes]]\nmarker = \"\"\nradius_mm = 10\n"
+        )
+    };
+    std::fs::write(folder.join("instruments.toml"), bowl(-250.0)).unwrap();
+    let line = ["plan", "robot.toml", "--kind", "touch", "--poses", "60", LIMITS, "--out", "p.csv"];
+    let ran = truearm(folder, &line);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let text = std::fs::read_to_string(folder.join("p.csv")).unwrap();
+    let mut lines = text.lines().skip(1);
+    for row in lines.by_ref().map(|row| row.split(',').collect::<Vec<_>>()) {
+        let at = row[row.len() - 3..].iter().map(|x| x.parse::<f64>().unwrap());
+        let far = at.zip([500.0, 300.0, 400.0]).map(|(x, c)| (x - c).powi(2)).sum::<f64>().sqrt();
+        assert!((far - 240.0).abs() < 0.01, "{far}");
+    }
+    // Read as they were planned.
+    let joints = |row: &str| row.split(',').take(6).collect::<Vec<_>>().join(",");
+    let mut filled = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,kind,surface\n".to_owned();
+    text.lines().skip(1).for_each(|row| filled += &format!("{},touch,bowl\n", joints(row)));
+    std::fs::write(folder.join("m.csv"), filled).unwrap();
+    let off = |radius: f64| {
+        std::fs::write(folder.join("instruments.toml"), bowl(radius)).unwrap();
+        let ran = truearm(folder, &["identify", "robot.toml", "m.csv", "--json"]);
+        assert_eq!(ran.code, Some(0), "{}", ran.err);
+        let report: Value = serde_json::from_str(&ran.out).unwrap();
+        report["nominal"]["rms_mm"].as_f64().unwrap()
+    };
+    let (inside, outside) = (off(-250.0), off(250.0));
+    assert!(inside < 1e-3 && outside > 1.0, "{inside} {outside}");
+}
+
 /// A diagnosis that cannot tell two effects apart, and the same with the planned
 /// poses measured on the simulated arm (`planned_poses_tell_explanations_apart` of
 /// the studies has them made anew): one name is left.

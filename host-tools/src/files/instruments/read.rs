@@ -206,7 +206,9 @@ impl Reader<'_> {
             out = stated(out, Pose { rotation, translation }, file.guess);
         }
         if let (Some(radius), true) = (&file.radius_mm, form.has_lengths()) {
-            out.numbers[0] = self.radius(radius)?;
+            // Less than nothing: touched from inside.
+            self.finite(radius.span(), &[*radius.get_ref()])?;
+            out.numbers[0] = from_mm(*radius.get_ref());
             out.free[6] = file.guess;
         }
         Ok(out)
