@@ -35,6 +35,12 @@ impl Tails {
     /// The likeliest of [`TAILS`]; `used` equations were used up by the fit.
     #[must_use]
     pub fn of(rows: &[Rest], used: f64) -> Self {
+        Self::with_likelihood(rows, used).0
+    }
+
+    /// The same, and its logarithm of the likelihood.
+    #[must_use]
+    pub fn with_likelihood(rows: &[Rest], used: f64) -> (Self, f64) {
         let equations: f64 = rows.iter().map(|r| r.equations as f64).sum();
         let share = equations / (equations - used).max(1.0);
         let each = TAILS.map(|nu| {
@@ -43,7 +49,7 @@ impl Tails {
         });
         let normal = each[TAILS.len() - 1];
         let best = each.iter().fold(normal, |best, t| if t.1 > best.1 { *t } else { best });
-        if best.1 > normal.1 + WORTH { best.0 } else { normal.0 }
+        if best.1 > normal.1 + WORTH { best } else { normal }
     }
 
     fn rescaled(mut self, rows: &[Rest], share: f64) -> Self {

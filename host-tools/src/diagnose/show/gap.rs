@@ -1,6 +1,6 @@
 use rayon::prelude::*;
 
-use super::stages::stages;
+use super::stages::{stages, without_each};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::outcome::{GapRow, Rms};
@@ -78,8 +78,10 @@ impl Show<'_> {
         Ok(rows)
     }
 
-    /// Drops effects that do not lower the error of held-out poses; the model that
-    /// is left and its gap table.
+    /// Drops effects without which held-out poses are predicted as well, the least needed
+    /// one first; the model that is left and its gap table. What helps only beside another
+    /// effect is needed: a drift that geometry spreads over all links may predict poses
+    /// worse by itself.
     ///
     /// # Errors
     /// As for [`Self::gap`].
@@ -90,20 +92,21 @@ impl Show<'_> {
         nominal: &State,
     ) -> Result<Shown> {
         loop {
-            let stages = stages(self.question, root, &best)?;
-            let gap = self.gap(nominal, &stages)?;
-            let held = |k: usize| gap[k + 1].cross_validated_rms_sigmas.unwrap_or(f64::INFINITY);
-            let useless = (1..stages.len()).rev().find(|k| held(*k) >= held(k - 1));
-            let Some(k) = useless else {
-                let held_out = self.held_out(&best, self.question.folds)?;
-                return Ok(Shown { best, gap, held_out });
+            let figures = Figures::of(self, &best)?;
+            let left = |node: &Node| {
+                let held_out = self.held_out(node, self.question.folds)?;
+                Ok((figures.rms_of_rows(self, &held_out).sigmas, held_out))
             };
-            let before = |c: &&Candidate| {
-                let same = |a: &Candidate| a.name() == c.name();
-                stages[k - 1].added.iter().any(same) || !stages[k].added.iter().any(same)
-            };
-            let added = best.added.iter().filter(before).cloned().collect();
-            best = fitted(self.question, added, &best.fit.fit.state)?;
+            let (own, held_out) = left(&best)?;
+            let mut each = without_each(self.question, &best, &|node| Ok(left(node)?.0));
+            match each.last_mut().filter(|least| least.left <= own).and_then(|l| l.node.take()) {
+                Some(node) => best = node,
+                None => {
+                    let stages = stages(self.question, root, &best, &each)?;
+                    let gap = self.gap(nominal, &stages)?;
+                    return Ok(Shown { best, gap, held_out });
+                }
+            }
         }
     }
 

@@ -23,6 +23,7 @@ mod sheet;
 pub mod slips;
 mod start;
 pub mod start_sides;
+mod swallowed;
 mod unweighed_springs;
 mod weighed;
 mod weights;
@@ -67,10 +68,10 @@ const RESCANS: usize = 3;
 pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> {
     let regained = given_back(q, root);
     let root = regained.as_ref().unwrap_or(root);
-    let mut plain = search(q, Start::at(q, root), FIRST, progress)?;
+    let (begin, mut plain) = first(q, root, progress)?;
     let found = (&plain.best.added[..], &plain.best.fit.fit.state);
     if let Some((node, bent)) = sprung(q, found, &plain.weights, plain.found.scale)? {
-        let start = Start { bent, ..Start::at(q, &node) };
+        let start = Start { bent, node, ..begin.clone() };
         plain = search(q, start, FIRST, progress)?;
     }
     // What one line explains is no curve; it is weighed with everything else first.
@@ -88,7 +89,7 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
         return replicated(q, found, EFFORT, progress)?.judged(q);
     }
     let (scale, refused) = (plain.found.scale, plain.refused);
-    let start = Start { curves, scale, refused, bent: plain.bent, ..Start::at(q, root) };
+    let start = Start { curves, scale, refused, bent: plain.bent, ..begin };
     let first = search(q, start, FIRST, progress)?;
     // At the noise that is left now, lengths and sizes are told better.
     let curves = first.wanted(q).curves;
@@ -96,6 +97,17 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
     // A curve that is no longer wanted must not stay in what is predicted.
     again.bent.tables.retain(|t| again.curves.iter().any(|c| c.joint == usize::from(t.joint())));
     replicated(q, search(q, again, EFFORT, progress)?, EFFORT, progress)?.judged(q)
+}
+
+/// A search from geometry and where it began: where evidence may have been lost to tails and
+/// flags, with all rows alike.
+fn first(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<(Start, Searched)> {
+    let start = Start::at(q, root);
+    let found = search(q, start.clone(), FIRST, progress)?;
+    let Some(node) = swallowed::all_alike(q, root, &found) else { return Ok((start, found)) };
+    let alike = Start { even: true, ..Start::at(q, &node) };
+    let other = search(q, alike.clone(), FIRST, progress)?;
+    Ok(if swallowed::is_better(q, &other, &found) { (alike, other) } else { (start, found) })
 }
 
 /// The same where joints may scatter by themselves, without lines that do not predict poses
@@ -133,8 +145,8 @@ fn replicated(
 
 /// Rounds of linearising, weighing and fitting until nothing changes.
 fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Result<Searched> {
-    let Start { mut node, curves, mut bent, mut scale, mut refused, lines, closed, scattering } =
-        start;
+    let Start { mut node, curves, mut bent, mut scale, mut refused, lines, .. } = start;
+    let Start { closed, scattering, even, .. } = start;
     let lambda = q.flags.lambda;
     let mut held = [lines::of(&node.added), lines].concat();
     let mut round = 0;
@@ -143,7 +155,10 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let problem = bent.problem(q.problem);
         let asked = Question { problem: &problem, ..*q };
         let (state, rows) = (node.fit.fit.state.clone(), node.fit.kept.clone());
-        let weights = weights::after(&problem, &node, &scattering);
+        let mut weights = weights::after(&problem, &node, &scattering);
+        if even && round == 1 {
+            weights.rows.fill(1.0);
+        }
         let mut possible =
             candidates(&asked, &node, &weights, (lambda, scale), (&held, &closed, &refused));
         possible.retain(|p| !p.is_within(&curves));

@@ -9,6 +9,7 @@ use truearm::JointKind;
 use super::joint_curves::Curve;
 use super::nameless::Nameless;
 use crate::diagnose::candidates::Candidate;
+use crate::diagnose::moments;
 use crate::evidence::lines::Line;
 use crate::evidence::{self, lines, prior};
 use crate::identify::{Problem, measurement_column};
@@ -67,6 +68,12 @@ impl Possible {
     pub fn is_of_time(&self) -> bool {
         matches!(&self.what, What::Effect(own)
             if own.terms.iter().any(|t| matches!(t, ModelTerm::Drift { .. })))
+    }
+
+    /// Whether moments of the links bend it.
+    #[must_use]
+    pub fn is_spring(&self) -> bool {
+        matches!(&self.what, What::Effect(own) if moments::bends(own.name()))
     }
 
     /// Its terms with coefficient zero, `None` for each column that is no term.

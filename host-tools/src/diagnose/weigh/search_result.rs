@@ -46,6 +46,7 @@ impl Searched {
             lines: Vec::new(),
             closed: self.closed.clone(),
             scattering: self.weights.scattering.iter().map(|s| s.0).collect(),
+            even: false,
         }
     }
 

@@ -14,6 +14,7 @@ use crate::identify::{Problem, State};
 use crate::model::ErrorCurve;
 
 /// Where a search begins.
+#[derive(Clone)]
 pub struct Start {
     pub node: Node,
     pub curves: Vec<Curve>,
@@ -28,6 +29,8 @@ pub struct Start {
     pub closed: Vec<usize>,
     /// Joints, counted from 0, that scatter by themselves.
     pub scattering: Vec<usize>,
+    /// Rows count alike in the first round, whatever tails the fit leaves.
+    pub even: bool,
 }
 
 impl Start {
@@ -42,6 +45,7 @@ impl Start {
             lines: Vec::new(),
             closed: Vec::new(),
             scattering: Vec::new(),
+            even: false,
         }
     }
 }

@@ -30,6 +30,18 @@ pub fn after(problem: &Problem, node: &Node, scattering: &[usize]) -> Weights {
     Weights { rows, common, scattering }
 }
 
+/// What a fit leaves of each pose, in the mean of its readings.
+#[must_use]
+pub fn left(problem: &Problem, node: &Node, scattering: &[usize]) -> Vec<Rest> {
+    let kept = &node.fit.kept;
+    let (residuals, _) = scattered(problem, node, scattering);
+    let of = |readings: &Readings| Rest {
+        square: readings.norm_squared() / readings.ncols() as f64,
+        equations: readings.nrows(),
+    };
+    readings(problem, kept, &residuals).iter().map(of).collect()
+}
+
 /// Residuals without what joints scatter, and the ratio of variance of each.
 fn scattered(
     problem: &Problem,

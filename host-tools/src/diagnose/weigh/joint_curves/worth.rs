@@ -63,8 +63,8 @@ fn gain(from: &From, k: usize, half: usize) -> f64 {
     1.0 - rms(from.all.precision) / rms(&without).max(f64::MIN_POSITIVE)
 }
 
-/// Curves alone, then one effect after the other, the largest first; what does not
-/// lower the error of held-out poses is left out.
+/// Curves alone, then one effect after the other, the one that is needed most first;
+/// without what is left out held-out poses are predicted as well.
 #[must_use]
 pub fn stages(from: &From) -> Vec<Stage> {
     let members = &from.found.best.members;
@@ -93,15 +93,22 @@ pub fn stages(from: &From) -> Vec<Stage> {
         let tables = sums.all.tables(&sums.whole, from.found, &own);
         Stage { tables, names, held_out: sums.held_out(from, &own) }
     };
-    let mut out = vec![stage(Vec::new())];
-    for (name, _) in sizes {
-        let last = &out[out.len() - 1];
-        let next = stage([last.names.as_slice(), &[name]].concat());
-        if square(from, &next.held_out) < square(from, &last.held_out) {
-            out.push(next);
+    // What an effect is worth is told beside all others: alone it may predict poses worse.
+    let mut names: Vec<&'static str> = sizes.iter().map(|s| s.0).collect();
+    loop {
+        let without = |name: &&'static str| {
+            let others: Vec<_> = names.iter().copied().filter(|n| n != name).collect();
+            (*name, square(from, &stage(others).held_out))
+        };
+        let mut each: Vec<(&'static str, f64)> = names.iter().map(without).collect();
+        each.sort_by(|a, b| b.1.total_cmp(&a.1));
+        names = each.iter().map(|e| e.0).collect();
+        let own = square(from, &stage(names.clone()).held_out);
+        match each.last() {
+            Some((_, left)) if *left <= own => _ = names.pop(),
+            _ => return (0..=names.len()).map(|k| stage(names[..k].to_vec())).collect(),
         }
     }
-    out
 }
 
 /// Sum of squares of what is left of all rows, in standard deviations.
