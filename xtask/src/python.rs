@@ -28,7 +28,11 @@ pub fn run() -> Result {
         call(Command::new(&tester).arg(directory().join("tests/test_truearm.py")))
     })?;
     // As a script, and without figures: matplotlib is not there.
-    step("notebook", || call(Command::new(&tester).arg(directory().join("notebooks/ur10.py"))))
+    step("notebook", || call(Command::new(&tester).arg(directory().join("notebooks/ur10.py"))))?;
+    step("tables of pandas", || {
+        call(Command::new(&tester).args(PIP).arg("pandas>=2"))?;
+        call(Command::new(&tester).arg(directory().join("tests/test_pandas.py")))
+    })
 }
 
 /// The wheel, built and installed in a bare environment; its Python.

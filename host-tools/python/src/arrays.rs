@@ -1,7 +1,7 @@
 //! Between numpy arrays and rows.
 
 use nalgebra::Vector3;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike2, PyArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use truearm::Pose;
@@ -9,8 +9,11 @@ use truearm_host::model::{self, arm::Kinematics};
 
 use crate::wrong;
 
+/// A numpy array, or what numpy makes one of: lists, whole numbers, the columns of a pandas table.
+pub type Table<'py> = PyArrayLike2<'py, f64, AllowTypeChange>;
+
 /// Joint values of poses, a row each: rad, m of a joint that slides.
-pub fn joints(array: &PyReadonlyArray2<f64>, count: usize) -> PyResult<Vec<Vec<f64>>> {
+pub fn joints(array: &Table, count: usize) -> PyResult<Vec<Vec<f64>>> {
     let rows = rows(array);
     match rows.iter().position(|q| q.len() != count || q.iter().any(|v| !v.is_finite())) {
         None => Ok(rows),
@@ -26,7 +29,7 @@ pub fn joints(array: &PyReadonlyArray2<f64>, count: usize) -> PyResult<Vec<Vec<f
 }
 
 /// The rows of an array.
-pub fn rows(array: &PyReadonlyArray2<f64>) -> Vec<Vec<f64>> {
+pub fn rows(array: &Table) -> Vec<Vec<f64>> {
     array.as_array().rows().into_iter().map(|row| row.to_vec()).collect()
 }
 

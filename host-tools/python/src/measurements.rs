@@ -2,12 +2,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::PyArray2;
 use pyo3::prelude::*;
 use truearm_host::model;
 use truearm_host::units::{End, joint_column, joint_to_file_at};
 
-use crate::arrays::{joints, matrix, rows};
+use crate::arrays::{Table, joints, matrix, rows};
 use crate::robot::Robot;
 use crate::{refused, wrong};
 
@@ -32,13 +32,13 @@ impl Measurements {
     #[pyo3(signature = (robot, joints, points, **columns))]
     fn from_arrays(
         robot: &Robot,
-        joints: PyReadonlyArray2<f64>,
-        points: PyReadonlyArray2<f64>,
+        joints: Table,
+        points: Table,
         columns: Option<BTreeMap<String, Vec<Bound<'_, PyAny>>>>,
     ) -> PyResult<Self> {
         let mut others = Vec::new();
         for (name, values) in columns.unwrap_or_default() {
-            let cells = values.iter().map(|v| Ok(v.str()?.to_string())).collect::<PyResult<_>>()?;
+            let cells = values.iter().map(cell).collect::<PyResult<_>>()?;
             others.push((name, cells));
         }
         let points = rows(&points);
@@ -82,17 +82,20 @@ impl Measurements {
     }
 }
 
+/// A value of a column as it stands in a file; what pandas calls missing is an empty cell.
+fn cell(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    let text = value.str()?.to_string();
+    let missing = value.is_none() || matches!(&*text, "nan" | "<NA>" | "NaT");
+    Ok(if missing { String::new() } else { text })
+}
+
 /// A number that reads back as it is.
 fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
 /// Joint values and other columns as a table of the files' units.
-pub fn table(
-    robot: &Robot,
-    array: &PyReadonlyArray2<f64>,
-    others: &[(String, Vec<String>)],
-) -> PyResult<String> {
+pub fn table(robot: &Robot, array: &Table, others: &[(String, Vec<String>)]) -> PyResult<String> {
     let q = joints(array, robot.inner.joints.len())?;
     if let Some((name, cells)) = others.iter().find(|(_, cells)| cells.len() != q.len()) {
         return Err(wrong(

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use truearm::Task;
@@ -9,7 +9,7 @@ use truearm_host::files::{self, Wanted};
 use truearm_host::model;
 use truearm_host::paths::{CompensateOptions, Forward, Row, View, compensate};
 
-use crate::arrays::{each, flat, jacobians, joints, matrix, transforms};
+use crate::arrays::{Table, each, flat, jacobians, joints, matrix, transforms};
 use crate::measurements::table;
 use crate::robot::Robot;
 use crate::{refused, wrong};
@@ -74,7 +74,7 @@ impl Model {
     fn forward<'py>(
         &self,
         py: Python<'py>,
-        joint_values: PyReadonlyArray2<f64>,
+        joint_values: Table,
         nominal: bool,
         station: Option<String>,
         marker: Option<String>,
@@ -94,7 +94,7 @@ impl Model {
     fn jacobian<'py>(
         &self,
         py: Python<'py>,
-        joint_values: PyReadonlyArray2<f64>,
+        joint_values: Table,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let count = self.inner.robot.joints.len();
         let q = joints(&joint_values, count)?;
@@ -121,7 +121,7 @@ impl Model {
     fn compensate(
         &self,
         py: Python<'_>,
-        joint_values: PyReadonlyArray2<f64>,
+        joint_values: Table,
         extrapolate: bool,
         single: bool,
         task: Option<&str>,

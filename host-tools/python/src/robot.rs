@@ -1,10 +1,10 @@
 use std::path::PathBuf;
 
-use numpy::{PyArray3, PyReadonlyArray2};
+use numpy::PyArray3;
 use pyo3::prelude::*;
 use truearm_host::model;
 
-use crate::arrays::{each, flat, jacobians, joints, nominal, transforms};
+use crate::arrays::{Table, each, flat, jacobians, joints, nominal, transforms};
 use crate::refused;
 
 /// The nominal arm, as robot.toml describes it.
@@ -50,7 +50,7 @@ impl Robot {
     fn forward<'py>(
         &self,
         py: Python<'py>,
-        joint_values: PyReadonlyArray2<f64>,
+        joint_values: Table,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let q = joints(&joint_values, self.joints())?;
         let target = self.inner.nominal_target();
@@ -62,7 +62,7 @@ impl Robot {
     fn jacobian<'py>(
         &self,
         py: Python<'py>,
-        joint_values: PyReadonlyArray2<f64>,
+        joint_values: Table,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let q = joints(&joint_values, self.joints())?;
         let arm = nominal(&self.inner);

@@ -4,6 +4,9 @@ use truearm_host::model::{Robot, Sight, Workspace};
 use truearm_host::units::joint_from_file;
 use truearm_host::{Error, Result};
 
+/// No joint goes farther, degrees or mm, as in robot.toml.
+const FARTHEST: f64 = 1e5;
+
 /// Where poses may be. Lengths in mm, in the nominal robot's base frame.
 #[derive(Args)]
 pub struct Where {
@@ -11,7 +14,7 @@ pub struct Where {
     #[arg(long = "box", value_name = "X0,Y0,Z0,X1,Y1,Z1", allow_hyphen_values = true)]
     corners: Option<String>,
     /// Joint limits instead of those of robot.toml, degrees (mm for prismatic
-    /// joints), one low:high a joint
+    /// joints), one low:high a joint; one that is held has twice the same
     #[arg(long, value_name = "LOW:HIGH,...", allow_hyphen_values = true)]
     limits: Option<String>,
     /// Keep the target in sight of a tracker that stands here
@@ -85,10 +88,17 @@ fn limits(text: &str, robot: &Robot) -> Result<Vec<[f64; 2]>> {
     let range = |(joint, range): (usize, &str)| {
         let (low, high) = range.split_once(':').ok_or_else(wrong)?;
         let value = |cell: &str| match cell.trim().parse::<f64>() {
-            Ok(x) if x.is_finite() => Ok(joint_from_file(robot.joints[joint].link.kind, x)),
+            Ok(x) if x.abs() <= FARTHEST => Ok(x),
             _ => Err(wrong()),
         };
-        Ok([value(low)?, value(high)?])
+        let (low, high) = (value(low)?, value(high)?);
+        if low > high {
+            return Err(Error::usage(
+                format!("--limits {low}:{high} of joint {}", joint + 1),
+                "give the lower limit first",
+            ));
+        }
+        Ok([low, high].map(|limit| joint_from_file(robot.joints[joint].link.kind, limit)))
     };
     ranges.into_iter().enumerate().map(range).collect()
 }

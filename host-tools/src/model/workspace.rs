@@ -50,7 +50,7 @@ impl Workspace {
                     "give low:high for every joint, separated by commas",
                 ));
             }
-            if let Some([low, high]) = limits.iter().find(|[low, high]| low >= high) {
+            if let Some([low, high]) = limits.iter().find(|[low, high]| low > high) {
                 return Err(Error::data(
                     ErrorKind::NoPoses,
                     format!("limits from {low} to {high} rad or m"),

@@ -67,7 +67,8 @@ fn a_plan_is_a_list_of_joints() {
         (&["--poses", "16", "--tracker", "9,9,9", "--target-axis", "0,0,0"], "--target-axis"),
         (&["--poses", "16", "--limits", "1:2,3:4"], "--limits of 2 joints, but the robot has 6"),
         (&["--poses", "16", "--limits", "1-2,1:2,1:2,1:2,1:2,1:2"], "give low:high"),
-        (&["--poses", "16", "--limits", "-9:9,9:-9,1:2,1:2,1:2,1:2"], "give the lower limit first"),
+        (&["--poses", "16", "--limits", "-9:9,9:-9,1:2,1:2,1:2,1:2"], "--limits 9:-9 of joint 2"),
+        (&["--poses", "16", "--limits", "-1e9:9,1:2,1:2,1:2,1:2,1:2"], "give low:high"),
         (&["--poses", "16", "--target-um", "-3"], "--target-um"),
         (&["--poses", "16", "--box", "9000,9000,0,9900,9900,1"], "none is in the box"),
     ] {
@@ -75,6 +76,11 @@ fn a_plan_is_a_list_of_joints() {
         assert_ne!(ran.code, Some(0), "{more:?}");
         assert!(ran.err.contains(says), "{}\nshould say\n{says}", ran.err);
     }
+    // A joint that is held.
+    let held = plan(&["--poses", "16", "--limits", "5:5,-90:90,-90:90,-90:90,-90:90,-90:90"]);
+    assert_eq!(held.code, Some(0), "{}", held.err);
+    let text = std::fs::read_to_string(folder.join("p.csv")).unwrap();
+    assert!(text.lines().skip(1).all(|row| row.starts_with("5.000,")), "{text}");
 }
 
 /// The simulated arm turns no joint beyond.

@@ -68,7 +68,7 @@ const RESCANS: usize = 3;
 pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> {
     let regained = given_back(q, root);
     let root = regained.as_ref().unwrap_or(root);
-    let (begin, mut plain) = first(q, root, progress)?;
+    let (begin, mut plain) = from_geometry(q, root, progress)?;
     let found = (&plain.best.added[..], &plain.best.fit.fit.state);
     if let Some((node, bent)) = sprung(q, found, &plain.weights, plain.found.scale)? {
         let start = Start { bent, node, ..begin.clone() };
@@ -101,13 +101,15 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
 
 /// A search from geometry and where it began: where evidence may have been lost to tails and
 /// flags, with all rows alike.
-fn first(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<(Start, Searched)> {
+fn from_geometry(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<(Start, Searched)> {
     let start = Start::at(q, root);
     let found = search(q, start.clone(), FIRST, progress)?;
     let Some(node) = swallowed::all_alike(q, root, &found) else { return Ok((start, found)) };
     let alike = Start { even: true, ..Start::at(q, &node) };
-    let other = search(q, alike.clone(), FIRST, progress)?;
-    Ok(if swallowed::is_better(q, &other, &found) { (alike, other) } else { (start, found) })
+    Ok(match search(q, alike.clone(), FIRST, progress) {
+        Ok(other) if swallowed::is_better(q, &other, &found) => (alike, other),
+        _ => (start, found),
+    })
 }
 
 /// The same where joints may scatter by themselves, without lines that do not predict poses
