@@ -231,6 +231,16 @@ impl Measurements {
         if !self.extra_columns.is_empty() {
             warn(format!("columns kept without use: {}", listed(&self.extra_columns)));
         }
+        let unread = self.rows.iter().filter(|row| row.temperature.is_none());
+        let lines: Vec<usize> = unread.map(|row| row.line).collect();
+        if let Some(first) = lines.first().filter(|_| lines.len() < self.rows.len()) {
+            warn(format!(
+                "{} of {} rows without temperature_c, first in line {first}: {} degrees is taken",
+                lines.len(),
+                self.rows.len(),
+                robot.reference_temperature
+            ));
+        }
         self.remark_joints(robot);
     }
 

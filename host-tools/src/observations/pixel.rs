@@ -193,6 +193,21 @@ pub struct View {
     pub with_numbers: DMatrix<f64>,
 }
 
+/// Steps from the axis to a point at which a lens is looked at.
+const STEPS: usize = 32;
+
+/// Whether a lens shows what is farther from its axis farther out, up to this point of its
+/// frame: beyond where Brown's polynomial turns back it is of no lens.
+#[must_use]
+pub fn is_unfolded(camera: &Instrument, point: &Vector3<f64>) -> bool {
+    let [k1, k2, k3] = [4, 5, 8].map(|k| camera.numbers[k]);
+    let edge = (point.x.powi(2) + point.y.powi(2)) / point.z.powi(2);
+    (1..=STEPS).all(|k| {
+        let r2 = edge * (k as f64 / STEPS as f64).powi(2);
+        1.0 + r2 * (3.0 * k1 + r2 * (5.0 * k2 + 7.0 * r2 * k3)) > 0.0
+    })
+}
+
 /// Where a camera's image has a point of its frame. Behind the camera a point is
 /// taken to be a millimetre before it: a first guess may be.
 #[must_use]

@@ -21,6 +21,18 @@ pub fn missing_inputs(model: &Model, path: &Path) -> Vec<String> {
             model.robot.reference_temperature
         ));
     }
+    let late = terms.iter().any(|t| t.effect.needs_warmth() && t.order != 0.0);
+    let back = rows.windows(2).find(|two| {
+        matches!((two[0].time, two[1].time), (Some(before), Some(now)) if now < before)
+            && two[0].series == two[1].series
+    });
+    if let Some(two) = back.filter(|_| late) {
+        out.push(format!(
+            "{file}: time_s goes back at line {}: the temperature goes on in the order of the times, \
+             not of the rows; count on over midnight, or begin another series",
+            two[1].line
+        ));
+    }
     if model.loaded(&path.data).is_err() {
         out.push(
             "the model's springs were identified from torques that were read, and it has no masses \

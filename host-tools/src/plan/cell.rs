@@ -11,8 +11,8 @@ use crate::model::{Form, Placement, Robot, Row, Target, Workspace};
 use crate::paths::{Forward, Inverse};
 
 /// Least sine by which whatever carries the target stands above the surface that it
-/// touches: a stem that is flatter touches first.
-const STEEP: f64 = 0.25;
+/// touches, of 15 degrees: a stem that is flatter touches first.
+const STEEP: f64 = 0.258_819_045_102_520_76;
 /// A carrier that is nearer to the target than this points nowhere, m.
 const NO_STEM: f64 = 1e-3;
 
@@ -43,7 +43,13 @@ impl<'a> Cell<'a> {
     /// The last frame.
     #[must_use]
     pub fn flange(&self, q: &[f64]) -> Pose<f64> {
-        chain(&self.robot.nominal(), self.robot.base.pose(), Vector3::zeros()).pose(q)
+        self.frame(q, q.len())
+    }
+
+    /// The frame behind so many joints.
+    fn frame(&self, q: &[f64], joints: usize) -> Pose<f64> {
+        let links = &self.robot.nominal()[..joints];
+        chain(links, self.robot.base.pose(), Vector3::zeros()).pose(&q[..joints])
     }
 
     /// Where something that is mounted in the last frame, or not, is at joint values.
@@ -71,7 +77,7 @@ impl<'a> Cell<'a> {
     }
 
     /// The same from the side that a direction points to: what carries the target stands
-    /// there.
+    /// there, the last of the frames that is not where the target is.
     #[must_use]
     pub fn at_from(
         &self,
@@ -80,8 +86,9 @@ impl<'a> Cell<'a> {
         start: &[f64],
     ) -> Option<Vec<f64>> {
         self.at(point, start).filter(|q| {
-            let stem = self.flange(q).translation - point;
-            stem.norm() < NO_STEM || stem.dot(side) >= STEEP * stem.norm() * side.norm()
+            let stems = (1..=q.len()).rev().map(|k| self.frame(q, k).translation - point);
+            let carrier = stems.into_iter().find(|stem| stem.norm() > NO_STEM);
+            carrier.is_none_or(|stem| stem.dot(side) >= STEEP * stem.norm() * side.norm())
         })
     }
 

@@ -79,7 +79,8 @@ pub struct PosePlan {
     /// See [`PosePlan::worst`].
     pub rms: f64,
     /// `sigma sqrt(p / n)`: no `n` poses of the region give a smaller worst
-    /// case without a prior. Of points only, see [`design`].
+    /// case without a prior. Of points only, see [`design`]; none where the prior alone
+    /// makes the worst case smaller.
     pub bound: Option<f64>,
     /// Median over some draws of as many random poses: their worst case, m.
     pub random_worst: f64,
@@ -148,7 +149,8 @@ pub fn plan(
         observability: Observability::of(&design.jacobian(&chosen), chosen.len()),
         worst: all.0,
         rms: all.1,
-        bound: (options.kind == KindId::default()).then_some(bound),
+        // Where tolerances hold the tool better than measurements could, it is none.
+        bound: (options.kind == KindId::default() && bound <= all.0).then_some(bound),
         random_worst,
         determined: is_open.then_some(determined),
         undetermined,

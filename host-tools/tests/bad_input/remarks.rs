@@ -17,6 +17,26 @@ fn remarked(text: &str) -> String {
     out + "# the end\n"
 }
 
+/// Where some rows have a temperature, the others are told what they are taken to have.
+#[test]
+fn what_is_taken_for_an_empty_cell_is_said() {
+    let folder = table_8();
+    let rows = read(&folder, "measurements.csv");
+    let with = |cell: fn(usize) -> &'static str| {
+        let mut out = String::new();
+        for (k, row) in rows.lines().enumerate() {
+            let more = if k == 0 { "temperature_c" } else { cell(k) };
+            out += &format!("{row},{more}\n");
+        }
+        write(&folder, "measurements.csv", &out);
+        run(&folder, "identify robot.toml measurements.csv").1
+    };
+    let some = with(|k| if k % 3 == 2 { "" } else { "21.5" });
+    assert!(some.contains("rows without temperature_c, first in line 3: 20 degrees"), "{some}");
+    assert!(!with(|_| "21.5").contains("without temperature_c"));
+    assert!(!with(|_| "").contains("without temperature_c"));
+}
+
 #[test]
 fn remarks_change_nothing() {
     let folder = table_8();

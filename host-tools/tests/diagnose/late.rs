@@ -12,7 +12,7 @@ use truearm_host::diagnose::{DiagnoseOptions, Diagnosis, diagnose, late};
 use truearm_host::evaluate::{Reregister, evaluate};
 use truearm_host::files::Wanted;
 use truearm_host::model::{Commanded, Measurements, Model, ModelTerm, Path, Robot};
-use truearm_host::paths::{CompensateOptions, Row, compensate};
+use truearm_host::paths::{CompensateOptions, Row, compensate, missing_inputs};
 use truearm_host::verify::verify;
 use truearm_simulate::arm::Arm;
 use truearm_simulate::body::{Body, Moment};
@@ -196,6 +196,17 @@ fn paths_are_corrected(cell: &mut Cell, model: &Model, tau: f64) {
     let other = corrected(&at_once, &texts[2]).unwrap();
     let moved = late.iter().zip(&other).map(|((a, _), (b, _))| (a[1] - b[1]).abs());
     assert!(moved.fold(0.0, f64::max) > 1e-6, "the delay does nothing");
+    // Over midnight: said, for the rows are taken in the order of their times.
+    let said = |text: &str| {
+        let path = Path::parse("path.csv".as_ref(), text, &cell.robot, Wanted::Joints).unwrap();
+        missing_inputs(model, &path).iter().any(|s| s.contains("time_s goes back at line"))
+    };
+    assert!(!said(&texts[0]));
+    let (head, rows) = texts[0].split_once('\n').unwrap();
+    let mut rows: Vec<&str> = rows.lines().collect();
+    let middle = rows.len() / 2;
+    rows.rotate_left(middle);
+    assert!(said(&format!("{head}\n{}\n", rows.join("\n"))));
     let refused = corrected(model, &texts[2]).unwrap_err();
     assert_eq!(refused.kind(), ErrorKind::NoTimes, "{refused}");
 }

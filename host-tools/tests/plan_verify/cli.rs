@@ -4,9 +4,12 @@ use std::path::Path;
 
 use crate::simulated::{Truth, UR10_LIKE, robot};
 use assert_cmd::Command;
+use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
+use truearm::Pose;
+use truearm_host::model::arm::chain;
 use truearm_simulate::robots;
 
 struct Ran {
@@ -136,6 +139,63 @@ fn a_plan_of_a_kind_is_a_file_to_fill_in() {
     assert!(page.contains("kind plate") && page.contains("read at contact"));
     let ran = plan("pair", &["--force"]);
     assert!(ran.out.contains("40 pairs at 80 poses"), "{} {}", ran.out, ran.err);
+}
+
+/// An arm whose tool is not stated: the target is where the last frame is, and the wrist that
+/// carries it stands above the table all the same.
+#[test]
+fn the_wrist_stays_above_the_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text =
+        robots::ALL[0].replace("tool.xyz_mm = [60.0, -25.0, 110.0]", "tool.xyz_mm = [0, 0, 0]");
+    assert_ne!(text, robots::ALL[0]);
+    std::fs::write(folder.join("robot.toml"), &text).unwrap();
+    let table = "[[surfaces]]\nlabel = \"table\"\nshape = \"plane\"\n\
+                 point_mm = [0, 0, -200]\nnormal = [0, 0, 1]\n";
+    std::fs::write(folder.join("instruments.toml"), table).unwrap();
+    let line = ["plan", "robot.toml", "--kind", "touch", "--poses", "60", LIMITS, "--out", "p.csv"];
+    let ran = truearm(folder, &line);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let links = robot(&text).nominal();
+    let plan = std::fs::read_to_string(folder.join("p.csv")).unwrap();
+    for row in plan.lines().skip(1) {
+        let q: Vec<f64> = row.split(',').take(6).map(|x| x.parse::<f64>().unwrap()).collect();
+        let q: Vec<f64> = q.into_iter().map(f64::to_radians).collect();
+        let at = |joints: usize| {
+            chain(&links[..joints], Pose::identity(), Vector3::zeros())
+                .pose(&q[..joints])
+                .translation
+        };
+        let (wrist, target) = (at(5), at(6));
+        assert!((target.z + 0.2).abs() < 1e-6, "{target}");
+        let sine = (wrist - target).normalize().z;
+        assert!(sine > f64::to_radians(14.99).sin(), "{} degrees", sine.asin().to_degrees());
+    }
+}
+
+/// Where tolerances hold the tool better than measurements could, no bound of measurements is
+/// stated beside the smaller figure.
+#[test]
+fn no_figure_is_below_its_bound() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("robot.toml"), robots::ALL[0]).unwrap();
+    let mut stated = 0;
+    for width in ["150", "10", "1", "0.1"] {
+        let limits = format!("--limits={}", vec![format!("0:{width}"); 6].join(","));
+        let line = ["plan", "robot.toml", "--poses", "40", &limits, "--json", "--out", "p.csv"];
+        let ran = truearm(folder, &line);
+        assert_eq!(ran.code, Some(0), "{}", ran.err);
+        let report: Value = serde_json::from_str(&ran.out).unwrap();
+        let bound = report["bound_um"].as_f64();
+        stated += usize::from(bound.is_some());
+        assert!(
+            bound.is_none_or(|b| b <= report["worst_um"].as_f64().unwrap()),
+            "{width}: {bound:?}"
+        );
+    }
+    assert!((1..4).contains(&stated), "{stated}");
 }
 
 /// A bowl: what is touched from inside is planned inside, and the arm as it is drawn, which is

@@ -11,13 +11,29 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use truearm_host::files::{Gathered, planned_csv};
 use truearm_host::identify::{Problem, Scaling};
-use truearm_host::model::{Measurements, Robot, Workspace};
+use truearm_host::model::{Form, Measurements, Robot, Workspace};
+use truearm_host::observations::pixel::is_unfolded;
 use truearm_host::observations::{KINDS, by_name};
 use truearm_host::plan::cell::Cell as Around;
 use truearm_host::plan::kinds::candidates;
 use truearm_host::plan::{Candidate, PlanOptions, PosePlan, plan};
 use truearm_simulate::instruments::{Cell, Sigmas};
 use truearm_simulate::rigid;
+
+/// Brown's polynomial with k1 alone turns back where 1 + 3 k1 r^2 is nothing.
+#[test]
+fn a_lens_ends_where_it_turns_back() {
+    let text = "[[cameras]]\nlabel = \"c\"\nmounted = \"flange\"\nxyz_mm = [0, 0, 0]\n\
+                rpy_deg = [0, 0, 0]\nfocal_px = [600, 600]\ncentre_px = [640, 512]\n\
+                distortion = [-0.4, 0, 0, 0, 0]\n";
+    let book = Gathered::parse(Path::new("instruments.toml"), text).unwrap();
+    let camera = book.of(&[Form::Camera]).next().unwrap();
+    let edge = 1.2_f64.sqrt().recip();
+    for (r, shown) in [(0.0, true), (0.98 * edge, true), (1.02 * edge, false), (3.0, false)] {
+        let point = Vector3::new(0.6 * r, -0.8 * r, 1.0) * 0.7;
+        assert_eq!(is_unfolded(camera, &point), shown, "{r}");
+    }
+}
 
 const ARMS: u64 = 12;
 /// By how much places that are stated are off, m.

@@ -67,7 +67,9 @@ const PLANNED: &[(&str, Spots)] = &[
 ];
 
 /// Draws after which nothing can be measured somewhere.
-const MOST_TRIES: usize = 300;
+const MOST_TRIES: usize = 3000;
+/// Draws after which another measurement is drawn.
+const TRIES: usize = 300;
 
 /// Measurements of a kind that could be made, at most so many, the same of a seed; and
 /// where none could.
@@ -88,12 +90,14 @@ pub fn candidates(
         ));
     };
     let spots = spots(cell)?;
-    let draw = |spot: &dyn Spot, number: u64| {
+    let draw = |spot: &dyn Spot, number: u64, tries: usize| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(number);
-        (0..MOST_TRIES).find_map(|_| spot.draw(cell, &mut rng))
+        (0..tries).find_map(|_| spot.draw(cell, &mut rng))
     };
-    let open = spots.par_iter().enumerate().map(|(k, spot)| draw(&**spot, k as u64).is_some());
+    let is_open =
+        |(k, spot): (usize, &Box<dyn Spot>)| draw(&**spot, k as u64, MOST_TRIES).is_some();
+    let open = spots.par_iter().enumerate().map(is_open);
     let open: Vec<bool> = open.collect();
     let of = |is_open: bool| spots.iter().zip(&open).filter(move |(_, o)| **o == is_open);
     let closed: Vec<String> = of(false).map(|(spot, _)| spot.name()).collect();
@@ -111,7 +115,7 @@ pub fn candidates(
     }
     let first = spots.len() as u64;
     let numbers = (0..count).into_par_iter();
-    let all = numbers.filter_map(|k| draw(open[k % open.len()], first + k as u64)).collect();
+    let all = numbers.filter_map(|k| draw(open[k % open.len()], first + k as u64, TRIES)).collect();
     Ok((all, closed))
 }
 

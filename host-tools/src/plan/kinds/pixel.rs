@@ -12,7 +12,7 @@ use truearm::Pose;
 use super::{Candidate, Spot, placed, some};
 use crate::error::Result;
 use crate::model::{Form, Instrument, PlannedRow};
-use crate::observations::pixel::project;
+use crate::observations::pixel::{is_unfolded, project};
 use crate::plan::cell::{Cell, direction};
 
 /// How near anything may be to a camera, m.
@@ -162,15 +162,17 @@ impl View {
         Some(self.corners.iter().filter(seen).map(|(label, _)| label.as_str()).collect())
     }
 
-    /// Whether a point of the camera's frame is in the image, and in that of a pinhole
-    /// twice as large: far aside Brown's polynomials come back.
+    /// Whether a point of the camera's frame is in the image of its lens, and in that of a
+    /// pinhole twice as large: far aside Brown's polynomials are of no lens.
     fn is_inside(&self, local: &Vector3<f64>) -> bool {
         let at = project(&self.camera, local).at;
-        (0..2).all(|k| {
-            let [focal, centre] = [self.camera.numbers[k] * 1e3, self.camera.numbers[2 + k] * 1e3];
-            let straight = focal * local[k] / local.z + centre;
-            let size = self.image[k];
-            (0.0..=size).contains(&at[k]) && (-0.5 * size..=1.5 * size).contains(&straight)
-        })
+        is_unfolded(&self.camera, local)
+            && (0..2).all(|k| {
+                let [focal, centre] =
+                    [self.camera.numbers[k] * 1e3, self.camera.numbers[2 + k] * 1e3];
+                let straight = focal * local[k] / local.z + centre;
+                let size = self.image[k];
+                (0.0..=size).contains(&at[k]) && (-0.5 * size..=1.5 * size).contains(&straight)
+            })
     }
 }
