@@ -95,9 +95,8 @@ pub fn candidates(
         rng.set_stream(number);
         (0..tries).find_map(|_| spot.draw(cell, &mut rng))
     };
-    let is_open =
-        |(k, spot): (usize, &Box<dyn Spot>)| draw(&**spot, k as u64, MOST_TRIES).is_some();
-    let open = spots.par_iter().enumerate().map(is_open);
+    let open = spots.par_iter().enumerate();
+    let open = open.map(|(k, spot)| draw(&**spot, k as u64, MOST_TRIES).is_some());
     let open: Vec<bool> = open.collect();
     let of = |is_open: bool| spots.iter().zip(&open).filter(move |(_, o)| **o == is_open);
     let closed: Vec<String> = of(false).map(|(spot, _)| spot.name()).collect();
