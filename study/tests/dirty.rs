@@ -44,7 +44,7 @@ fn readings_of_a_pose_are_one_stand() {
 #[test]
 fn what_is_large_is_named() {
     for (seed, names) in [
-        // Read five times; geometry leaves the most in a tenth of the rows.
+        // Read five times; geometry leaves the most in few rows.
         (2_110_000_095, ["joint-coupling", "base-compliance"]),
         // A drift that predicts poses only beside the spring.
         (2_120_000_063, ["measurement-drift", "lateral-compliance"]),

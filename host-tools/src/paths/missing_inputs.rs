@@ -21,7 +21,7 @@ pub fn missing_inputs(model: &Model, path: &Path) -> Vec<String> {
             model.robot.reference_temperature
         ));
     }
-    let late = terms.iter().any(|t| t.effect.needs_warmth() && t.order != 0.0);
+    let late = model.terms.iter().any(|t| t.time_constant().is_some());
     let back = rows.windows(2).find(|two| {
         matches!((two[0].time, two[1].time), (Some(before), Some(now)) if now < before)
             && two[0].series == two[1].series
