@@ -6,7 +6,7 @@ use std::process::Stdio;
 use crate::image::directory;
 use crate::run::{Result, call, cargo, root, step};
 use crate::study::fuzz;
-use crate::{c, package, proof, python, test, tools};
+use crate::{c, package, pages, proof, python, test, tools};
 
 /// Every workspace.
 const LOCKED: [&str; 5] = [".", "tests/firmware", "capi", "fuzz", "host-tools/python"];
@@ -51,6 +51,7 @@ pub fn run() -> Result {
         true => python::run()?,
         false => eprintln!("\nno python3 with venv: the wheel is not built"),
     }
+    pages::run(&[])?;
     // Of each target: half a minute for both.
     fuzz::run(&["-max_total_time=15".to_owned()])
 }

@@ -5,11 +5,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use truearm::blob::{Blob, LAYOUT};
 use truearm::effects::Curve;
-use truearm::{ArmParameters, JointKind, LinkParameter, MdhParameters};
+use truearm::{JointKind, LinkParameter, MdhParameters};
+use truearm_sized::Parameters;
 
-use super::describe::term_columns;
+use super::describe::{parameters, term_columns};
 use crate::model::ErrorCurve;
-use crate::model::arm::with_joints;
 use crate::units::{joint_to_file, link_unit, point_to_mm, to_mm};
 
 /// The fields of a blob.
@@ -133,13 +133,7 @@ pub struct BlobCurve {
 /// The fields of a blob; `given` is how many bytes it was found in.
 #[must_use]
 pub fn contents(blob: &Blob, given: usize) -> Contents {
-    with_joints!(blob.joints(), N => {
-        let parameters = blob.parameters::<f64, N>();
-        of(blob, given, &parameters.unwrap_or_else(|e| unreachable!("N was chosen: {e}")))
-    })
-}
-
-fn of<const N: usize>(blob: &Blob, given: usize, p: &ArmParameters<f64, N>) -> Contents {
+    let p = &parameters(blob);
     let known = |metres: f64| (metres != 0.0).then(|| to_mm(metres));
     Contents {
         layout: LAYOUT,
@@ -162,7 +156,7 @@ fn of<const N: usize>(blob: &Blob, given: usize, p: &ArmParameters<f64, N>) -> C
             mass_kg: m.mass.to_vec(),
             com_mm: m.com.iter().map(point_to_mm).collect(),
         }),
-        joints: (0..N).map(|i| joint(p, i)).collect(),
+        joints: (0..p.nominal.len()).map(|i| joint(p, i)).collect(),
         terms: terms(p),
         curves: p.curves.iter().map(|curve| curve_of(&curve)).collect(),
         covariance_parameters: blob.covariance().map(|c| c.parameters()),
@@ -173,7 +167,7 @@ fn degrees(v: &Vector3<f64>) -> [f64; 3] {
     [v.x, v.y, v.z].map(f64::to_degrees)
 }
 
-fn joint<const N: usize>(p: &ArmParameters<f64, N>, i: usize) -> BlobJoint {
+fn joint(p: &Parameters, i: usize) -> BlobJoint {
     let kind = p.nominal[i].kind;
     let range = |r: Option<[f64; 2]>| r.map(|r| r.map(|q| joint_to_file(kind, q)));
     BlobJoint {
@@ -192,8 +186,8 @@ fn link(p: &MdhParameters<f64>) -> BlobLink {
     BlobLink { alpha_deg, a_mm, theta_offset_deg, d_mm, beta_deg }
 }
 
-fn terms<const N: usize>(p: &ArmParameters<f64, N>) -> Vec<BlobTerm> {
-    let kinds = p.nominal.map(|link| link.kind);
+fn terms(p: &Parameters) -> Vec<BlobTerm> {
+    let kinds = p.kinds();
     let term = |t: &truearm::effects::Term<f64>| {
         let (joint, component, order) = term_columns(t, &kinds);
         let (effect, unit) = (t.effect.name(), t.unit(&kinds));

@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 use truearm::blob::{self, Blob};
 use truearm::effects::{Curve, Term, time_constant};
-use truearm::{ArmParameters, Curves, JointKind, MdhParameters};
+use truearm::{Curves, JointKind, MdhParameters};
+use truearm_sized::Parameters;
 
-use crate::model::arm::with_joints;
 use crate::model::{ErrorCurve, friction, friction_unit, part};
 
 /// A blob in words, every field with its unit. `given` is how many bytes it was
@@ -25,18 +25,19 @@ pub fn describe(blob: &Blob, given: usize) -> String {
     } else {
         "authentication        none\n"
     };
-    with_joints!(blob.joints(), N => {
-        let parameters = blob.parameters::<f64, N>();
-        text += &fields(blob, &parameters.unwrap_or_else(|e| unreachable!("N was chosen: {e}")));
-    });
-    text
+    text + &fields(blob, &parameters(blob))
 }
 
-fn fields<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
-    let kinds = p.nominal.map(|link| link.kind);
+/// What a blob that was checked holds.
+pub(super) fn parameters<'t>(blob: &Blob<'t>) -> Parameters<'t> {
+    Parameters::read(blob).unwrap_or_else(|e| unreachable!("of its own number of joints: {e}"))
+}
+
+fn fields(blob: &Blob, p: &Parameters) -> String {
+    let kinds = p.kinds();
     let mut text = head(p);
     text += "joint     alpha deg       a mm  theta deg       d mm   beta deg   limits          covered\n";
-    (0..N).for_each(|i| text += &joint(p, i));
+    (0..kinds.len()).for_each(|i| text += &joint(p, i));
     text +=
         "\nRows marked + are the identified corrections, added to the nominal values above them.\n";
     text + &links(p) + &terms(&p.terms, &kinds) + &curves(p.curves) + &uncertainty(blob, p)
@@ -49,7 +50,7 @@ fn vector(v: &Vector3<f64>, factor: f64) -> String {
 }
 
 /// What is said of the arm as a whole.
-fn head<const N: usize>(p: &ArmParameters<f64, N>) -> String {
+fn head(p: &Parameters) -> String {
     let created = match p.created {
         0 => "unknown".to_owned(),
         seconds => {
@@ -91,7 +92,7 @@ fn head<const N: usize>(p: &ArmParameters<f64, N>) -> String {
 }
 
 /// The nominal parameters of a joint and, below them, the corrections.
-fn joint<const N: usize>(p: &ArmParameters<f64, N>, i: usize) -> String {
+fn joint(p: &Parameters, i: usize) -> String {
     let revolute = p.nominal[i].kind == JointKind::Revolute;
     let factor = if revolute { 1_f64.to_degrees() } else { 1e3 };
     let range = |r: &Option<[f64; 2]>| match r {
@@ -119,7 +120,7 @@ fn joint<const N: usize>(p: &ArmParameters<f64, N>, i: usize) -> String {
 }
 
 /// Masses of the links, where there are any.
-fn links<const N: usize>(p: &ArmParameters<f64, N>) -> String {
+fn links(p: &Parameters) -> String {
     let Some(m) = &p.masses else { return String::new() };
     let mut text = "\nlink     mass kg   centre of mass mm\n".to_owned();
     for (i, (mass, com)) in m.mass.iter().zip(&m.com).enumerate() {
@@ -129,11 +130,11 @@ fn links<const N: usize>(p: &ArmParameters<f64, N>) -> String {
 }
 
 /// Standard deviations from the covariance, as the corrections are printed.
-fn uncertainty<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String {
+fn uncertainty(blob: &Blob, p: &Parameters) -> String {
     let Some(covariance) = blob.covariance() else {
         return "\ncovariance            none\n".to_owned();
     };
-    let size = covariance.parameters();
+    let (size, kinds) = (covariance.parameters(), p.kinds());
     let mut variance = vec![0.0; size];
     let mut numbers = covariance.factor();
     for column in 0..size {
@@ -155,16 +156,15 @@ fn uncertainty<const N: usize>(blob: &Blob, p: &ArmParameters<f64, N>) -> String
         three(3, degrees),
         three(6, mm)
     );
-    for i in 0..N {
+    for i in 0..kinds.len() {
         let factors = [degrees, mm, degrees, mm, degrees];
         let cells =
             factors.iter().enumerate().map(|(k, f)| format!(" {:>10.4}", sigma[9 + 5 * i + k] * f));
         text += &format!("{:7}{}\n", i + 1, cells.collect::<String>());
     }
-    let kinds = p.nominal.map(|link| link.kind);
     for (i, term) in p.terms.iter().enumerate() {
         let unit = term.unit(&kinds);
-        text += &format!("term {:<3} {:.3e} {unit}\n", i + 1, sigma[9 + 5 * N + i]);
+        text += &format!("term {:<3} {:.3e} {unit}\n", i + 1, sigma[9 + 5 * kinds.len() + i]);
     }
     text
 }

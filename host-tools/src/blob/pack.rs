@@ -1,12 +1,12 @@
 //! From a model to the bytes a controller reads.
 
 use nalgebra::Vector3;
+use truearm::Curves;
 use truearm::blob::{self, DecodeError, EncodeError, Flaw, Key, Record};
-use truearm::effects::{MAX_TERMS, Masses, Order, Term};
-use truearm::{ArmParameters, Curves};
+use truearm::effects::{MAX_TERMS, Order, Term};
+use truearm_sized::{LinkMasses, Parameters};
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::model::arm::{fixed, with_joints};
 use crate::model::{JointTables, Model, ModelTerm, Placement, Robot};
 
 /// What the user may choose.
@@ -63,10 +63,7 @@ pub fn pack_with(model: &Model, options: &PackOptions) -> Result<Vec<u8>> {
     let curves = tables.curves();
     let size = blob::encoded_len(joints, terms.len()) + 4 * numbers + curves.as_bytes().len();
     let mut bytes = vec![0; size + blob::TAG];
-    let written = with_joints!(joints, N => {
-        let parameters = parameters::<N>(model, terms, curves, [sequence, created]);
-        blob::encode_with(&parameters, factor, &mut bytes)
-    });
+    let written = parameters(model, terms, curves, [sequence, created]).encode(factor, &mut bytes);
     let written = written.and_then(|size| match &options.key {
         Some(key) => blob::authenticate(&mut bytes, key),
         None => Ok(size),
@@ -202,33 +199,30 @@ fn created(model: &Model) -> Result<u32> {
     })
 }
 
-fn masses<const N: usize>(robot: &Robot) -> Option<Masses<f64, N>> {
-    let gravity = robot.gravity.filter(|_| robot.links.len() == N)?;
-    let links: [_; N] = fixed(&robot.links);
-    Some(Masses {
+fn masses(robot: &Robot) -> Option<LinkMasses> {
+    let gravity = robot.gravity.filter(|_| robot.links.len() == robot.joints.len())?;
+    Some(LinkMasses {
         gravity,
-        mass: links.map(|l| l.mass),
-        com: links.map(|l| l.com),
+        mass: robot.links.iter().map(|l| l.mass).collect(),
+        com: robot.links.iter().map(|l| l.com).collect(),
         payload_com: robot.payload,
     })
 }
 
 /// What a controller has to know of a model's arm, before any rounding.
-pub(crate) fn parameters<'t, const N: usize>(
+pub(crate) fn parameters<'t>(
     model: &Model,
     terms: heapless::Vec<Term<f64>, MAX_TERMS>,
     curves: Curves<'t>,
     [sequence, created]: [u32; 2],
-) -> ArmParameters<'t, f64, N> {
+) -> Parameters<'t> {
     let robot = &model.robot;
-    let joints: [_; N] = fixed(&robot.joints);
-    let covered: [_; N] = fixed(&model.covered);
-    ArmParameters {
+    Parameters {
         robot_id: model.robot_id.unwrap_or_else(|| blob::robot_id(&robot.name, &robot.serial)),
         sequence,
         created,
-        nominal: joints.map(|j| j.link),
-        corrections: fixed(&model.corrections),
+        nominal: robot.joints.iter().map(|j| j.link).collect(),
+        corrections: model.corrections.clone(),
         base_translation: model.frame_translation,
         base_rotation: model.frame_rotation,
         // The marker is where the tracker's target sat; the tool of the robot
@@ -238,8 +232,8 @@ pub(crate) fn parameters<'t, const N: usize>(
         curves,
         masses: masses(robot),
         reference_temperature: robot.reference_temperature,
-        limits: joints.map(|j| j.limits),
-        covered,
+        limits: robot.joints.iter().map(|j| j.limits).collect(),
+        covered: model.covered.clone(),
         rms_before: model.provenance.nominal_rms_mm * 1e-3,
         // 0: not known.
         rms_after: if model.changed { 0.0 } else { model.provenance.cross_validated_rms_mm * 1e-3 },

@@ -3,11 +3,10 @@
 use std::path::Path;
 
 use nalgebra::Vector3;
-use truearm::ArmParameters;
 use truearm::blob::{Blob, robot_id};
+use truearm_sized::Parameters;
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::model::arm::with_joints;
 use crate::model::{
     ErrorCurve, Joint, LinkMass, LinkPrior, Model, ModelTerm, Placement, Provenance, Robot,
 };
@@ -46,18 +45,16 @@ pub fn unpack(bytes: &[u8], path: &Path, name: Option<Name>) -> Result<Model> {
             "give name and serial as robot.toml had them, or neither",
         ));
     }
-    let parameters = with_joints!(blob.joints(), N => {
-        let p = blob.parameters::<f64, N>();
-        p.map(|p| model(&p, path, name))
-    });
-    let mut model = parameters.map_err(|e| {
+    let parameters = Parameters::read(&blob);
+    let parameters = parameters.map_err(|e| {
         Error::data(ErrorKind::Refused, format!("{}: {e}", path.display()), "see `truearm inspect`")
     })?;
+    let mut model = model(&parameters, path, name);
     model.covariance = blob.covariance().map(|covariance| covariance.factor().collect());
     Ok(model)
 }
 
-fn model<const N: usize>(p: &ArmParameters<f64, N>, path: &Path, name: Option<Name>) -> Model {
+fn model(p: &Parameters, path: &Path, name: Option<Name>) -> Model {
     let created = std::time::Duration::from_secs(u64::from(p.created));
     let known = name.is_some();
     let Name { name, serial } = name.unwrap_or_else(|| Name {
@@ -73,7 +70,7 @@ fn model<const N: usize>(p: &ArmParameters<f64, N>, path: &Path, name: Option<Na
             serial,
             sigma: ASSUMED_SIGMA,
             sigma_angle: None,
-            gravity: p.masses.map(|m| m.gravity),
+            gravity: p.masses.as_ref().map(|m| m.gravity),
             reference_temperature: p.reference_temperature,
             joints: joints
                 .map(|(link, limits)| Joint {
@@ -87,12 +84,12 @@ fn model<const N: usize>(p: &ArmParameters<f64, N>, path: &Path, name: Option<Na
             tool: p.tool,
             tool_rpy: Vector3::zeros(),
             links: links.map(|(mass, com)| LinkMass { mass: *mass, com: *com }).collect(),
-            payload: p.masses.map_or_else(Vector3::zeros, |m| m.payload_com),
+            payload: p.masses.as_ref().map_or_else(Vector3::zeros, |m| m.payload_com),
             warnings: Vec::new(),
         },
-        corrections: p.corrections.to_vec(),
+        corrections: p.corrections.clone(),
         uncertainties: Vec::new(),
-        covered: p.covered.to_vec(),
+        covered: p.covered.clone(),
         terms: p.terms.iter().copied().map(ModelTerm::Arm).collect(),
         curves: p.curves.iter().map(|curve| ErrorCurve::of_blob(&curve)).collect(),
         stations: Vec::new(),

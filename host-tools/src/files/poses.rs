@@ -22,14 +22,36 @@ pub fn poses_csv(
     names.extend((1..=sides).map(|joint| format!("dir{joint}")));
     let row = |(i, q): (usize, &Vec<f64>)| {
         let joints = q.iter().enumerate();
-        let mut cells: Vec<String> =
-            joints.map(|(j, q)| format!("{:.3}", joint_to_file(kind(j), *q))).collect();
+        let mut cells: Vec<String> = joints.map(|(j, q)| planned_joint(robot, j, *q, 3)).collect();
         cells.extend(point_to_mm(&target(q).translation).map(|x| format!("{x:.3}")));
         let sides = directions.get(i).into_iter().flatten();
         cells.extend(sides.map(|side| side.to_string()));
         cells
     };
     csv_text(names.iter().map(String::as_str), poses.iter().enumerate().map(row))
+}
+
+/// A joint value with so many digits, rounded inwards at a limit.
+fn planned_joint(robot: &Robot, joint: usize, q: f64, digits: usize) -> String {
+    let kind = robot.joints[joint].link.kind;
+    let value = joint_to_file(kind, q);
+    let step = 0.1_f64.powi(digits as i32);
+    let beyond = |shown: &str, low: f64, high: f64| {
+        let shown: f64 = shown.parse().unwrap_or(value);
+        if shown < low {
+            step
+        } else if shown > high {
+            -step
+        } else {
+            0.0
+        }
+    };
+    let shown = format!("{value:.digits$}");
+    let inwards = robot.joints[joint].limits.map_or(0.0, |limits| {
+        let [low, high] = limits.map(|limit| joint_to_file(kind, limit));
+        beyond(&shown, low, high)
+    });
+    if inwards == 0.0 { shown } else { format!("{:.digits$}", value + inwards) }
 }
 
 /// Digits of a joint value where the target is to be in one place: 1e-5 degrees or mm.
@@ -65,7 +87,7 @@ pub fn planned_csv(robot: &Robot, kind: &dyn Kind, measurements: &[Vec<PlannedRo
     let row = |(i, row): (usize, &PlannedRow)| {
         let joints = row.q.iter().enumerate();
         let mut cells: Vec<String> =
-            joints.map(|(j, q)| format!("{:.DIGITS$}", joint_to_file(joint(j), *q))).collect();
+            joints.map(|(j, q)| planned_joint(robot, j, *q, DIGITS)).collect();
         if at_contact {
             cells.extend(row.q.iter().map(|_| String::new()));
         }
@@ -84,4 +106,33 @@ pub fn planned_csv(robot: &Robot, kind: &dyn Kind, measurements: &[Vec<PlannedRo
     let rows = measurements.iter().enumerate();
     let rows = rows.flat_map(|(i, rows)| rows.iter().map(move |row| (i, row))).map(row);
     csv_text(names.iter().map(String::as_str), rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// What is written may be read: never beyond a limit by rounding, never farther
+        /// than one step from what was planned.
+        #[test]
+        fn planned_joints_are_within_their_limits(
+            (low, width) in (-3.0..3.0_f64, 0.01..3.0_f64),
+            share in prop_oneof![Just(0.0), Just(1.0), 0.0..1.0],
+            digits in 3..=5_usize,
+        ) {
+            let limits = [low, low + width].map(f64::to_degrees);
+            let text = include_str!("../../../tests/data/seed-table-8/robot.toml");
+            let mut robot = Robot::parse(Path::new("robot.toml"), text).unwrap();
+            robot.joints[0].limits = Some([low, low + width]);
+            let q = (low + share * width).min(low + width);
+            let shown: f64 = planned_joint(&robot, 0, q, digits).parse().unwrap();
+            prop_assert!((limits[0]..=limits[1]).contains(&shown), "{shown} {limits:?}");
+            prop_assert!((shown - q.to_degrees()).abs() <= 0.1_f64.powi(digits as i32));
+        }
+    }
 }

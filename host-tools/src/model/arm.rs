@@ -5,10 +5,10 @@ use nalgebra::Vector3;
 use truearm::effects::{Load, Masses, Term};
 use truearm::kinematics::LinkTurns;
 use truearm::{Chain, Link, Pose};
+use truearm_sized::{fixed, with_joints};
 
 pub use super::derivatives::Derivatives;
 pub use super::row_inputs::RowInputs;
-pub(crate) use super::row_inputs::{fixed, with_joints};
 
 /// An arm of any number of joints, seen from a station.
 pub trait Kinematics: Send + Sync {

@@ -4,8 +4,9 @@ use nalgebra::{Matrix3, Vector3};
 use truearm::Link;
 use truearm::effects::{Term, TermInputs};
 use truearm::kinematics::LinkColumns;
+use truearm_sized::with_joints;
 
-use super::row_inputs::{RowInputs, with_joints};
+use super::row_inputs::RowInputs;
 
 /// The tool point and its derivatives at one pose.
 #[derive(Debug, Clone)]

@@ -1,9 +1,10 @@
 use nalgebra::Vector3;
 use truearm::{JointKind, Pose, Task};
+use truearm_sized::{Applied, Asked};
 
 use super::forward::{Forward, View, off};
 use super::inverse::{Followed, Inverse};
-use super::law::{self, Applied, Asked, Law};
+use super::law::{self, ModelLaw};
 use crate::error::{Error, ErrorKind, Result};
 use crate::model::{Coordinates, JointTables, Model, Path, Placement};
 use crate::units::joint_to_file;
@@ -99,7 +100,7 @@ pub fn compensate(model: &Model, path: &Path, options: &CompensateOptions) -> Re
     } else {
         law::double(model, &tables, &asked)?
     };
-    let one = One { law: law.as_ref(), nominal: &nominal, real: &real, path, options };
+    let one = One { law: &law, nominal: &nominal, real: &real, path, options };
     let (rows, chosen, jumps) = match path.coordinates {
         Coordinates::Joints => {
             let rows = (0..path.data.rows.len()).map(|i| one.row(i, &path.data.rows[i].q));
@@ -142,7 +143,7 @@ fn asked(model: &Model, options: &CompensateOptions) -> Result<Asked> {
 
 /// What one row needs.
 struct One<'a> {
-    law: &'a dyn Law,
+    law: &'a ModelLaw<'a>,
     nominal: &'a Forward,
     real: &'a Forward,
     path: &'a Path,

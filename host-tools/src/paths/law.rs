@@ -1,39 +1,15 @@
 //! The controller's law for one command, for any number of joints.
 
 use truearm::blob::Blob;
-use truearm::compensate::{Refusal, Status};
+use truearm::compensate::{Refusal, SettingError};
 use truearm::effects::{MAX_TERMS, Term, deflection};
-use truearm::{Approach, Arm, ArmParameters, Compensator, Pose, Scalar, Settings, State, Task};
+use truearm::{Approach, MAX_JOINTS};
+use truearm_sized::{Applied, Asked, Conditions, Law};
 
 use crate::blob::{PackOptions, arm_terms, pack_with, parameters};
 use crate::error::{Error, ErrorKind, Result};
-use crate::model::arm::{RowInputs, fixed, with_joints};
+use crate::model::arm::RowInputs;
 use crate::model::{JointTables, Model, Row};
-
-/// What the law is asked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Asked {
-    pub task: Task,
-    pub trust_nominal_orientation: bool,
-    /// The tool in the last frame.
-    pub tool: Pose<f64>,
-}
-
-/// What the law made of a command.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Applied {
-    /// rad or m
-    pub joints: Vec<f64>,
-    /// Something held the correction back.
-    pub clamped: bool,
-    /// The command is within the joint ranges of the identification.
-    pub covered: bool,
-}
-
-/// A command as a standing controller answers it: no ramp, no step limit.
-pub(super) trait Law {
-    fn apply(&self, row: &Row, command: &[f64]) -> std::result::Result<Applied, Refusal>;
-}
 
 /// The law in f64. A model with more terms than a controller takes keeps its
 /// periodic ones outside of the arm, where [`Waves`] takes them back as the law
@@ -42,7 +18,7 @@ pub(super) fn double<'t>(
     model: &'t Model,
     tables: &'t JointTables,
     asked: &Asked,
-) -> Result<Box<dyn Law + 't>> {
+) -> Result<ModelLaw<'t>> {
     let all: Vec<Term<f64>> = arm_terms(model).collect();
     let (waves, others): (Vec<_>, Vec<_>) = if all.len() <= MAX_TERMS {
         (Vec::new(), all)
@@ -50,10 +26,9 @@ pub(super) fn double<'t>(
         all.iter().partition(|term| term.effect.order().is_cycles())
     };
     let terms = heapless::Vec::from_slice(&others).map_err(|_| too_many(model, others.len()))?;
-    with_joints!(model.robot.joints.len(), N => {
-        let arm = Arm::new(&parameters::<N>(model, terms, tables.curves(), [0, 0]));
-        Ok(Box::new(SizedLaw { waves: Waves::new(waves, model), ..sized::<f64, N>(model, arm, asked)? }) as Box<dyn Law + 't>)
-    })
+    let parameters = parameters(model, terms, tables.curves(), [0, 0]);
+    let law = truearm_sized::double(&parameters, asked).map_err(|e| not_so(model, &e))?;
+    Ok(ModelLaw { law, waves: Waves::new(waves, model) })
 }
 
 /// The parameters that the controller would be given.
@@ -63,21 +38,15 @@ pub(super) fn packed(model: &Model) -> Result<Vec<u8>> {
 }
 
 /// The law in f32, of [`packed`] parameters: the controller's bits.
-pub(super) fn single<'t>(
-    model: &Model,
-    blob: &'t [u8],
-    asked: &Asked,
-) -> Result<Box<dyn Law + 't>> {
-    with_joints!(model.robot.joints.len(), N => {
-        let refused = |e: String| {
-            let help = "`truearm pack` says what a controller refuses of this model";
-            Error::data(ErrorKind::Refused, format!("{}: {e}", model.robot.path.display()), help)
-        };
-        let blob = Blob::check(blob).map_err(|e| refused(e.to_string()))?;
-        let parameters: ArmParameters<'t, f32, N> =
-            blob.parameters().map_err(|e| refused(e.to_string()))?;
-        Ok(Box::new(sized::<f32, N>(model, Arm::new(&parameters), asked)?) as Box<dyn Law + 't>)
-    })
+pub(super) fn single<'t>(model: &Model, blob: &'t [u8], asked: &Asked) -> Result<ModelLaw<'t>> {
+    let refused = |e: truearm::blob::DecodeError| {
+        let help = "`truearm pack` says what a controller refuses of this model";
+        Error::data(ErrorKind::Refused, format!("{}: {e}", model.robot.path.display()), help)
+    };
+    let blob = Blob::check(blob).map_err(refused)?;
+    let law = truearm_sized::single(&blob, asked).map_err(refused)?;
+    let law = law.map_err(|e| not_so(model, &e))?;
+    Ok(ModelLaw { law, waves: Waves::new(Vec::new(), model) })
 }
 
 fn too_many(model: &Model, terms: usize) -> Error {
@@ -91,77 +60,46 @@ fn too_many(model: &Model, terms: usize) -> Error {
     )
 }
 
-struct SizedLaw<'t, T, const N: usize> {
-    arm: Arm<'t, T, N>,
-    settings: Settings<T, N>,
+fn not_so(model: &Model, e: &SettingError) -> Error {
+    let help = "points alone were measured: take --task position, or \
+                --trust-nominal-orientation if you answer for the flange being mounted as drawn";
+    Error::usage(format!("{}: {e}", model.robot.path.display()), help)
+}
+
+/// The law, and what of a model no controller takes.
+pub(super) struct ModelLaw<'t> {
+    law: Box<dyn Law + 't>,
     waves: Waves,
 }
 
-fn sized<'t, T: Scalar, const N: usize>(
-    model: &Model,
-    arm: Arm<'t, T, N>,
-    asked: &Asked,
-) -> Result<SizedLaw<'t, T, N>> {
-    let number = T::from_f64;
-    let tool = Pose {
-        rotation: asked.tool.rotation.map(number),
-        translation: asked.tool.translation.map(number),
-    };
-    let mut settings = Settings::new(asked.task);
-    settings.trust_nominal_orientation = asked.trust_nominal_orientation;
-    // A standing command gets all of its correction at once.
-    settings.ramp_ticks = 0;
-    settings.max_change = [number(0.2); N];
-    let arm = arm.with_tool(tool);
-    Compensator::new(arm.clone(), settings, &[T::ZERO; N]).map_err(|e| {
-        let help = "points alone were measured: take --task position, or \
-                    --trust-nominal-orientation if you answer for the flange being mounted as drawn";
-        Error::usage(format!("{}: {e}", model.robot.path.display()), help)
-    })?;
-    Ok(SizedLaw { arm, settings, waves: Waves::new(Vec::new(), model) })
-}
-
-impl<T: Scalar, const N: usize> Law for SizedLaw<'_, T, N> {
-    fn apply(&self, row: &Row, command: &[f64]) -> std::result::Result<Applied, Refusal> {
-        let q: [T; N] = fixed::<f64, N>(command).map(T::from_f64);
-        let rest = self.arm.state();
-        let mut approach = [Approach::Unknown; N];
+impl ModelLaw<'_> {
+    /// The joints for the command of a row.
+    pub(super) fn apply(
+        &self,
+        row: &Row,
+        command: &[f64],
+    ) -> std::result::Result<Applied, Refusal> {
+        let mut approach = vec![Approach::Unknown; command.len()];
         for (side, direction) in approach.iter_mut().zip(&row.directions) {
             *side = Approach::of_motion(f64::from(*direction));
         }
-        let state = State {
-            approach,
-            payload: row.payload.map_or(rest.payload, T::from_f64),
+        let conditions = Conditions {
+            approach: &approach,
+            payload: row.payload,
             // What the controller's own filter makes of what was read up to here.
-            temperature: row
-                .temperature_of_arm(self.arm.thermal_lag().time_constant().to_f64())
-                .map_or(rest.temperature, T::from_f64),
+            temperature: row.temperature_of_arm(self.law.time_constant()),
         };
-        // A new one for every row: what was applied before must not count.
-        let Ok(mut compensator) = Compensator::new(self.arm.clone(), self.settings, &q) else {
-            return Err(Refusal::OutOfRange);
-        };
-        compensator.set_active(true);
-        let tick = compensator.tick(&q, &state);
-        if let Status::Refused(refusal) = tick.status {
-            return Err(refusal);
-        }
-        let mut joints = tick.joints.map(Scalar::to_f64).to_vec();
-        let bound = self
-            .waves
-            .take_back(command, &mut joints, |j| self.settings.max_correction[j].to_f64());
+        let mut applied = self.law.apply(command, &conditions)?;
+        let most = self.law.max_correction();
+        let bound = self.waves.take_back(command, &mut applied.joints, |j| most[j]);
         // A limit in the controller's numbers may be beyond the one of the files by
         // rounding: either has the same bits there, and this one is within.
-        for (joint, limit) in joints.iter_mut().zip(&self.waves.limits) {
+        for (joint, limit) in applied.joints.iter_mut().zip(&self.waves.limits) {
             if let Some([low, high]) = limit {
                 *joint = joint.max(*low).min(*high);
             }
         }
-        Ok(Applied {
-            joints,
-            clamped: bound || !tick.clamped.is_empty(),
-            covered: tick.covered.unwrap_or(false),
-        })
+        Ok(Applied { clamped: bound || applied.clamped, ..applied })
     }
 }
 
@@ -205,7 +143,7 @@ impl Waves {
             held |= share < 1.0;
             let stands = joints[*j];
             for _ in 0..ROUNDS {
-                joints[*j] = stands - share * wave(terms, command.len(), *j, joints[*j]);
+                joints[*j] = stands - share * wave(terms, *j, joints[*j]);
             }
         }
         let size = |j: usize| (joints[j] - command[j]).abs();
@@ -221,10 +159,9 @@ impl Waves {
 }
 
 /// What its periodic terms turn a joint by at a reading q.
-fn wave(terms: &[Term<f64>], joints: usize, joint: usize, q: f64) -> f64 {
-    with_joints!(joints, N => {
-        let mut all = [0.0; N];
-        all[joint] = q;
-        deflection(terms, &RowInputs::default().fixed::<N>(&all)).joints[joint]
-    })
+fn wave(terms: &[Term<f64>], joint: usize, q: f64) -> f64 {
+    // Of one joint's periodic terms nothing hangs on the other joints.
+    let mut all = [0.0; MAX_JOINTS];
+    all[joint] = q;
+    deflection(terms, &RowInputs::default().fixed::<MAX_JOINTS>(&all)).joints[joint]
 }

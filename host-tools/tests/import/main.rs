@@ -4,5 +4,6 @@ mod keys;
 #[path = "../published/mod.rs"]
 mod published;
 mod rows;
+mod seconds;
 mod tables;
 mod times;

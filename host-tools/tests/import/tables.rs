@@ -40,9 +40,8 @@ pub fn refused(files: &Files, robot: Option<&Robot>, options: &ImportOptions) ->
     format!("{error} -> {}", error.help()).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Each gives the plain table, first by guess and then by what it wrote down.
-#[test]
-fn one_table_in_many_shapes() {
+/// The paper's points in the shapes of those who publish such.
+pub fn shapes() -> Vec<(&'static str, Vec<u8>)> {
     let semicolons =
         |decimal| text("J1;J2;J3;J4;J5;J6;X;Y;Z\n", &scaled(true, false), ";", decimal);
     let names = "A1 [°],A2 [°],A3 [°],A4 [°],A5 [°],A6 [°],X,Y,Z\n";
@@ -78,7 +77,7 @@ fn one_table_in_many_shapes() {
         .lines()
         .map(|l| format!("\"{}\"\n", l.replace(',', "\",\"").replace('.', ",")))
         .collect();
-    let cases: Vec<(&str, Vec<u8>)> = vec![
+    vec![
         ("plain.csv", plain().into()),
         ("radians and decimal commas.csv", semicolons(",").into()),
         (
@@ -114,9 +113,14 @@ fn one_table_in_many_shapes() {
             )
             .into(),
         ),
-    ];
+    ]
+}
+
+/// Each gives the plain table, first by guess and then by what it wrote down.
+#[test]
+fn one_table_in_many_shapes() {
     let arm = robot();
-    for (name, bytes) in cases {
+    for (name, bytes) in shapes() {
         for robot in [None, Some(&arm)] {
             let (folder, paths) = written(&vec![(name, bytes.clone())]);
             let options = ImportOptions::default();

@@ -293,6 +293,10 @@ fn what_stays_open_is_said() {
     assert!(planned.undetermined[0].contains("the overall scale"), "{:?}", planned.undetermined);
     assert!(determined.worst < 0.5 * planned.worst);
     let bench = Bench::new(2, &ANY);
+    // No reading has a length in it: one that is known would close no other.
+    let planned = bench.planned("inclination", 20);
+    let [leaves] = &planned.undetermined[..] else { panic!("{:?}", planned.undetermined) };
+    assert!(leaves.contains("every length"));
     let planned = bench.planned("plate", 20);
     assert!(planned.undetermined.is_empty() && planned.determined.is_none());
     assert_eq!(bench.planned("pixel", 10).what, "the camera");

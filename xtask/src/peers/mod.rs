@@ -5,6 +5,7 @@
 mod arm;
 mod program;
 mod table;
+mod urdf;
 
 use std::path::Path;
 

@@ -4,9 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use super::urdf;
 use crate::bench::pinned;
 use crate::python;
-use crate::run::{Result, call, cargo, exists, root, shown};
+use crate::run::{Result, call, cargo, exists, root, shown, step};
 
 /// A program and what stands before its arguments.
 pub struct Program {
@@ -39,6 +40,7 @@ impl Program {
         fs::write(folder.join("peers.py"), PYTHON)?;
         match environment(folder, "pinocchio", "pin>=4,<5 numpy") {
             Ok(python) => {
+                step("calibrated URDFs read by Pinocchio", || urdf::check(&python, folder))?;
                 programs.push(Self::of_python(folder, &python, "numpy"));
                 programs.push(in_cpp(folder, &python).unwrap_or_else(|error| {
                     eprintln!("Pinocchio not in C++, so through Python, call by call: {error}");

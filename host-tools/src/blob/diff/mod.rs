@@ -8,6 +8,7 @@ mod parameters;
 use schemars::JsonSchema;
 use serde::Serialize;
 use truearm::blob::Blob;
+use truearm_sized::Parameters;
 
 pub use motion::Motion;
 use moved::Moved;
@@ -15,7 +16,6 @@ use parameters::parameters;
 
 use super::describe::{rms, term_columns};
 use crate::error::{Error, ErrorKind, Result};
-use crate::model::arm::with_joints;
 
 /// What two blobs differ by.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
@@ -107,12 +107,10 @@ pub fn difference(before: &[u8], after: &[u8], poses: usize, seed: u64) -> Resul
         out.text += &format!("covariance {} -> {}\n", has(&a), has(&b));
         out.told("covariance", [&a, &b].map(|blob| has(blob).to_owned()));
     }
-    let motions = with_joints!(a.joints(), N => {
-        let fail = |e| Error::data(ErrorKind::Refused, format!("{e}"), "see `truearm inspect`");
-        let (a, b) = (a.parameters::<f64, N>().map_err(fail)?, b.parameters().map_err(fail)?);
-        parameters(&mut out, &a, &b);
-        motion::motion(&mut out.text, &a, &b, (poses, seed))
-    });
+    let fail = |e| Error::data(ErrorKind::Refused, format!("{e}"), "see `truearm inspect`");
+    let (a, b) = (Parameters::read(&a).map_err(fail)?, Parameters::read(&b).map_err(fail)?);
+    parameters(&mut out, &a, &b);
+    let motions = motion::motion(&mut out.text, &a, &b, (poses, seed));
     Ok(out.difference(false, motions))
 }
 

@@ -5,7 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::Serialize;
-use truearm::{Approach, Arm, ArmParameters, JointKind, State};
+use truearm::{Approach, JointKind};
+use truearm_sized::{Conditions, Parameters, real_arm};
 
 use crate::units::{joint_to_file, point_to_mm};
 
@@ -34,30 +35,32 @@ pub struct Motion {
 }
 
 /// The tool's motion within the limits and within what both covered, and its words.
-pub(super) fn motion<const N: usize>(
+pub(super) fn motion(
     text: &mut String,
-    a: &ArmParameters<f64, N>,
-    b: &ArmParameters<f64, N>,
+    a: &Parameters,
+    b: &Parameters,
     (poses, seed): (usize, u64),
 ) -> Vec<Motion> {
-    let limits = core::array::from_fn(|i| {
+    let joints = a.nominal.len();
+    let limit = |i: usize| {
         let unknown = UNKNOWN[usize::from(a.nominal[i].kind == JointKind::Prismatic)];
         a.limits[i].or(a.covered[i]).unwrap_or([-unknown, unknown])
-    });
+    };
+    let limits: Vec<_> = (0..joints).map(limit).collect();
     let common = |i: usize| {
         let ([low, high], [l, h]) = (a.covered[i]?, b.covered[i]?);
         let both = [low.max(l), high.min(h)];
         (both[0] <= both[1]).then_some(both)
     };
-    let covered: Vec<_> = (0..N).filter_map(common).collect();
+    let covered: Vec<_> = (0..joints).filter_map(common).collect();
     let mut motions = Vec::new();
-    motions.extend(farthest(a, b, (poses, seed), "within the joint limits", limits));
-    let within_both = <[[f64; 2]; N]>::try_from(covered).ok();
-    motions.extend(within_both.and_then(|covered| {
+    motions.extend(farthest(a, b, (poses, seed), "within the joint limits", &limits));
+    let within_both = Some(covered).filter(|both| both.len() == joints);
+    motions.extend(within_both.as_ref().and_then(|covered| {
         farthest(a, b, (poses, seed), "within what both identifications covered", covered)
     }));
     *text += "\n";
-    motions.iter().for_each(|motion| *text += &told(motion, &a.nominal.map(|link| link.kind)));
+    motions.iter().for_each(|motion| *text += &told(motion, &a.kinds()));
     if within_both.is_none() {
         *text += "no pose lies within what both identifications covered\n";
     }
@@ -69,29 +72,31 @@ pub(super) fn motion<const N: usize>(
 }
 
 /// How far the tool moves within some ranges of the joints; `None` of no poses.
-fn farthest<const N: usize>(
-    a: &ArmParameters<f64, N>,
-    b: &ArmParameters<f64, N>,
+fn farthest(
+    a: &Parameters,
+    b: &Parameters,
     (poses, seed): (usize, u64),
     region: &'static str,
-    ranges: [[f64; 2]; N],
+    ranges: &[[f64; 2]],
 ) -> Option<Motion> {
-    let arms = [Arm::new(a), Arm::new(b)];
+    let arms = [real_arm(a), real_arm(b)];
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut worst, mut square, mut turn) = (None, 0.0, 0.0_f64);
     for _ in 0..poses {
-        let q = ranges.map(|[low, high]| rng.random_range(low..=high));
-        let state = State {
-            approach: [(); N]
-                .map(|()| if rng.random() { Approach::Positive } else { Approach::Negative }),
-            payload: 0.0,
-            temperature: a.reference_temperature + rng.random_range(-WARMTH..=WARMTH),
+        let q: Vec<f64> = ranges.iter().map(|[low, high]| rng.random_range(*low..=*high)).collect();
+        let side = |_| if rng.random() { Approach::Positive } else { Approach::Negative };
+        let approach: Vec<_> = ranges.iter().map(side).collect();
+        let conditions = Conditions {
+            approach: &approach,
+            payload: Some(0.0),
+            temperature: Some(a.reference_temperature + rng.random_range(-WARMTH..=WARMTH)),
         };
-        let [x, y] = arms.each_ref().map(|arm| arm.real_pose_in(&q, &state));
+        let [x, y] = arms.each_ref().map(|arm| arm.real_pose(&q, &conditions));
         let by = y.translation - x.translation;
         square += by.norm_squared();
         turn = turn.max(x.inverse().compose(&y).rotation_vector().norm());
-        if worst.is_none_or(|(most, _): (Vector3<f64>, _)| by.norm() > most.norm()) {
+        if worst.as_ref().is_none_or(|(most, _): &(Vector3<f64>, Vec<f64>)| by.norm() > most.norm())
+        {
             worst = Some((by, q));
         }
     }
@@ -102,7 +107,12 @@ fn farthest<const N: usize>(
         largest_mm: by.norm() * 1e3,
         rms_mm: (square / poses as f64).sqrt() * 1e3,
         turn_deg: turn.to_degrees(),
-        worst_pose: (0..N).map(|i| joint_to_file(a.nominal[i].kind, q[i])).collect(),
+        worst_pose: a
+            .nominal
+            .iter()
+            .zip(&q)
+            .map(|(link, q)| joint_to_file(link.kind, *q))
+            .collect(),
         by_mm: point_to_mm(&by),
     })
 }

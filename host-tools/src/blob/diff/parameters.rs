@@ -1,7 +1,7 @@
 //! What moved, parameter by parameter.
 
-use truearm::effects::Masses;
-use truearm::{ArmParameters, JointKind, LinkParameter};
+use truearm::{JointKind, LinkParameter};
+use truearm_sized::{LinkMasses, Parameters};
 
 use super::beyond::{curves, terms};
 use super::moved::{Moved, VISIBLE};
@@ -9,16 +9,12 @@ use super::rms;
 use crate::units::{DEGREES, link_unit};
 
 /// What moved between two blobs, as lines and for a report.
-pub(super) fn parameters<const N: usize>(
-    out: &mut Moved,
-    a: &ArmParameters<f64, N>,
-    b: &ArmParameters<f64, N>,
-) {
+pub(super) fn parameters(out: &mut Moved, a: &Parameters, b: &Parameters) {
     let before = out.text.len();
     out.vector("base translation", "mm", 1e3, [&a.base_translation, &b.base_translation]);
     out.vector("base rotation", "deg", DEGREES, [&a.base_rotation, &b.base_rotation]);
     out.vector("tool", "mm", 1e3, [&a.tool, &b.tool]);
-    (0..N).for_each(|i| joint(out, i, [a, b]));
+    (0..a.nominal.len()).for_each(|i| joint(out, i, [a, b]));
     masses(out, [&a.masses, &b.masses]);
     let temperature = [a.reference_temperature, b.reference_temperature];
     out.number("reference temperature", "degrees C", 1.0, temperature);
@@ -29,12 +25,12 @@ pub(super) fn parameters<const N: usize>(
         let [a, b] = of.map(rms);
         out.text(name, [&a, &b]);
     }
-    let orientation = |p: &ArmParameters<f64, N>| match p.orientation_identified {
+    let orientation = |p: &Parameters| match p.orientation_identified {
         true => "identified",
         false => "nominal",
     };
     out.text("flange orientation", [orientation(a), orientation(b)]);
-    let kinds = a.nominal.map(|link| link.kind);
+    let kinds = a.kinds();
     terms(out, &a.terms, &b.terms, &kinds);
     curves(out, [a.curves, b.curves]);
     if out.little > 0 {
@@ -47,9 +43,9 @@ pub(super) fn parameters<const N: usize>(
 }
 
 /// Kind, parameters and ranges of a joint.
-fn joint<const N: usize>(out: &mut Moved, i: usize, both: [&ArmParameters<f64, N>; 2]) {
+fn joint(out: &mut Moved, i: usize, both: [&Parameters; 2]) {
     let joint = i + 1;
-    let revolute = |p: &ArmParameters<f64, N>| p.nominal[i].kind == JointKind::Revolute;
+    let revolute = |p: &Parameters| p.nominal[i].kind == JointKind::Revolute;
     let kinds = both.map(|p| if revolute(p) { "revolute" } else { "prismatic" });
     out.text(&format!("joint {joint} kind"), kinds);
     let nominal = both.map(|p| p.nominal[i].parameters.to_array());
@@ -73,14 +69,14 @@ fn joint<const N: usize>(out: &mut Moved, i: usize, both: [&ArmParameters<f64, N
     }
 }
 
-fn masses<const N: usize>(out: &mut Moved, both: [&Option<Masses<f64, N>>; 2]) {
+fn masses(out: &mut Moved, both: [&Option<LinkMasses>; 2]) {
     let [Some(x), Some(y)] = both else {
         out.text("masses", both.map(|masses| if masses.is_some() { "given" } else { "none" }));
         return;
     };
     out.vector("gravity", "m/s^2", 1.0, [&x.gravity, &y.gravity]);
     out.vector("payload point", "mm", 1e3, [&x.payload_com, &y.payload_com]);
-    for i in 0..N {
+    for i in 0..x.mass.len() {
         out.number(&format!("link {} mass", i + 1), "kg", 1.0, [x.mass[i], y.mass[i]]);
         let name = format!("link {} centre of mass", i + 1);
         out.vector(&name, "mm", 1e3, [&x.com[i], &y.com[i]]);

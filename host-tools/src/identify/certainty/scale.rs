@@ -55,7 +55,9 @@ fn lengths(problem: &Problem) -> DVector<f64> {
 }
 
 /// By how many standard deviations the equations change with these lengths, for the whole
-/// of them, when frames and instruments have followed as far as they can.
+/// of them, when frames and instruments have followed as far as they can. Infinity where
+/// no reading has a length in it, as of an inclinometer: every length is then open, and
+/// one known closes none of the others.
 fn told(problem: &Problem, state: &State, lengths: &DVector<f64>) -> f64 {
     let (data, free) = (problem.data, problem.unknowns.free());
     let at = problem.linearise(state);
@@ -82,5 +84,8 @@ fn told(problem: &Problem, state: &State, lengths: &DVector<f64>) -> f64 {
     };
     let join = |a: Triangle, b: Triangle| Triangle::join([&a, &b].into_iter());
     let triangle = tree(&problem.counted(), CHUNK.max(2 * free + 2), &leaf, &join);
+    if triangle.residual_square(&DVector::zeros(free)) == 0.0 {
+        return f64::INFINITY;
+    }
     Factorised::new(&triangle, free).residual_square(0.0).sqrt()
 }
