@@ -1,4 +1,4 @@
-//! Figures as PNG: `cargo test -p truearm-host --features png --test png`
+//! Figures as PNG: with the workspace, or by `cargo test -p truearm-host --features png --test png`.
 
 #![cfg(feature = "png")]
 

@@ -41,12 +41,6 @@ pub fn run() -> Result {
     proof::others()?;
     c::miri()?;
     package::run()?;
-    // The host once more, for what it draws alone: not worth the minutes of an optimised build.
-    step("figures as PNG", || {
-        let unoptimised = "--config profile.dev.opt-level=0";
-        let line = format!("test -p truearm-host --features png --test png {unoptimised}");
-        call(&mut cargo(&root(), &line))
-    })?;
     match python::found() {
         true => python::run()?,
         false => eprintln!("\nno python3 with venv: the wheel is not built"),
