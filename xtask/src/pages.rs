@@ -1,13 +1,20 @@
 //! Every `report.html` opened in Chromium at the width of a telephone, of a desk
-//! and of a wall: no word on the console.
+//! and of a wall: all marks of the data are in the document, nothing is wider than the
+//! window, and the console has no other word.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::run::{Result, call, exists, program, root, step, target_dir};
+use crate::tools;
 
 const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
 const WIDTHS: [usize; 3] = [390, 1280, 2560];
+/// Of Chromium's windows, in pixels.
+const NARROWEST: usize = 500;
+/// What counts, at the end of a copy of each page, and what it says of a sound one.
+const COUNT: &str = include_str!("pages.js");
+const SOUND: &str = "as in the data: ";
 
 /// Verbs on the paper's points, with the page that each writes; and a diagnosis of a real
 /// arm, which has curves and waves to show.
@@ -26,7 +33,7 @@ const LINES: [(&str, &str); 6] = [
 
 /// Of these pages, or of every verb's where none are given.
 pub fn run(pages: &[PathBuf]) -> Result {
-    let Some(browser) = PROGRAMS.into_iter().find(|program| exists(program)) else {
+    let Some(browser) = found().or_else(installed) else {
         println!("no Chromium found ({}): pages were not opened", PROGRAMS.join(", "));
         return Ok(());
     };
@@ -36,6 +43,16 @@ pub fn run(pages: &[PathBuf]) -> Result {
             WIDTHS.iter().try_for_each(|width| open(browser, page, *width))
         })
     })
+}
+
+fn found() -> Option<&'static str> {
+    PROGRAMS.into_iter().find(|program| exists(program))
+}
+
+fn installed() -> Option<&'static str> {
+    let why = tools::ensure_program(PROGRAMS[0], PROGRAMS[0], "  a package of the system").err();
+    why.iter().for_each(|why| println!("{why}"));
+    found()
 }
 
 fn made() -> Result<Vec<PathBuf>> {
@@ -66,20 +83,36 @@ fn made() -> Result<Vec<PathBuf>> {
 fn open(browser: &str, page: &Path, width: usize) -> Result {
     let page = std::fs::canonicalize(page)?;
     let picture = page.with_extension(format!("{width}.png"));
+    let copy = page.with_extension("counted.html");
+    let text = std::fs::read_to_string(&page)?;
+    let script = format!("<script>\n{COUNT}</script></body>");
+    std::fs::write(&copy, text.replacen("</body>", &script, 1))?;
+    // No window of Chromium's is narrower than 500 px: as wide as asked for is a frame in it.
+    let frame = page.with_extension("frame.html");
+    let name = copy.file_name().unwrap_or_default().to_string_lossy();
+    let style = format!("border: 0; width: {width}px; height: 5990px");
+    let framed = format!("<iframe src=\"{name}\" style=\"{style}\"></iframe>");
+    std::fs::write(&frame, format!("<!DOCTYPE html><style>body {{ margin: 0 }}</style>{framed}"))?;
+    let window = width.max(NARROWEST);
     let output = Command::new(browser)
         .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"])
         .arg("--enable-logging=stderr")
-        .arg(format!("--window-size={width},6000"))
+        .arg(format!("--window-size={window},6000"))
         .arg(format!("--screenshot={}", picture.display()))
-        .arg(format!("file://{}", page.display()))
+        .arg(format!("file://{}", frame.display()))
         .output()?;
     let said = String::from_utf8_lossy(&output.stderr);
-    match said.lines().find(|line| line.contains("CONSOLE")) {
-        Some(line) => Err(format!("{} at {width}: {line}", page.display()).into()),
-        None if !picture.is_file() => Err(format!("no picture of {}", page.display()).into()),
-        None => {
-            println!("{width} px: {}", picture.display());
-            Ok(())
-        }
+    let lines: Vec<&str> = said.lines().filter(|line| line.contains("CONSOLE")).collect();
+    let [line] = lines[..] else {
+        return Err(format!("{} at {width}: {}", page.display(), lines.join("\n")).into());
+    };
+    let Some((_, counted)) = line.split_once(SOUND) else {
+        return Err(format!("{} at {width}: {line}", page.display()).into());
+    };
+    if !picture.is_file() {
+        return Err(format!("no picture of {}", page.display()).into());
     }
+    let counted = counted.split('"').next().unwrap_or(counted);
+    println!("{width} px: {counted}: {}", picture.display());
+    Ok(())
 }

@@ -191,21 +191,26 @@ impl<'a> Fitter<'a> {
             sights.iter().zip(&moved).map(|(s, d)| s.point - d.point).collect();
         let far: Vec<f64> = residuals.iter().map(Vector3::norm).collect();
         let spread = self.spread(&far);
-        let count = self.free.len();
-        let (mut normal, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
-        let mut columns: Vec<(usize, Vector3<f64>)> = Vec::with_capacity(count);
-        for (((sight, d), r), far) in sights.iter().zip(&moved).zip(&residuals).zip(&far) {
-            columns.clear();
-            columns.extend(self.free.iter().enumerate().filter_map(|(at, (k, _))| {
-                Some((at, column(self.unknowns.list()[*k], sight, d)?))
-            }));
+        // A row of the file is three of these, so that columns are of one piece.
+        let mut columns = DMatrix::zeros(3 * sights.len(), self.free.len());
+        let mut misses = DVector::zeros(3 * sights.len());
+        for (row, ((sight, d), (r, far))) in
+            sights.iter().zip(&moved).zip(residuals.iter().zip(&far)).enumerate()
+        {
             let weight = (FREEDOM + 3.0) / (FREEDOM + (far / spread).powi(2)) / spread.powi(2);
-            for (i, (row, a)) in columns.iter().enumerate() {
-                let a = a * weight;
-                right[*row] += a.dot(r);
-                for (column, b) in &columns[..=i] {
-                    normal[(*row, *column)] += a.dot(b);
+            let root = weight.sqrt();
+            misses.fixed_rows_mut::<3>(3 * row).copy_from(&(r * root));
+            for (at, (k, _)) in self.free.iter().enumerate() {
+                if let Some(moves) = column(self.unknowns.list()[*k], sight, d) {
+                    columns.fixed_view_mut::<3, 1>(3 * row, at).copy_from(&(moves * root));
                 }
+            }
+        }
+        let right = columns.tr_mul(&misses);
+        let mut normal = DMatrix::zeros(self.free.len(), self.free.len());
+        for column in 0..self.free.len() {
+            for row in column..self.free.len() {
+                normal[(row, column)] = columns.column(row).dot(&columns.column(column));
             }
         }
         (normal, right)
