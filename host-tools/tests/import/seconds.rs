@@ -10,7 +10,7 @@ use crate::tables::shapes;
 
 /// Asserts that every way ends in a verdict, and prints what each took.
 #[test]
-#[ignore = "prints times: cargo test --release -p truearm-host --test import seconds -- --ignored --nocapture"]
+#[ignore = "prints times: cargo test -p truearm-host --test import seconds -- --ignored --nocapture"]
 fn seconds_from_a_file_to_a_verdict() {
     for (name, bytes) in shapes() {
         let folder = tempfile::tempdir().unwrap();

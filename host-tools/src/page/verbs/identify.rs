@@ -26,7 +26,7 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
     let rest = match lacking {
         true => format!(
             "; the residuals are {:.1} times the stated noise, so this model lacks something that \
-             `truearm diagnose` looks for",
+             truearm diagnose looks for",
             f.residual_over_sigma
         ),
         false => format!("; the residuals are {:.1} times the stated noise", f.residual_over_sigma),

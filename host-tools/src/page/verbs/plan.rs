@@ -51,7 +51,7 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
         .say(
             "Predicted from the geometry and the stated noise alone: it says how well links, base \
              and tool will be known. What bends, wears or turns with the angle is not in it; \
-             `truearm diagnose` looks for that in what was measured.",
+             truearm diagnose looks for that in what was measured.",
         )
         .say(format!(
             "{} parameters that {} can determine; poses chosen out of {} candidates. \
