@@ -37,6 +37,10 @@ pub fn run(pages: &[PathBuf]) -> Result {
         println!("no Chromium found ({}): pages were not opened", PROGRAMS.join(", "));
         return Ok(());
     };
+    if !starts(browser)? {
+        println!("{browser} does not start here: pages were not opened");
+        return Ok(());
+    }
     let made = if pages.is_empty() { step("pages of every verb", made)? } else { pages.to_vec() };
     made.iter().try_for_each(|page| {
         step(&page.display().to_string(), || {
@@ -53,6 +57,21 @@ fn installed() -> Option<&'static str> {
     let why = tools::ensure_program(PROGRAMS[0], PROGRAMS[0], "  a package of the system").err();
     why.iter().for_each(|why| println!("{why}"));
     found()
+}
+
+fn headless(browser: &str) -> Command {
+    let mut command = Command::new(browser);
+    command.args(["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]);
+    // A container may have little shared memory.
+    command.args(["--disable-dev-shm-usage", "--enable-logging=stderr"]);
+    command
+}
+
+/// Whether a page's word reaches its console at all: not so in every container.
+fn starts(browser: &str) -> Result<bool> {
+    let page = "data:text/html,<script>console.log('a word')</script>";
+    let output = headless(browser).args(["--dump-dom", page]).output()?;
+    Ok(String::from_utf8_lossy(&output.stderr).contains("a word"))
 }
 
 fn made() -> Result<Vec<PathBuf>> {
@@ -94,9 +113,7 @@ fn open(browser: &str, page: &Path, width: usize) -> Result {
     let framed = format!("<iframe src=\"{name}\" style=\"{style}\"></iframe>");
     std::fs::write(&frame, format!("<!DOCTYPE html><style>body {{ margin: 0 }}</style>{framed}"))?;
     let window = width.max(NARROWEST);
-    let output = Command::new(browser)
-        .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"])
-        .arg("--enable-logging=stderr")
+    let output = headless(browser)
         .arg(format!("--window-size={window},6000"))
         .arg(format!("--screenshot={}", picture.display()))
         .arg(format!("file://{}", frame.display()))
