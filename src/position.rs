@@ -29,10 +29,10 @@ pub struct RealPosition<T> {
     pub pose: Pose<T>,
     /// One standard deviation of the tool point along x, y, z, m, from the
     /// identified covariance; `None` where none was given. It holds in the joint
-    /// ranges that the identification covered.
+    /// ranges that the identification covered, and in gaps of a curve with the wider band there.
     pub sigma: Option<[T; 3]>,
-    /// Every joint lies in the range that the identification covered; outside
-    /// of it the corrections are extrapolated.
+    /// The identification [covers](Arm::covers) every joint's value; elsewhere the
+    /// corrections are extrapolated.
     pub covered: bool,
     /// The data determined the orientation of the flange. If not, the
     /// directions that points cannot see are nominal.

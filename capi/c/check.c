@@ -69,6 +69,9 @@ static TruearmState state(uint32_t index)
     uint32_t digits = index;
     for (int j = 0; j < TRUEARM_JOINTS; j++, digits /= 3)
         state.approach[j] = (int8_t)(digits % 3) - 1;
+    state.has_torque = index % 5 == 0;
+    for (uint32_t j = 0; j < TRUEARM_JOINTS; j++)
+        state.torque[j] = (float)(index * (j + 3) % 97) - 48;
     return state;
 }
 

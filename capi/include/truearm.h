@@ -22,7 +22,7 @@
  Version of this interface: changes whenever a function, a structure or the
  memory it needs does.
  */
-#define TRUEARM_VERSION 4
+#define TRUEARM_VERSION 5
 
 /*
  Bytes of memory that `truearm_init` needs.
@@ -147,6 +147,10 @@ enum TruearmStatus
    Refused, no finite pose at this command: fading back to the command.
    */
   TRUEARM_STATUS_OUT_OF_RANGE = 5,
+  /*
+   Refused, terms need torques and the state has none: fading back to the command.
+   */
+  TRUEARM_STATUS_TORQUE_UNKNOWN = 6,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -273,6 +277,16 @@ typedef struct TruearmState {
    the readings of its thermometer.
    */
   float temperature_c;
+  /*
+   1 if `torque` is known; otherwise it is that of the masses of the blob, and an arm
+   without masses whose terms need it is not compensated.
+   */
+  uint8_t has_torque;
+  /*
+   What loads each joint, positive where it pulls towards +q as gravity's torque does:
+   the opposite of what the joint holds, N m (N for a prismatic joint).
+   */
+  float torque[TRUEARM_JOINTS];
 } TruearmState;
 
 /*

@@ -26,7 +26,7 @@ use types::{settings_of, state_of};
 
 /// Version of this interface: changes whenever a function, a structure or the
 /// memory it needs does.
-pub const TRUEARM_VERSION: u32 = 4;
+pub const TRUEARM_VERSION: u32 = 5;
 /// Bytes of memory that `truearm_init` needs.
 pub const TRUEARM_MEMORY_SIZE: usize = 4288;
 /// Alignment of that memory.

@@ -16,8 +16,13 @@ use super::*;
 
 const BLOB: &[u8] = include_bytes!("../../tests/data/firmware/ur10-terms.blob");
 const Q: [f32; 6] = [0.1, -1.2, 1.6, -1.2, -1.57, 0.8];
-const NEUTRAL: TruearmState =
-    TruearmState { approach: [0; 6], payload_kg: 0.0, temperature_c: 20.0 };
+const NEUTRAL: TruearmState = TruearmState {
+    approach: [0; 6],
+    payload_kg: 0.0,
+    temperature_c: 20.0,
+    has_torque: 0,
+    torque: [0.0; 6],
+};
 
 #[repr(C, align(8))]
 struct Memory([u8; TRUEARM_MEMORY_SIZE]);
@@ -371,4 +376,22 @@ fn a_blob_without_a_covariance_has_no_sigma() {
     // SAFETY: as the function wants it.
     let error = unsafe { truearm_point_sigma(arm, Q.as_ptr(), null(), sigma.as_mut_ptr()) };
     assert_eq!((error, sigma), (TruearmError::NoCovariance, [7.0; 3]));
+}
+
+/// Torques that are read count in the place of computed ones.
+#[test]
+fn torques_of_the_state_count() {
+    let mut memory = memory();
+    let arm = loaded(&mut memory);
+    let pose = |state: &TruearmState| {
+        let mut pose = MaybeUninit::<TruearmPose>::uninit();
+        // SAFETY: as the function wants it.
+        let error = unsafe { truearm_real_pose(arm, Q.as_ptr(), state, pose.as_mut_ptr()) };
+        assert_eq!(error, TruearmError::Ok);
+        // SAFETY: written where there was no error.
+        unsafe { pose.assume_init() }.matrix
+    };
+    let heavy = TruearmState { torque: [100.0; 6], ..NEUTRAL };
+    assert_eq!(pose(&heavy), pose(&NEUTRAL), "without has_torque it is not looked at");
+    assert_ne!(pose(&TruearmState { has_torque: 1, ..heavy }), pose(&NEUTRAL));
 }

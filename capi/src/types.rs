@@ -102,6 +102,12 @@ pub struct TruearmState {
     /// Temperature of the arm, degrees Celsius: what `truearm_arm_temperature` makes of
     /// the readings of its thermometer.
     pub temperature_c: f32,
+    /// 1 if `torque` is known; otherwise it is that of the masses of the blob, and an arm
+    /// without masses whose terms need it is not compensated.
+    pub has_torque: u8,
+    /// What loads each joint, positive where it pulls towards +q as gravity's torque does:
+    /// the opposite of what the joint holds, N m (N for a prismatic joint).
+    pub torque: [f32; TRUEARM_JOINTS],
 }
 
 /// How far a tick went.
@@ -120,6 +126,8 @@ pub enum TruearmStatus {
     StateNotFinite = 4,
     /// Refused, no finite pose at this command: fading back to the command.
     OutOfRange = 5,
+    /// Refused, terms need torques and the state has none: fading back to the command.
+    TorqueUnknown = 6,
 }
 
 /// What a tick did. Sets of joints are bits: joint 1 is bit 0.
@@ -245,7 +253,8 @@ pub fn state_of(c: &TruearmState) -> Result<State<f32, TRUEARM_JOINTS>> {
             _ => return Err(TruearmError::BadApproach),
         };
     }
-    Ok(State { approach, payload: c.payload_kg, temperature: c.temperature_c })
+    let torque = (c.has_torque != 0).then_some(c.torque);
+    Ok(State { approach, payload: c.payload_kg, temperature: c.temperature_c, torque })
 }
 
 impl From<&Tick<f32, TRUEARM_JOINTS>> for TruearmTick {
@@ -261,6 +270,7 @@ impl From<&Tick<f32, TRUEARM_JOINTS>> for TruearmTick {
                     TruearmStatus::CommandNotFinite
                 }
                 Status::Refused(Refusal::StateNotFinite) => TruearmStatus::StateNotFinite,
+                Status::Refused(Refusal::TorqueUnknown) => TruearmStatus::TorqueUnknown,
                 _ => TruearmStatus::OutOfRange,
             },
             position_error_m: tick.left.map_or([0.0; 3], |left| left.position),

@@ -26,13 +26,19 @@ pub struct State<T, const N: usize> {
     /// Temperature of the arm, degrees Celsius: what is read; of an arm that follows it
     /// late, what [`Arm::thermal_lag`] makes of the readings.
     pub temperature: T,
+    /// What loads each joint, as sensors or motor currents tell, N m or N, positive where it
+    /// pulls towards +q as gravity's torque does: the opposite of what the joint holds. It
+    /// counts in place of the torques that masses give; `None` where nothing is read.
+    pub torque: Option<[T; N]>,
 }
 
 impl<T: Scalar, const N: usize> State<T, N> {
-    /// At a temperature in degrees Celsius, without payload, approach unknown.
+    /// At a temperature in degrees Celsius, without payload, approach unknown, no torques
+    /// read.
     #[must_use]
     pub const fn at(temperature: T) -> Self {
-        Self { approach: [Approach::Unknown; N], payload: T::ZERO, temperature }
+        let approach = [Approach::Unknown; N];
+        Self { approach, payload: T::ZERO, temperature, torque: None }
     }
 }
 
@@ -63,6 +69,8 @@ pub struct Arm<'t, T, const N: usize> {
     limits: [Option<[T; 2]>; N],
     terms: Vec<Term<T>, MAX_TERMS>,
     curves: Curves<'t>,
+    /// Whether some curve has gaps, which [`Self::covers`] need not ask in every tick.
+    gaps: bool,
     folded: FoldedTerms<T, N>,
     /// Only where a term depends on gravity: whether to compute loads is
     /// decided here and not in every tick.
@@ -98,6 +106,7 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
             limits: p.limits,
             terms: p.terms.clone(),
             curves: p.curves,
+            gaps: p.curves.have_gaps(),
             folded,
             gravity,
             reference_temperature: p.reference_temperature,
@@ -184,10 +193,19 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         !(self.terms.is_empty() && self.curves.is_empty())
     }
 
+    /// Whether a term follows torques that only [`State::torque`] can give, as there are no
+    /// masses. In a state without them the arm has no finite pose.
+    #[must_use]
+    pub fn reads_torques(&self) -> bool {
+        self.gravity.is_none() && self.folded.needs_torque()
+    }
+
     /// Whether all that a term depends on is a number in this state.
     pub(crate) fn can_be_in(&self, state: &State<T, N>) -> bool {
         let payload = self.gravity.is_none() || state.payload.is_finite();
-        payload && (!self.folded.needs_warmth() || state.temperature.is_finite())
+        let torque = state.torque.iter().flatten().all(|torque| torque.is_finite());
+        let loads = payload && (torque || !self.folded.needs_torque());
+        loads && (!self.folded.needs_warmth() || state.temperature.is_finite())
     }
 
     /// The arm at its reference temperature, without payload, approach unknown:
@@ -205,7 +223,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
 
     /// Where the tool really is at encoder readings `q` (rad or m), in the
     /// commanded frame, the nominal base: without payload, at the reference
-    /// temperature, approach unknown. Terms that need only `q` and gravity apply.
+    /// temperature, approach unknown. Terms that need only `q` and gravity apply; an arm that
+    /// [reads torques](Self::reads_torques) has no pose without them: NaN.
     #[must_use]
     #[inline]
     pub fn real_pose(&self, q: &[T; N]) -> Pose<T> {
@@ -214,7 +233,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
 
     /// Where the tool really is at encoder readings `q` (rad or m) in a state
     /// of the arm, in the commanded frame. In `f32` a periodic term of order n
-    /// gives NaN from |n q| = 8192 rad on, see [`Scalar::sin_cos`].
+    /// gives NaN from |n q| = 8192 rad on, see [`Scalar::sin_cos`]; so does an arm that
+    /// [reads torques](Self::reads_torques) in a state without.
     #[must_use]
     pub fn real_pose_in(&self, q: &[T; N], state: &State<T, N>) -> Pose<T> {
         // One walk for both: a second one would be 600 bytes of text.
@@ -223,8 +243,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     }
 
     /// How far all terms and curves together deflect the arm. Gravity loads are those of the
-    /// nominal chain: a correction of a millimetre changes a torque by less
-    /// than a link's mass is known.
+    /// nominal chain, where no torques are read: a correction of a millimetre changes a
+    /// torque by less than a link's mass is known.
     #[must_use]
     pub fn deflection(&self, q: &[T; N], state: &State<T, N>) -> Deflection<T, N> {
         self.deflection_at(&self.inputs(q, state))
@@ -259,10 +279,18 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     /// All of them but the moments across the axes.
     #[inline(never)]
     fn inputs_within_joints(&self, turns: &Turns<T, N>, state: &State<T, N>) -> TermInputs<T, N> {
-        let load = self
+        let mut load = self
             .gravity
             .as_ref()
             .map_or(Load::none(), |gravity| gravity.load(&self.nominal, turns, state.payload));
+        if self.folded.needs_torque() {
+            match &state.torque {
+                Some(torque) => load.torque = *torque,
+                // Not zero: an arm that nobody asked would stand unloaded.
+                None if self.gravity.is_none() => load.torque = [T::from_f32(f32::NAN); N],
+                None => (),
+            }
+        }
         TermInputs {
             q: *turns.joints(),
             load,
@@ -285,12 +313,14 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     }
 
     /// Whether every joint lies within the range that the identification
-    /// covered. Outside of it the corrections are extrapolated.
+    /// covered, and where its curve, if it has one, [is known](crate::effects::Curve::knows).
+    /// Elsewhere the corrections are extrapolated.
     #[must_use]
     pub fn covers(&self, q: &[T; N]) -> bool {
-        self.covered.iter().zip(q).all(|(range, q)| match range {
+        let within = self.covered.iter().zip(q).all(|(range, q)| match range {
             Some([low, high]) => *low <= *q && *q <= *high,
             None => false,
-        })
+        });
+        within && (!self.gaps || self.curves.know(q))
     }
 }

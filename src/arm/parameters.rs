@@ -41,7 +41,8 @@ pub struct ArmParameters<'t, T, const N: usize> {
     /// Smooth errors of joint angles over a turn.
     pub curves: Curves<'t>,
     /// Gravity in the nominal base frame and the masses it pulls at. Without
-    /// them a term that depends on gravity does nothing.
+    /// them a term that depends on a joint's torque follows those that are read,
+    /// [`State::torque`](super::State::torque).
     pub masses: Option<Masses<T, N>>,
     /// Temperature the geometry refers to, degrees Celsius.
     pub reference_temperature: T,

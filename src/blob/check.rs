@@ -2,8 +2,8 @@ use super::curves;
 use super::error::{DecodeError, FieldName, Flaw, Record};
 use super::fields;
 use super::layout::{
-    CHECKSUM, FLAG_COVARIANCE, FLAG_MASSES, FLAG_TAG, FLAGS, HAS_COVERED, HAS_LIMITS, HEADER,
-    KNOWN_FLAGS, LAYOUT, MAGIC, RECORD, TAG, TERM, checksum, encoded_len, factor_len,
+    CHECKSUM, FLAG_COVARIANCE, FLAG_MASSES, FLAG_TAG, FLAG_TORQUES, FLAGS, HAS_COVERED, HAS_LIMITS,
+    HEADER, KNOWN_FLAGS, LAYOUT, MAGIC, RECORD, TAG, TERM, checksum, encoded_len, factor_len,
     uncertain_parameters,
 };
 use super::reader::Reader;
@@ -86,8 +86,9 @@ impl<'a> Blob<'a> {
         if term_count > MAX_TERMS {
             return Err(DecodeError::TermCount(terms));
         }
-        let masses = check_flags(header)?;
+        check_flags(header)?;
         let flags = header[FLAGS];
+        let masses = flags & FLAG_MASSES != 0;
         let factor_size =
             if flags & FLAG_COVARIANCE != 0 { 4 * factor_len(count, term_count) } else { 0 };
         let tag_size = if flags & FLAG_TAG != 0 { TAG } else { 0 };
@@ -110,8 +111,9 @@ impl<'a> Blob<'a> {
         }
         let mut late = None;
         for (record, index) in term::each(term_records).zip(0..) {
-            term::check(index, record, (joints, masses), &mut late)?;
+            term::check(index, record, (joints, flags), &mut late)?;
         }
+        check_torques(flags, term_records)?;
         if !factor.is_empty() {
             check_factor(factor, uncertain_parameters(count, term_count))?;
         }
@@ -133,12 +135,13 @@ fn check_layout(magic: [u8; 4], layout: u16) -> Result<(), DecodeError> {
     }
 }
 
-/// Whether there are masses.
-fn check_flags(header: &[u8; HEADER]) -> Result<bool, DecodeError> {
-    let unknown = |group| {
-        let name = FieldName { record: Record::Header, group, member: "" };
-        Err(DecodeError::Field(name, Flaw::Unknown))
-    };
+fn of_header(group: &'static str, flaw: Flaw) -> DecodeError {
+    DecodeError::Field(FieldName { record: Record::Header, group, member: "" }, flaw)
+}
+
+/// Whether flags and reserved bytes have a meaning.
+fn check_flags(header: &[u8; HEADER]) -> Result<(), DecodeError> {
+    let unknown = |group| Err(of_header(group, Flaw::Unknown));
     let [flags, reserved @ ..] =
         header.get(FLAGS..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0xff; 4]);
     if flags & !KNOWN_FLAGS != 0 {
@@ -147,7 +150,16 @@ fn check_flags(header: &[u8; HEADER]) -> Result<bool, DecodeError> {
     if reserved != [0; 3] {
         return unknown("reserved");
     }
-    Ok(flags & FLAG_MASSES != 0)
+    Ok(())
+}
+
+/// Torques are read where a term needs them and no masses give them, and nowhere else.
+fn check_torques(flags: u8, terms: &[u8]) -> Result<(), DecodeError> {
+    let loaded = || term::each(terms).filter_map(term::from_bytes::<f32>).any(|t| t.needs_torque());
+    if flags & FLAG_TORQUES != 0 && (flags & FLAG_MASSES != 0 || !loaded()) {
+        return Err(of_header("flags", Flaw::Implausible));
+    }
+    Ok(())
 }
 
 fn check_record(joint: u8, record: &[u8], masses: bool) -> Result<(), DecodeError> {

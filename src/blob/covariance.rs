@@ -107,7 +107,7 @@ impl<'a> Covariance<'a> {
 
     /// One standard deviation of where the tool point is, along x, y, z of the
     /// nominal base, m: `sqrt(diag(J L L' J'))`, first order in the errors; on top the
-    /// band of each curve, an independent error of its joint's angle.
+    /// band of each curve, an independent error of its joint's angle, as wide as it is at `q`.
     ///
     /// `arm` is the arm of this blob. Its own tool point was identified together
     /// with the geometry and counts with its covariance; another one (given by
@@ -169,8 +169,9 @@ impl<'a> Covariance<'a> {
         }
         // Where the joint really is differs from the curve's by an angle of its own.
         for curve in arm.curves().iter() {
-            if let Some(link) = jacobian.links.get(usize::from(curve.joint())) {
-                let off = link.theta * T::from_f32(curve.band());
+            let joint = usize::from(curve.joint());
+            if let (Some(link), Some(at)) = (jacobian.links.get(joint), q.get(joint).copied()) {
+                let off = link.theta * T::from_f32(curve.band_at(at));
                 for (variance, off) in variance.iter_mut().zip([off.x, off.y, off.z]) {
                     *variance += off * off;
                 }

@@ -6,8 +6,8 @@ use super::covariance::Covariance;
 use super::error::DecodeError;
 use super::fields;
 use super::layout::{
-    CREATED, FLAG_MASSES, FLAG_ORIENTATION, FLAGS, HAS_COVERED, HAS_LIMITS, LENGTH, RECORD,
-    ROBOT_ID, SEQUENCE, TERM,
+    CREATED, FLAG_MASSES, FLAG_ORIENTATION, FLAG_TORQUES, FLAGS, HAS_COVERED, HAS_LIMITS, LENGTH,
+    RECORD, ROBOT_ID, SEQUENCE, TERM,
 };
 use super::term;
 use super::values::{mdh, range, real, vector};
@@ -58,6 +58,13 @@ impl<'a> Blob<'a> {
     #[must_use]
     pub fn is_tagged(&self) -> bool {
         self.tag.is_some()
+    }
+
+    /// Whether terms follow torques that are read: [`State::torque`](crate::State::torque)
+    /// must be given.
+    #[must_use]
+    pub fn reads_torques(&self) -> bool {
+        self.flags() & FLAG_TORQUES != 0
     }
 
     /// Smooth errors of joint angles.

@@ -4,13 +4,13 @@ use super::check::Blob;
 use super::error::{DecodeError, EncodeError};
 use super::fields;
 use super::layout::{
-    CHECKSUM, CREATED, FLAG_COVARIANCE, FLAG_CURVES, FLAG_MASSES, FLAG_ORIENTATION, FLAGS,
-    HAS_COVERED, HAS_LIMITS, HEADER, LAYOUT, LENGTH, MAGIC, RECORD, ROBOT_ID, SEQUENCE, TERM,
-    checksum, encoded_len, factor_len,
+    CHECKSUM, CREATED, FLAG_COVARIANCE, FLAG_CURVES, FLAG_MASSES, FLAG_ORIENTATION, FLAG_TORQUES,
+    FLAGS, HAS_COVERED, HAS_LIMITS, HEADER, LAYOUT, LENGTH, MAGIC, RECORD, ROBOT_ID, SEQUENCE,
+    TERM, checksum, encoded_len, factor_len,
 };
 use super::term;
 use crate::arm::{ArmParameters, MAX_JOINTS};
-use crate::effects::Masses;
+use crate::effects::{Masses, Term};
 use crate::kinematics::JointKind;
 use crate::scalar::Scalar;
 
@@ -110,6 +110,7 @@ fn flags_of<T: Scalar, const N: usize>(p: &ArmParameters<T, N>, covariance: bool
         (p.masses.is_some(), FLAG_MASSES),
         (covariance, FLAG_COVARIANCE),
         (!p.curves.is_empty(), FLAG_CURVES),
+        (p.masses.is_none() && p.terms.iter().any(Term::needs_torque), FLAG_TORQUES),
     ];
     held.iter().filter(|(is, _)| *is).fold(0, |flags, (_, flag)| flags | flag)
 }

@@ -6,7 +6,7 @@ use super::crc32c::Crc32c;
 
 /// First four bytes of every blob.
 pub const MAGIC: [u8; 4] = *b"TARM";
-/// The layout this version writes and reads: formats 1.0 to 1.4.
+/// The layout this version writes and reads: formats 1.0 to 1.5.
 pub const LAYOUT: u16 = 3;
 /// Bytes of an authentication tag.
 pub const TAG: usize = 32;
@@ -28,9 +28,11 @@ pub(super) const FLAG_MASSES: u8 = 2;
 pub(super) const FLAG_COVARIANCE: u8 = 4;
 pub(super) const FLAG_TAG: u8 = 8;
 pub(super) const FLAG_CURVES: u8 = 16;
+/// Terms follow torques that are read; there are no masses.
+pub(super) const FLAG_TORQUES: u8 = 32;
 /// Without the feature no reader knows of curves, as firmware of format 1.1.
 pub(super) const KNOWN_FLAGS: u8 = {
-    let known = FLAG_ORIENTATION | FLAG_MASSES | FLAG_COVARIANCE | FLAG_TAG;
+    let known = FLAG_ORIENTATION | FLAG_MASSES | FLAG_COVARIANCE | FLAG_TAG | FLAG_TORQUES;
     if cfg!(feature = "curves") { known | FLAG_CURVES } else { known }
 };
 pub(super) const HAS_LIMITS: u8 = 1;

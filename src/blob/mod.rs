@@ -30,7 +30,7 @@ pub use acceptance::{Acceptance, AcceptanceError};
 pub use auth::{Key, authenticate};
 pub use check::Blob;
 pub use covariance::{Covariance, CovarianceError};
-pub use curves::{curve_len, encode_curve};
+pub use curves::{curve_len, encode_curve, encode_curve_with, gaps_len};
 pub use encode::{encode, encode_with};
 pub use error::{DecodeError, EncodeError, FieldName, Flaw, Record};
 pub(crate) use frame::Frame;

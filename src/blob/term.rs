@@ -1,7 +1,7 @@
 //! The 8 bytes of a term.
 
 use super::error::{DecodeError, FieldName, Flaw, Record};
-use super::layout::TERM;
+use super::layout::{FLAG_MASSES, FLAG_TORQUES, TERM};
 use super::reader::Reader;
 use crate::effects::{ActsOn, Effect, Order, Term};
 use crate::scalar::Scalar;
@@ -79,10 +79,11 @@ pub(super) fn from_bytes<T: Scalar>(bytes: &[u8; TERM]) -> Option<Term<T>> {
 
 /// Checks the `index`-th term, counted from 0, of an arm with so many joints. `late` is the
 /// time constant of the terms before it: all have one, as a state holds one temperature.
+/// `flags` are the blob's: they say what tells of loads.
 pub(super) fn check(
     index: u8,
     bytes: &[u8; TERM],
-    (joints, masses): (u8, bool),
+    (joints, flags): (u8, u8),
     late: &mut Option<f32>,
 ) -> Result<()> {
     let unknown = |field| Err(flaw(index, field, Flaw::Unknown));
@@ -115,7 +116,8 @@ pub(super) fn check(
     if Scalar::abs(term.coefficient) > term.effect.plausible() {
         return implausible("coefficient");
     }
-    if term.needs_load() && !masses {
+    let enough = if term.needs_masses() { FLAG_MASSES } else { FLAG_MASSES | FLAG_TORQUES };
+    if term.needs_load() && flags & enough == 0 {
         return Err(flaw(index, "effect", Flaw::NeedsMasses));
     }
     Ok(())

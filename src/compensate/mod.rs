@@ -5,7 +5,7 @@
 //!
 //! * c depends on the command and on the state of the arm, on nothing else: not
 //!   on the ticks before, nor on the way to the command.
-//! * c is continuous in the command, the payload and the temperature, except
+//! * c is continuous in the command, the payload, the temperature and the torques, except
 //!   where a term itself jumps (approach, the side of a gap that gravity
 //!   chooses).
 //! * at q + c the tool is never farther from its target than at q, the command
@@ -208,6 +208,9 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     fn why(&self, command: &[T; N], state: &State<T, N>) -> Refusal {
         if let Some(joint) = command.iter().position(|q| !q.is_finite()) {
             return Refusal::CommandNotFinite { joint };
+        }
+        if self.arm.reads_torques() && state.torque.is_none() {
+            return Refusal::TorqueUnknown;
         }
         let known = self.arm.can_be_in(state);
         if known { Refusal::OutOfRange } else { Refusal::StateNotFinite }

@@ -92,8 +92,11 @@ pub enum Refusal {
         /// Joint, counted from 0.
         joint: usize,
     },
-    /// The payload or the temperature is infinite or NaN, and a term depends on it.
+    /// The payload, the temperature or a torque is infinite or NaN, and a term depends on it.
     StateNotFinite,
+    /// A term follows torques that are read, and the state has none:
+    /// [`Arm::reads_torques`](crate::Arm::reads_torques).
+    TorqueUnknown,
     /// A result is not finite: a joint beyond the range of
     /// [`crate::Scalar::sin_cos`], or lengths beyond that of the number type.
     OutOfRange,
@@ -105,7 +108,8 @@ impl core::fmt::Display for Refusal {
             Self::CommandNotFinite { joint } => {
                 write!(f, "the command of joint {} is not finite", joint + 1)
             }
-            Self::StateNotFinite => f.write_str("payload or temperature is not finite"),
+            Self::StateNotFinite => f.write_str("payload, temperature or torque is not finite"),
+            Self::TorqueUnknown => f.write_str("no torques of the joints are given"),
             Self::OutOfRange => f.write_str("no finite pose at this command"),
         }
     }
@@ -166,8 +170,8 @@ pub struct Tick<T, const N: usize> {
     pub damping: Option<T>,
     /// What held joints back.
     pub clamped: Clamped,
-    /// Whether the command lies in the joint ranges that the identification
-    /// covered. Outside of them the correction is extrapolated.
+    /// Whether the identification [covers](crate::Arm::covers) the command. Elsewhere the
+    /// correction is extrapolated.
     pub covered: Option<bool>,
     /// Whether the data determined the flange's orientation; if not, only the
     /// tool point is better than nominal.

@@ -13,7 +13,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     coupled: false,
     components: &["x", "y"],
     order: Order::None,
-    load: NeedsLoad::Always,
+    load: NeedsLoad::Moments,
     approach: false,
     warmth: false,
     revolute_only: false,

@@ -88,17 +88,19 @@ impl Order {
     }
 }
 
-/// Whether a term depends on gravity, so that the arm's [`super::Masses`] are
-/// needed.
+/// What of gravity a term depends on: torques that the arm's [`super::Masses`] give or a
+/// sensor reads, or moments that masses alone tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NeedsLoad {
-    /// It does not.
+    /// Nothing.
     Never,
-    /// It does.
-    Always,
-    /// If its [`super::Term::order`], a friction, is above 0.
+    /// The torque of its joint.
+    Torque,
+    /// The same, if its [`super::Term::order`], a friction, is above 0.
     WithFriction,
+    /// Moments on the base or across an axis, which no sensor reads.
+    Moments,
 }
 
 /// Units of a coefficient by the kinds of its joint and of its source joint.

@@ -10,7 +10,12 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
         self.needs_load
     }
 
-    /// Whether that includes the moments across the axes.
+    /// Whether torques of joints are among them, which may be read instead.
+    pub(crate) fn needs_torque(&self) -> bool {
+        self.needs_torque
+    }
+
+    /// Whether [`Self::needs_load`] includes the moments across the axes.
     pub(crate) fn tilts_axes(&self) -> bool {
         self.bearings.any()
     }

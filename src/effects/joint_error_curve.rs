@@ -21,8 +21,8 @@
 
 use crate::scalar::Scalar;
 
-/// Bytes of a curve before its nodes: joint, exponent of the number of nodes, two of
-/// 0, step and band.
+/// Bytes of a curve before its nodes: joint, exponent of the number of nodes, whether it
+/// has [`Gaps`], one of 0, step and band.
 pub(crate) const HEAD: usize = 12;
 /// Powers of two that a number of nodes may be.
 pub(crate) const EXPONENTS: core::ops::RangeInclusive<u8> = 5..=9;
@@ -36,6 +36,36 @@ const TURNS_PER_RADIAN: f64 = 0.5 * core::f64::consts::FRAC_1_PI;
 pub struct Curve<'t> {
     head: &'t [u8; HEAD],
     nodes: &'t [[u8; 2]],
+    gaps: Option<Gaps<'t>>,
+}
+
+/// Where between its nodes a curve is guessed and not known: no measured angle was near.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Gaps<'t> {
+    band: [u8; 4],
+    known: &'t [u8],
+}
+
+impl<'t> Gaps<'t> {
+    /// With this standard deviation where nothing is known, rad, and a bit for each stretch
+    /// between two nodes, the lowest of the first byte for the one behind node 0: set where
+    /// the curve is known.
+    #[must_use]
+    pub const fn new(band: f32, known: &'t [u8]) -> Self {
+        Self { band: band.to_le_bytes(), known }
+    }
+
+    /// One standard deviation of the curve where it is not known, rad.
+    #[must_use]
+    pub const fn band(&self) -> f32 {
+        f32::from_le_bytes(self.band)
+    }
+
+    /// The bits, see [`Self::new`].
+    #[must_use]
+    pub const fn known(&self) -> &'t [u8] {
+        self.known
+    }
 }
 
 /// All of an arm's curves, at most one a joint, as the bytes of the blob that carries
@@ -68,11 +98,35 @@ impl<'t> Curve<'t> {
         f32::from_le_bytes([a, b, c, d])
     }
 
-    /// One standard deviation of the curve, rad.
+    /// One standard deviation of the curve where it is known, rad.
     #[must_use]
     pub const fn band(&self) -> f32 {
         let [_, _, _, _, _, _, _, _, a, b, c, d] = *self.head;
         f32::from_le_bytes([a, b, c, d])
+    }
+
+    /// Where it is not known; `None` where no stretch of a turn is said to be so.
+    #[must_use]
+    pub const fn gaps(&self) -> Option<Gaps<'t>> {
+        self.gaps
+    }
+
+    /// Whether it is known at encoder reading `q`, rad, of any number of turns.
+    #[must_use]
+    pub fn knows<T: Scalar>(&self, q: T) -> bool {
+        let Some(gaps) = &self.gaps else { return true };
+        let (below, _) = (q * per_radian(self.nodes.len())).floor_and_rest();
+        let stretch = below as usize & self.nodes.len().wrapping_sub(1);
+        gaps.known.get(stretch / 8).is_some_and(|bits| bits >> (stretch % 8) & 1 != 0)
+    }
+
+    /// One standard deviation of the curve at encoder reading `q`, rad.
+    #[must_use]
+    pub fn band_at<T: Scalar>(&self, q: T) -> f32 {
+        match &self.gaps {
+            Some(gaps) if !self.knows(q) => gaps.band(),
+            _ => self.band(),
+        }
     }
 
     /// Nodes of a turn, the first at angle 0, in steps.
@@ -170,6 +224,19 @@ impl<'t> Curves<'t> {
         })
     }
 
+    /// Whether some curve is not known everywhere.
+    #[must_use]
+    pub fn have_gaps(&self) -> bool {
+        self.iter().any(|curve| curve.gaps.is_some())
+    }
+
+    /// Whether all curves are known at joint values `q`, rad.
+    #[must_use]
+    pub fn know<T: Scalar, const N: usize>(&self, q: &[T; N]) -> bool {
+        let known = |curve: &Curve| q.get(usize::from(curve.joint())).map(|q| curve.knows(*q));
+        self.iter().all(|curve| known(&curve) == Some(true))
+    }
+
     /// The curve of a joint, counted from 0.
     #[must_use]
     pub fn of_joint(&self, joint: u8) -> Option<Curve<'t>> {
@@ -203,16 +270,24 @@ impl<'t> Curves<'t> {
 pub(crate) fn first(bytes: &[u8]) -> Option<(Curve<'_>, &[u8])> {
     let (head, rest) = bytes.split_first_chunk::<HEAD>()?;
     let nodes = 1_usize.checked_shl(u32::from(head[1]))?;
-    let (nodes, rest) = rest.split_at_checked(nodes.checked_mul(2)?)?;
+    let (nodes, mut rest) = rest.split_at_checked(nodes.checked_mul(2)?)?;
     let (nodes, _) = nodes.as_chunks();
-    Some((Curve { head, nodes }, rest))
+    let mut gaps = None;
+    if head[2] != 0 {
+        let (band, behind) = rest.split_first_chunk()?;
+        let (known, behind) = behind.split_at_checked(nodes.len() / 8)?;
+        gaps = Some(Gaps { band: *band, known });
+        rest = behind;
+    }
+    Some((Curve { head, nodes, gaps }, rest))
 }
 
 impl core::fmt::Debug for Curve<'_> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let mut shown = f.debug_struct("Curve");
         shown.field("joint", &self.joint()).field("nodes", &self.nodes.len());
-        shown.field("step", &self.step()).field("band", &self.band()).finish()
+        shown.field("step", &self.step()).field("band", &self.band());
+        shown.field("gaps", &self.gaps.is_some()).finish()
     }
 }
 

@@ -14,7 +14,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     coupled: false,
     components: &[],
     order: Order::None,
-    load: NeedsLoad::Always,
+    load: NeedsLoad::Torque,
     approach: false,
     warmth: false,
     revolute_only: false,

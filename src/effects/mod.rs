@@ -38,7 +38,7 @@ use heapless::Vec;
 pub use approach::Approach;
 pub use descriptor::{ActsOn, NeedsLoad, Order};
 pub use inputs::TermInputs;
-pub use joint_error_curve::{Curve, Curves};
+pub use joint_error_curve::{Curve, Curves, Gaps};
 pub(crate) use joint_error_curve::{EXPONENTS, HEAD as CURVE_HEAD, first as first_curve};
 pub(crate) use statics::GravityModel;
 pub use statics::{Load, Masses};

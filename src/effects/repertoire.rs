@@ -137,6 +137,7 @@ macro_rules! repertoire {
             $($part: $kind,)+
             waves: wave::Waves<T>,
             needs_load: bool,
+            needs_torque: bool,
         }
 
         impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
@@ -147,6 +148,7 @@ macro_rules! repertoire {
                     $($part: <$kind>::none(),)+
                     waves: wave::Waves::none(),
                     needs_load: terms.iter().any(Term::needs_load),
+                    needs_torque: terms.iter().any(Term::needs_torque),
                 };
                 for term in terms {
                     out.add(term);

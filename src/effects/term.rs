@@ -55,15 +55,28 @@ impl<T: Scalar> Term<T> {
     }
 
     /// Whether it depends on gravity, so that the arm's [`super::Masses`] are
-    /// needed.
+    /// needed, or torques that are read, see [`Self::needs_masses`].
     #[must_use]
     #[inline(never)]
     pub fn needs_load(&self) -> bool {
         match self.effect.load() {
             NeedsLoad::Never => false,
-            NeedsLoad::Always => true,
+            NeedsLoad::Torque | NeedsLoad::Moments => true,
             NeedsLoad::WithFriction => self.order > T::ZERO,
         }
+    }
+
+    /// Whether only masses tell it the load: [`State::torque`](crate::State::torque) does not.
+    #[must_use]
+    pub fn needs_masses(&self) -> bool {
+        self.effect.load() == NeedsLoad::Moments
+    }
+
+    /// Whether it follows the torque of its joint, which masses give or
+    /// [`State::torque`](crate::State::torque).
+    #[must_use]
+    pub fn needs_torque(&self) -> bool {
+        self.needs_load() && !self.needs_masses()
     }
 
     /// Derivative of the tool point to the coefficient, m per unit: the basis

@@ -6,10 +6,10 @@
 use crate::blobs::{curve_bytes, curved, full, mend, parameters, tagged_curved};
 use proptest::prelude::*;
 use truearm::blob::{
-    Blob, DecodeError, EncodeError, curve_len, encode, encode_curve, encode_with, encoded_len,
-    factor_len,
+    Blob, DecodeError, EncodeError, curve_len, encode, encode_curve, encode_curve_with,
+    encode_with, encoded_len, factor_len, gaps_len,
 };
-use truearm::effects::MAX_TERMS;
+use truearm::effects::{Gaps, MAX_TERMS};
 use truearm::{Arm, ArmParameters, Curves};
 
 /// Where the curves of [`curved`] begin.
@@ -114,7 +114,8 @@ fn bad_curves_are_named() {
         assert_eq!(refused(1, &[exponent]), range("curve 1 nodes"), "{exponent}");
     }
     let unknown = "curve 1 reserved has a value without a meaning in this layout";
-    assert_eq!(refused(2, &[1]), unknown);
+    assert_eq!(refused(2, &[2]), unknown);
+    assert_eq!(refused(2, &[255]), unknown);
     assert_eq!(refused(3, &[128]), unknown);
     assert_eq!(refused(4, &f32::NAN.to_le_bytes()), "curve 1 step is not a finite number");
     assert_eq!(refused(4, &(-1e-9_f32).to_le_bytes()), range("curve 1 step"));
@@ -189,11 +190,86 @@ fn what_is_no_table_is_not_written() {
     );
 }
 
+/// A table of 32 nodes for joint 2 that is known where these bits say.
+fn gapped(known: &[u8]) -> Result<Vec<u8>, String> {
+    let mut table = vec![0; curve_len(32) + gaps_len(32)];
+    let gaps = Gaps::new(3e-4, known);
+    encode_curve_with(1, 1e-8, 2e-5, &[5; 32], Some(gaps), &mut table)
+        .map_err(|error| error.to_string())?;
+    Ok(table)
+}
+
+#[test]
+fn gaps_are_written_and_read() {
+    let table = gapped(&[0xff, 0x0f, 0, 0x80]).unwrap();
+    let plain = curve_bytes();
+    // One with and one without, in either order.
+    let both = [table.clone(), plain[curve_len(32)..].to_vec()].concat();
+    let curves = Curves::of(&both).unwrap();
+    let gaps: Vec<bool> = curves.iter().map(|curve| curve.gaps().is_some()).collect();
+    assert_eq!((gaps, curves.have_gaps()), (vec![true, false], true));
+    assert!(!Curves::of(&plain).unwrap().have_gaps());
+    let [second, fifth] = [1, 4].map(|joint| curves.of_joint(joint).unwrap());
+    assert_eq!(second.gaps().unwrap().known(), [0xff, 0x0f, 0, 0x80]);
+    // Values are those of the curve without.
+    let mut known = vec![0; curve_len(32)];
+    encode_curve(1, 1e-8, 2e-5, &[5; 32], &mut known).unwrap();
+    let known = Curves::of(&known).unwrap().of_joint(1).unwrap();
+    for k in -100..100 {
+        let q = f64::from(k) * 0.1 + 0.05;
+        assert_eq!(second.at(q), known.at(q));
+        let turn = core::f64::consts::TAU;
+        let inside = (q.rem_euclid(turn) / turn * 32.0) as usize;
+        assert_eq!(second.knows(q), inside < 12 || inside == 31, "{q}");
+        assert_eq!(second.knows(q as f32), second.knows(q));
+        assert_eq!(second.band_at(q), if second.knows(q) { 2e-5 } else { 3e-4 });
+        assert!(fifth.knows(q) && fifth.band_at(q) == fifth.band());
+        assert_eq!(curves.know(&[0.0, q, 0.0, 0.0, q, 0.0]), second.knows(q));
+    }
+    assert!(!second.knows(f64::NAN) || second.knows(0.0), "no panic");
+}
+
+#[test]
+fn gaps_that_are_none_are_refused() {
+    assert!(gapped(&[0xff; 4]).unwrap_err().contains("curve 1 gaps"));
+    assert!(gapped(&[0xff; 3]).unwrap_err().contains("curve 1 gaps"));
+    assert!(gapped(&[0; 5]).unwrap_err().contains("curve 1 gaps"));
+    let mut table = gapped(&[0, 0, 0, 1]).unwrap();
+    table[curve_len(32)..][..4].copy_from_slice(&0.06_f32.to_le_bytes());
+    assert!(Curves::of(&table).unwrap_err().to_string().contains("curve 1 band in gaps"));
+    table[curve_len(32)..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
+    assert!(Curves::of(&table).unwrap_err().to_string().contains("band in gaps is not a finite"));
+    let expected = curve_len(32) + gaps_len(32);
+    for cut in curve_len(32)..expected {
+        let refused = Curves::of(&table[..cut]);
+        assert_eq!(refused, Err(DecodeError::Length { stored: cut as u32, expected }));
+    }
+}
+
+/// An arm is covered where its ranges are and its curves are known.
+#[test]
+fn an_arm_covers_what_its_curves_know() {
+    let table = gapped(&[0xff, 0xff, 0, 0xff]).unwrap();
+    let p = Blob::check(&curved()).unwrap().parameters::<f32, 6>().map(own).unwrap();
+    let p = ArmParameters { covered: [Some([-3.0, 3.0]); 6], ..p };
+    let with = ArmParameters { curves: Curves::of(&table).unwrap(), ..p.clone() };
+    let (with, without) = (Arm::new(&with), Arm::new(&p));
+    for k in -320..320 {
+        let q = k as f32 * 0.01;
+        let joints = [0.1, q, 0.1, 0.1, 0.1, 0.1];
+        // Not known: three to three and a half quarters of a turn.
+        let gap = (-core::f32::consts::PI..-core::f32::consts::FRAC_PI_2).contains(&q);
+        assert_eq!(without.covers(&joints), q.abs() <= 3.0);
+        assert_eq!(with.covers(&joints), q.abs() <= 3.0 && !gap, "{q}");
+    }
+}
+
 proptest! {
     #[test]
     fn no_bytes_of_curves_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
         if let Ok(curves) = Curves::of(&bytes) {
             prop_assert!(curves.iter().all(|curve| curve.at(1.0_f32).is_finite()));
+            prop_assert!(curves.iter().all(|curve| curve.band_at(1.0_f32).is_finite()));
         }
     }
 

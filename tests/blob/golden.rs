@@ -61,8 +61,11 @@ fn golden_blobs_mean_what_they_meant() {
     layout_3_stiffening().holds();
     layout_3_lateral().holds();
     layout_3_lag().holds();
+    layout_3_torques().holds();
     #[cfg(feature = "curves")]
     layout_3_curves().holds();
+    #[cfg(feature = "curves")]
+    layout_3_gaps().holds();
 }
 
 #[test]
@@ -74,8 +77,11 @@ fn write_missing_golden_blobs() {
     layout_3_stiffening().write_if_missing();
     layout_3_lateral().write_if_missing();
     layout_3_lag().write_if_missing();
+    layout_3_torques().write_if_missing();
     #[cfg(feature = "curves")]
     layout_3_curves().write_if_missing();
+    #[cfg(feature = "curves")]
+    layout_3_gaps().write_if_missing();
 }
 
 /// The example of FORMAT.md.
@@ -111,6 +117,26 @@ fn layout_3_lag() -> Golden<1> {
         .map(|(joint, size)| term(Effect::ThermalExpansion, joint, 1500.0, size));
     let parameters = ArmParameters { terms: heapless::Vec::from_iter(terms), ..least() };
     Golden { name: "layout-3-lag.blob", layout: 3, parameters, factor: None }
+}
+
+/// One joint with a spring that follows torques that are read, which format 1.5 added.
+fn layout_3_torques() -> Golden<1> {
+    let terms = heapless::Vec::from_iter([term(Effect::JointCompliance, 0, 0.0, 9e-6)]);
+    let parameters = ArmParameters { terms, ..least() };
+    Golden { name: "layout-3-torques.blob", layout: 3, parameters, factor: None }
+}
+
+/// One joint with a curve that is not known everywhere, which format 1.5 added.
+#[cfg(feature = "curves")]
+fn layout_3_gaps() -> Golden<1> {
+    use truearm::blob::{curve_len, encode_curve_with, gaps_len};
+    use truearm::effects::Gaps;
+    let nodes: Vec<i16> = (0..32).map(|k: i16| k * k * 31 - 15_000).collect();
+    let mut bytes = vec![0; curve_len(32) + gaps_len(32)];
+    let gaps = Gaps::new(2.5e-4, &[0xff, 0x1f, 0x00, 0xf8]);
+    encode_curve_with(0, 1.5e-8, 2e-5, &nodes, Some(gaps), &mut bytes).unwrap();
+    let parameters = ArmParameters { curves: Curves::of(bytes.leak()).unwrap(), ..least() };
+    Golden { name: "layout-3-gaps.blob", layout: 3, parameters, factor: None }
 }
 
 /// One joint with masses and what they bend.

@@ -9,3 +9,4 @@ mod curves;
 mod damage;
 mod golden;
 mod round_trip;
+mod torques;

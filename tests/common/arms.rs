@@ -90,6 +90,7 @@ pub fn state<T: Scalar, const N: usize>(rng: &mut ChaCha8Rng) -> State<T, N> {
             .map(|()| if rng.random_bool(0.5) { Approach::Positive } else { Approach::Negative }),
         payload: T::from_f64(rng.random_range(0.0..5.0)),
         temperature: T::from_f64(rng.random_range(10.0..40.0)),
+        torque: None,
     }
 }
 

@@ -415,7 +415,15 @@ fn bad_input_is_an_error_value_and_the_arm_goes_back_without_a_step() {
     assert_eq!(compensator.tick(&command, &state()).status, Status::On);
 }
 
-/// A thermometer or a scale that is dead stops the arms that need it and no other.
+/// What of a state is dead.
+#[derive(Clone, Copy)]
+enum Need {
+    Warmth,
+    Load,
+    Torque,
+}
+
+/// A thermometer, a scale or a torque sensor that is dead stops the arms that need it and no other.
 #[test]
 fn what_no_term_depends_on_is_not_looked_at() {
     let all = parameters::<f32, 6>(&ur10(), 5e-4, Terms::All);
@@ -423,18 +431,22 @@ fn what_no_term_depends_on_is_not_looked_at() {
     let beyond_the_sine = [1e5, -1.2, 1.6, -1.2, -1.57, 0.0];
     let dead = |value| {
         let warm = State { temperature: value, ..state() };
-        [(warm, false), (State { payload: value, ..state() }, true)]
+        let heavy = State { payload: value, ..state() };
+        let read = State { torque: Some([0.0, 0.0, value, 0.0, 0.0, 0.0]), ..state() };
+        [(warm, Need::Warmth), (heavy, Need::Load), (read, Need::Torque)]
     };
     let mut counts = [0; 2];
     for term in all.terms.iter().map(Some).chain([None]) {
         let terms = term.copied().into_iter().collect();
         let p = ArmParameters { terms, curves: Curves::NONE, ..all.clone() };
-        for (bad, of_payload) in [f32::NAN, f32::INFINITY].into_iter().flat_map(dead) {
+        for (bad, need) in [f32::NAN, f32::INFINITY].into_iter().flat_map(dead) {
             let mut compensator = compensator(&p, at_once(Task::Pose));
             let good = compensator.tick(&command, &state());
             let tick = compensator.tick(&command, &bad);
-            let needed = term.is_some_and(|term| {
-                if of_payload { term.needs_load() } else { term.effect.needs_warmth() }
+            let needed = term.is_some_and(|term| match need {
+                Need::Warmth => term.effect.needs_warmth(),
+                Need::Load => term.needs_load(),
+                Need::Torque => term.needs_torque(),
             });
             counts[usize::from(needed)] += 1;
             let pose = compensator.arm().real_pose_in(&command, &bad);
@@ -452,7 +464,7 @@ fn what_no_term_depends_on_is_not_looked_at() {
             }
         }
     }
-    assert_eq!(counts, [24, 8]);
+    assert_eq!(counts, [36, 12]);
 }
 
 /// Any number, the extreme ones often.
@@ -471,16 +483,18 @@ proptest! {
     fn whatever_comes_in_what_goes_out_is_finite(
         ticks in proptest::collection::vec(
             (proptest::array::uniform6(any_number()), proptest::array::uniform6(any_number()),
-             any_number(), any_number(), any::<bool>()), 1..30),
+             any_number(), any_number(), proptest::option::of(proptest::array::uniform6(any_number())),
+             any::<bool>()), 1..30),
         pose in any::<bool>(),
     ) {
         let task = if pose { Task::Pose } else { Task::Position };
         let arm = Arm::new(&parameters::<f32, 6>(&ur10(), 5e-4, Terms::All));
         let mut compensator =
             Compensator::new(arm, Settings { ramp_ticks: 3, ..Settings::new(task) }, &[0.0; 6]).unwrap();
-        for (command, motion, payload, temperature, active) in ticks {
+        for (command, motion, payload, temperature, torque, active) in ticks {
             compensator.set_active(active);
-            let state = State { approach: motion.map(Approach::of_motion), payload, temperature };
+            let approach = motion.map(Approach::of_motion);
+            let state = State { approach, payload, temperature, torque };
             let tick = compensator.tick(&command, &state);
             prop_assert!(tick.joints.iter().all(|q| q.is_finite()));
             if let Some(left) = tick.left {

@@ -122,6 +122,7 @@ pub fn state<T: Scalar, const N: usize>() -> State<T, N> {
         approach: [Approach::Positive; N],
         payload: T::from_f64(3.0),
         temperature: T::from_f64(27.0),
+        torque: None,
     }
 }
 

@@ -29,6 +29,9 @@ fn any_state<T: Scalar, const N: usize>(rng: &mut ChaCha8Rng) -> State<T, N> {
         }),
         payload: T::from_f64(rng.random_range(0.0..10.0)),
         temperature: T::from_f64(rng.random_range(5.0..45.0)),
+        torque: rng
+            .random_bool(0.3)
+            .then(|| [(); N].map(|()| T::from_f64(rng.random_range(-150.0..150.0)))),
     }
 }
 
@@ -115,14 +118,16 @@ fn continuous<const N: usize>(p: &ArmParameters<f64, N>, steepest: f64) {
         let compensator = compensator(&p, task);
         let (mut largest, mut steep) = (0.0_f64, 0.0_f64);
         for _ in 0..60 {
-            // A line of 0.4 rad through the joint space, payload and temperature with it.
+            // A line of 0.4 rad through the joint space, payload, temperature and torques with it.
             let from = anywhere(&mut rng, compensator.arm()).map(|q| q / 2.0);
             let way: [f64; N] = [(); N].map(|()| rng.random_range(-0.2..0.2));
+            let read = rng.random_bool(0.3);
             let at = |share: f64| {
                 let q = core::array::from_fn(|i| from[i] + way[i] * share);
                 let state = State {
                     payload: 5.0 + 5.0 * share,
                     temperature: 25.0 + 10.0 * share,
+                    torque: read.then(|| core::array::from_fn(|i| 80.0 * share - 9.0 * i as f64)),
                     ..state()
                 };
                 compensator.correction(&q, &state).unwrap()
@@ -154,7 +159,7 @@ fn continuous<const N: usize>(p: &ArmParameters<f64, N>, steepest: f64) {
 }
 
 #[test]
-fn it_is_continuous_in_command_payload_and_temperature() {
+fn it_is_continuous_in_command_payload_temperature_and_torques() {
     continuous(&parameters::<f64, 6>(&ur10(), 5e-4, Terms::Smooth), 100.0);
     continuous(&parameters::<f64, 6>(&puma(), 5e-4, Terms::Smooth), 100.0);
     continuous(&parameters::<f64, 7>(&rail(), 5e-4, Terms::Smooth), 100.0);

@@ -8,3 +8,4 @@ mod common;
 mod law;
 mod paths;
 mod shortcuts;
+mod torques;

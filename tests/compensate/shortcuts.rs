@@ -18,16 +18,21 @@ struct Case {
     approach: [f64; 7],
     payload: f64,
     temperature: f64,
+    torque: Option<[f64; 7]>,
 }
 
 fn case() -> impl Strategy<Value = Case> {
     let (q, approach) = (uniform7(-4.7..4.7), uniform7(-1.0..1.0));
-    (q, approach, 0.0..10.0, 5.0..45.0).prop_map(|(q, approach, payload, temperature)| Case {
-        q,
-        approach,
-        payload,
-        temperature,
-    })
+    let torque = proptest::option::weighted(0.3, uniform7(-150.0..150.0));
+    (q, approach, 0.0..10.0, 5.0..45.0, torque).prop_map(
+        |(q, approach, payload, temperature, torque)| Case {
+            q,
+            approach,
+            payload,
+            temperature,
+            torque,
+        },
+    )
 }
 
 impl Case {
@@ -43,6 +48,7 @@ impl Case {
             approach: core::array::from_fn(|i| Approach::of_motion(self.approach[i])),
             payload: T::from_f64(self.payload),
             temperature: T::from_f64(self.temperature),
+            torque: self.torque.map(|torque| core::array::from_fn(|i| T::from_f64(torque[i]))),
         }
     }
 }

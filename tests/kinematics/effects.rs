@@ -344,7 +344,7 @@ fn an_arm_bends_by_its_terms_and_its_state() {
         let chain = Chain::new(&p.nominal, Pose::identity(), Pose::identity());
         p.masses.unwrap().load(&chain, &Q, payload).torque[1]
     };
-    let state = State { approach: [Positive; 6], payload: 5.0, temperature: 31.0 };
+    let state = State { approach: [Positive; 6], payload: 5.0, temperature: 31.0, torque: None };
     let deflection = arm.deflection(&Q, &state);
     assert_eq!(deflection.joints, [0.0, 1e-5 * torque(5.0), -1e-4, 0.0, 0.0, 0.0]);
     assert!(deflection.growth.iter().all(|g| (g - 1e-4).abs() < 1e-18));
@@ -364,14 +364,20 @@ fn an_arm_bends_by_its_terms_and_its_state() {
 #[test]
 fn an_arm_without_terms_is_rigid() {
     let arm = Arm::new(&parameters(&[]));
-    let state = State { approach: [Positive; 6], payload: 5.0, temperature: 40.0 };
+    let state = State { approach: [Positive; 6], payload: 5.0, temperature: 40.0, torque: None };
     assert_eq!(arm.real_pose(&Q), arm.real().forward(&Q));
     assert_eq!(arm.real_pose_in(&Q, &state), arm.real().forward(&Q));
-    // Without masses a term that depends on them does nothing; a blob with
-    // such a term is refused.
-    let soft = Term { coefficient: 1e-5, ..term(Effect::JointCompliance, 1, 0) };
-    let weightless = Arm::new(&ArmParameters { masses: None, ..parameters(&[soft]) });
+    // Without masses a term that only they tell does nothing; a blob with such a term is
+    // refused. One that follows torques has no pose until they are read.
+    let tilting = Term { coefficient: 1e-5, ..term(Effect::BaseCompliance, 0, 0) };
+    let weightless = Arm::new(&ArmParameters { masses: None, ..parameters(&[tilting]) });
     assert_eq!(weightless.real_pose_in(&Q, &state), weightless.real().forward(&Q));
+    let soft = Term { coefficient: 1e-5, ..term(Effect::JointCompliance, 1, 0) };
+    let unread = Arm::new(&ArmParameters { masses: None, ..parameters(&[soft]) });
+    assert!(unread.real_pose_in(&Q, &state).translation.iter().all(|x| x.is_nan()));
+    let read = State { torque: Some([3.0; 6]), ..state };
+    let bent = Deflection { joints: [0.0, 3e-5, 0.0, 0.0, 0.0, 0.0], ..Deflection::none() };
+    assert_eq!(unread.real_pose_in(&Q, &read), unread.real().forward_deflected(&Q, &bent));
 }
 
 #[test]
@@ -390,6 +396,7 @@ fn folded_terms_give_the_sum_of_the_terms() {
             approach: [0; 6].map(|_| Approach::of_motion(f64::from(rng.random_range(-1..=1)))),
             payload: rng.random_range(0.0..9.0),
             temperature: rng.random_range(10.0..30.0),
+            torque: None,
         };
         let parameters = ArmParameters { terms, ..parameters(&[]) };
         let (arm, masses) = (Arm::new(&parameters), parameters.masses.unwrap());

@@ -10,8 +10,11 @@ use crate::curves::{Smooth, bytes, of_joints, through};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm::blob::{Blob, curve_len, encode, encode_curve, encode_with, encoded_len, factor_len};
-use truearm::effects::Curve;
+use truearm::blob::{
+    Blob, curve_len, encode, encode_curve, encode_curve_with, encode_with, encoded_len, factor_len,
+    gaps_len,
+};
+use truearm::effects::{Curve, Gaps};
 use truearm::parameters::Parameter;
 use truearm::reidentify::Reidentify;
 use truearm::{
@@ -359,6 +362,23 @@ fn the_band_widens_the_point() {
     for (sigma, variance) in sigma.iter().zip(variance) {
         assert!((sigma - f64::sqrt(variance)).abs() < 1e-10, "{sigma} {variance}");
     }
+    // Where a curve is not known it is as wide as it may be there.
+    let gaps = Gaps::new(3e-4, &[0, 0xff, 0xff, 0xff]);
+    let mut wide = vec![0; curve_len(32) + gaps_len(32)];
+    encode_curve_with(1, 1e-8, 3e-5, &[1; 32], Some(gaps), &mut wide).unwrap();
+    let mut known = p.clone();
+    known.curves = Curves::of(&wide).unwrap();
+    let mut stored = vec![0; encoded_len(6, 0) + 4 * factor.len() + wide.len()];
+    encode_with(&known, Some(&vec![0.0; factor.len()]), &mut stored).unwrap();
+    let gapped = Blob::check(&stored).unwrap();
+    let at = |second: f64| {
+        let arm = Arm::new(&gapped.parameters::<f64, 6>().unwrap());
+        let q = [0.3, second, 0.8, 2.0, -0.4, 1.0];
+        gapped.covariance().unwrap().point_sigma(&arm, &q, &arm.state()).unwrap()
+    };
+    // Joint 2 carries the arm about the base's y: the same lever, ten times the band.
+    let size = |sigma: [f64; 3]| sigma.iter().map(|s| s * s).sum::<f64>().sqrt();
+    assert!((size(at(0.5)) / size(at(0.5 - 1.0)) - 10.0).abs() < 1e-5);
     // Nor is it that of an arm with other curves.
     let other = bytes(1, 3e-5, &nodes);
     let foreign = ArmParameters { curves: Curves::of(&other).unwrap(), ..p.clone() };

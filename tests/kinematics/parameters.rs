@@ -80,6 +80,7 @@ fn derivative_holds<const N: usize>(
             approach: state.approach,
             payload: state.payload as f32,
             temperature: state.temperature as f32,
+            torque: None,
         };
         let column32 = parameter.column(&folded.linearised(&q.map(|q| q as f32), &state));
         assert!(

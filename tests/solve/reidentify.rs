@@ -213,7 +213,7 @@ fn any_parameter_can_be_chosen_and_terms_keep_acting() {
         .map(|_| {
             let q = joints(&mut rng);
             let state =
-                State { approach: [Approach::Positive; 6], payload: 2.0, temperature: 30.0 };
+                State { approach: [Approach::Positive; 6], payload: 2.0, ..State::at(30.0) };
             CheckPoint { q, state, point: arm.real_pose_in(&q, &state).translation }
         })
         .collect();

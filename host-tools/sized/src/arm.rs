@@ -13,6 +13,9 @@ pub struct Conditions<'a> {
     pub payload: Option<f64>,
     /// Degrees Celsius, as the arm has it; the same.
     pub temperature: Option<f64>,
+    /// What loads each joint, N m or N, in the sense of gravity's torque; that of the masses if
+    /// nothing is read.
+    pub torque: Option<&'a [f64]>,
 }
 
 impl Conditions<'_> {
@@ -22,6 +25,7 @@ impl Conditions<'_> {
             approach: fixed(self.approach),
             payload: self.payload.map_or(rest.payload, T::from_f64),
             temperature: self.temperature.map_or(rest.temperature, T::from_f64),
+            torque: self.torque.map(|torque| fixed::<f64, N>(torque).map(T::from_f64)),
         }
     }
 }

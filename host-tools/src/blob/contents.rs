@@ -45,6 +45,8 @@ pub struct Contents {
     pub reference_temperature_c: f64,
     /// Masses and gravity, if they are given.
     pub masses: Option<BlobMasses>,
+    /// Whether terms follow torques of the joints that the controller has to read.
+    pub reads_torques: bool,
     /// One a joint.
     pub joints: Vec<BlobJoint>,
     /// Terms beyond geometry.
@@ -126,8 +128,12 @@ pub struct BlobCurve {
     pub largest_mrad: f64,
     /// Root mean square over a turn.
     pub rms_mrad: f64,
-    /// One standard deviation.
+    /// One standard deviation where it is known.
     pub band_mrad: f64,
+    /// Angles between which it is not known.
+    pub gaps_deg: Vec<[f64; 2]>,
+    /// One standard deviation there; none without gaps.
+    pub gap_band_mrad: Option<f64>,
 }
 
 /// The fields of a blob; `given` is how many bytes it was found in.
@@ -156,6 +162,7 @@ pub fn contents(blob: &Blob, given: usize) -> Contents {
             mass_kg: m.mass.to_vec(),
             com_mm: m.com.iter().map(point_to_mm).collect(),
         }),
+        reads_torques: blob.reads_torques(),
         joints: (0..p.nominal.len()).map(|i| joint(p, i)).collect(),
         terms: terms(p),
         curves: p.curves.iter().map(|curve| curve_of(&curve)).collect(),
@@ -205,5 +212,7 @@ fn curve_of(curve: &Curve<'_>) -> BlobCurve {
         largest_mrad,
         rms_mrad,
         band_mrad: of_model.band() * 1e3,
+        gaps_deg: of_model.gap_ranges().iter().map(|range| range.map(f64::to_degrees)).collect(),
+        gap_band_mrad: of_model.gap_band().map(|band| band * 1e3),
     }
 }

@@ -13,7 +13,7 @@ use crate::model::{ErrorCurve, friction, friction_unit, part};
 #[must_use]
 pub fn describe(blob: &Blob, given: usize) -> String {
     let mut text = format!(
-        "truearm parameter blob, layout {} (format 1.4), {} bytes, checksum good\n",
+        "truearm parameter blob, layout {} (format 1.5), {} bytes, checksum good\n",
         blob::LAYOUT,
         blob.size()
     );
@@ -81,6 +81,9 @@ fn head(p: &Parameters) -> String {
         rms(p.rms_after),
         p.reference_temperature,
         match &p.masses {
+            None if p.terms.iter().any(Term::needs_torque) => {
+                "masses                not given: joint torques are read\n".to_owned()
+            }
             None => "masses                not given\n".to_owned(),
             Some(m) => format!(
                 "gravity m/s^2         {}\npayload point mm      {}\n",
@@ -208,8 +211,20 @@ fn curves(curves: Curves<'_>) -> String {
             of_model.band() * 1e3,
             f64::from(curve.step()) * 1e9
         );
+        if let Some(gaps) = gaps_in_words(&of_model) {
+            text += &format!("       {gaps}\n");
+        }
     }
     text
+}
+
+/// Where a curve is not known, if there is such a place.
+pub(super) fn gaps_in_words(curve: &ErrorCurve) -> Option<String> {
+    let band = curve.gap_band()? * 1e3;
+    let range =
+        |[low, high]: &[f64; 2]| format!("{:.1}..{:.1}", low.to_degrees(), high.to_degrees());
+    let ranges: Vec<String> = curve.gap_ranges().iter().map(range).collect();
+    Some(format!("not known at {} deg: band {band:.4} mrad there", ranges.join(", ")))
 }
 
 /// Joint, component and order of a term as a reader of reports knows them.

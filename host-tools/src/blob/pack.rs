@@ -153,6 +153,17 @@ pub fn notes(model: &Model) -> Vec<String> {
                 .to_owned(),
         );
     }
+    if masses(&model.robot).is_none() && arm_terms(model).any(|term| term.needs_torque()) {
+        out.push(format!(
+            "no masses: the controller has to read torques, State::torque, {}, and refuses to \
+             compensate without",
+            match model.robot.gravity {
+                Some(_) => "what gravity pulls each joint by, the opposite of what it holds",
+                None =>
+                    "the opposite of the columns torque1_nm.. that the model was identified from",
+            }
+        ));
+    }
     if model.changed {
         out.push(
             "warning: joints, corrections, terms or frame were changed since the identification: \

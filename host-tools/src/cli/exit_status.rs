@@ -9,7 +9,8 @@ Exit status:
   1  error
   2  wrong usage
   3  found wrong: verify, an error beyond the tolerance; check, a mistake and what undoes it;
-     ik and compensate, rows that the arm does not reach or the model does not cover
+     ik and compensate, rows that the arm does not reach or the model does not cover, or
+     whose correction is held back so far that most of the miss stays
   4  cannot be decided: verify, the tolerance is within the uncertainty; check, nothing
      explains the disagreement, or there are fewer than 6 poses
      or 8 points";

@@ -49,8 +49,7 @@ impl Fk {
         let forward = if self.nominal {
             Forward::nominal(&model, &view)?
         } else {
-            model.timed(&path.data)?;
-            Forward::real(&model, &view)?
+            Forward::real(&model, &view)?.along(&path.data, &model)?
         };
         let poses = forward.all(&path.data);
         let inputs = [self.model.as_path(), &self.rows];

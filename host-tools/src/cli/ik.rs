@@ -46,8 +46,7 @@ impl Ik {
         let forward = if self.nominal {
             Forward::nominal(&model, &view)?
         } else {
-            model.timed(&path.data)?;
-            Forward::real(&model, &view)?
+            Forward::real(&model, &view)?.along(&path.data, &model)?
         };
         let inverse = Inverse::new(&forward, &model.robot).preferring(&model.covered);
         let found = inverse.follow(&path.data, &path.targets, start.as_deref());

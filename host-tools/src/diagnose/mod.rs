@@ -7,9 +7,10 @@
 pub mod candidates;
 mod chi_square;
 mod crowd;
-mod kinds;
+mod kind_noise;
 pub mod moments;
 mod mounting;
+mod naming;
 mod node;
 mod outcome;
 mod pipeline;
@@ -131,7 +132,7 @@ fn diagnosed(
     let rows = problem.counted();
     let start = register(data, &problem.nominal, robot.tool)?;
     let mut problem = problem.about(&start);
-    problem.noise = kinds::noise(&problem, &rows, &start, crowd)?;
+    problem.noise = kind_noise::noise(&problem, &rows, &start, crowd)?;
     let flags = Flags { lambda: 1.0, gross: POLICY.gross, crowd };
     let sided = weigh::start_sides::found(&problem, &rows, &start, flags)?;
     let data = sided.as_ref().unwrap_or(data);
@@ -154,7 +155,7 @@ fn diagnosed(
         most_terms: options.most_terms,
     };
     let mut answer = answered(&mut question, &start, progress)?;
-    let anew = kinds::heard_anew(&question, &answer.1.best)?;
+    let anew = kind_noise::heard_anew(&question, &answer.1.best)?;
     let problem = Problem { noise: anew.unwrap_or(problem.noise), ..problem.clone() };
     question = Question { problem: &problem, ..question };
     if anew.is_some() {
@@ -220,7 +221,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         false => show.beside_curves(&root, best, &nominal, &weighed.stages)?,
     };
     let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
-    let (verdict, unnamed) = verdict::verdict(problem, &weighed, &best);
+    let (verdict, unnamed) = verdict::verdict(problem, &weighed, &best, &gap);
     let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
     let (alternatives, rivals): (_, Vec<State>) = alternatives.into_iter().unzip();
     // What was assumed and moves nothing is in no model.
@@ -246,6 +247,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         suspected,
         unnamed,
         noise_scale,
+        beyond_repeats: remarks::over_repeats(problem, &best),
         nested_rms_mm: nested(&weighed, &best),
         noise_floor_mm: noise_floor(problem.data) * 1e3 / weighed.scale,
         reduced_chi_square: best.reduced,

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::policy::POLICY;
 use super::weigh::Doubt;
 use crate::identify::Figures;
 use crate::observations::Measure;
@@ -13,7 +14,7 @@ use crate::observations::Measure;
 pub enum Verdict {
     /// Geometry alone leaves nothing but noise.
     Clean,
-    /// The model leaves nothing but noise.
+    /// The model leaves nothing that goes with anything recorded.
     Explained,
     /// Structure is left that no effect of the repertoire explains.
     Unexplained,
@@ -158,6 +159,30 @@ impl GapUnit {
 }
 
 impl Outcome {
+    /// Whether what is left may be called noise: poses do not miss by more than their repeats
+    /// scatter, and rows by no more than any instrument is misstated by.
+    #[must_use]
+    pub fn leaves_noise(&self) -> bool {
+        let left = self.gap.last().map_or(1.0, |last| last.train_rms_sigmas.max(1.0));
+        self.beyond_repeats.is_none() && left * self.noise_scale <= POLICY.beyond_stated
+    }
+
+    /// What else it is, in words.
+    #[must_use]
+    pub fn what_is_left(&self) -> String {
+        let left = self.gap.last().map_or(1.0, |last| last.train_rms_sigmas.max(1.0));
+        match self.beyond_repeats {
+            Some(times) => format!(
+                "goes with nothing that was recorded, though poses are off by {times:.1} times what \
+                 their repeats scatter"
+            ),
+            None => format!(
+                "goes with nothing that was recorded, though it is {:.1} times the stated noise",
+                left * self.noise_scale
+            ),
+        }
+    }
+
     /// What its gap is told in.
     #[must_use]
     pub fn gap_unit(&self) -> GapUnit {
@@ -224,6 +249,9 @@ pub struct Outcome {
     /// Noise over the stated standard deviation; of several kinds the middle of theirs,
     /// each counted by its equations: the geometric mean of `noise_scale` of `kinds`.
     pub noise_scale: f64,
+    /// How many times farther off poses are than their repeats scatter, where that is many:
+    /// most of what is left then returns with the pose.
+    pub beyond_repeats: Option<f64>,
     /// RMS of held-out poses when everything is decided anew without each fold,
     /// the choice of effects included, mm.
     pub nested_rms_mm: Option<f64>,

@@ -2,7 +2,7 @@
 
 use super::crowd::crowded;
 use super::node::Node;
-use super::outcome::{Verdict, said};
+use super::outcome::{GapRow, Verdict, said};
 use super::policy::POLICY;
 use super::remarks::{self, over_repeats};
 use super::weigh::Weighed;
@@ -14,7 +14,12 @@ use crate::identify::Problem;
 /// rest is has no part in it, as nobody knows the noise, unless it is beyond what any
 /// instrument is misstated by.
 #[must_use]
-pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, Vec<String>) {
+pub fn verdict(
+    problem: &Problem,
+    weighed: &Weighed,
+    best: &Node,
+    gap: &[GapRow],
+) -> (Verdict, Vec<String>) {
     let nameless = weighed.nameless.iter().filter(|(_, p)| *p >= POLICY.worth_saying);
     let mut left: Vec<String> =
         nameless.map(|(what, p)| format!("{} (probability {})", what.words(), said(*p))).collect();
@@ -34,6 +39,7 @@ pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, V
              the stated standard deviation"
         )
     }));
+    left.extend(too_few(problem, gap, noise));
     if noise > POLICY.beyond_stated {
         left.extend(weighed.scattering.iter().map(|joint| remarks::scatters(problem, *joint)));
     }
@@ -48,4 +54,20 @@ pub fn verdict(problem: &Problem, weighed: &Weighed, best: &Node) -> (Verdict, V
         Verdict::Explained
     };
     (verdict, left)
+}
+
+/// Where poses held out say that so few tell nothing: a fit of as many unknowns as there are
+/// equations leaves nothing, and is no evidence that nothing is missing.
+fn too_few(problem: &Problem, gap: &[GapRow], noise: f64) -> Option<String> {
+    let last = gap.last()?;
+    let held = last.cross_validated_rms_sigmas?;
+    let times = held / last.train_rms_sigmas.max(f64::MIN_POSITIVE);
+    (times > POLICY.beyond_fitted && held * noise > POLICY.beyond_stated).then(|| {
+        format!(
+            "poses held out are missed by {times:.0} times what fitted ones are: {} poses are too \
+             few to tell what {} unknowns do, measure more",
+            problem.data.poses,
+            problem.unknowns.list().len()
+        )
+    })
 }

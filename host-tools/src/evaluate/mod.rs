@@ -127,12 +127,16 @@ pub fn residuals(data: &Measurements, conditions: &Conditions, state: &State) ->
     (0..data.rows.len()).map(|row| Residual::of(row, &view)).collect()
 }
 
-/// Joints, counted from 1, with readings outside the range of the identification.
+/// Joints, counted from 1, with readings outside the range of the identification, or where
+/// their curve is not known.
 #[must_use]
 pub fn not_covered(model: &Model, data: &Measurements) -> Vec<usize> {
     let outside = |j: &usize| {
         let Some([low, high]) = model.covered[*j] else { return true };
-        data.rows.iter().any(|r| r.q[*j] < low - MARGIN || r.q[*j] > high + MARGIN)
+        let curve = model.curves.iter().find(|curve| usize::from(curve.joint()) == *j);
+        let known = |q: f64| curve.is_none_or(|curve| curve.knows(q));
+        let within = |q: f64| q >= low - MARGIN && q <= high + MARGIN && known(q);
+        data.rows.iter().any(|row| !within(row.q[*j]))
     };
     (0..model.covered.len()).filter(outside).map(|j| j + 1).collect()
 }

@@ -7,6 +7,7 @@ use std::ops::Range;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::noise::Noise;
+use super::poses::Repeats;
 use super::triangular::{cholesky, solve_lower};
 
 /// Columns a product is computed in at a time; only the lower triangle is.
@@ -30,7 +31,7 @@ pub struct Gram {
     zy: DVector<f64>,
     yy: f64,
     equations: usize,
-    repeats: (usize, f64),
+    repeats: Repeats,
 }
 
 /// Geometry at one noise scale k: the Cholesky factor of `G'G / k^2 + Lambda`.
@@ -58,8 +59,8 @@ pub struct Projected {
     pub full: DVector<f64>,
     /// Equations.
     pub equations: usize,
-    /// Of them, those that repeat a pose, and their squares.
-    pub repeats: (usize, f64),
+    /// What those that repeat a pose say of the noise.
+    pub repeats: Repeats,
     /// Equations that geometry uses up.
     pub geometry: f64,
     /// Noise scale k that everything is divided by.
@@ -78,7 +79,7 @@ impl Gram {
             zy: DVector::zeros(columns),
             yy: 0.0,
             equations: 0,
-            repeats: (0, 0.0),
+            repeats: Repeats::default(),
         }
     }
 
@@ -94,19 +95,17 @@ impl Gram {
         self.equations += y.len();
     }
 
-    /// Of the equations added so many repeat a pose, and `square` is what their
-    /// residuals scatter about the mean of their pose, both from
-    /// [`super::poses::within`] at the best model known: where a later one
-    /// explains part of the scatter, accumulate again with its residuals.
-    pub fn add_repeats(&mut self, equations: usize, square: f64) {
-        self.repeats.0 += equations;
-        self.repeats.1 += square;
+    /// Of the equations added some repeat a pose: what they say of the noise, at the best
+    /// model known. Where a later one explains part of their scatter, accumulate again with
+    /// its residuals.
+    pub fn add_repeats(&mut self, repeats: Repeats) {
+        self.repeats.join(repeats);
     }
 
     /// Equations that do not repeat a pose.
     #[must_use]
     pub fn poses(&self) -> usize {
-        self.equations - self.repeats.0
+        self.equations - self.repeats.equations
     }
 
     /// Adds the equations of another part of the rows.
@@ -118,7 +117,7 @@ impl Gram {
         self.zy += &other.zy;
         self.yy += other.yy;
         self.equations += other.equations;
-        self.add_repeats(other.repeats.0, other.repeats.1);
+        self.add_repeats(other.repeats.clone());
     }
 
     /// Unknowns of geometry.
@@ -178,7 +177,7 @@ impl Gram {
             s: (self.yy / k2 - vy.norm_squared()).max(0.0),
             full,
             equations: self.equations,
-            repeats: (self.repeats.0, self.repeats.1 / k2),
+            repeats: self.repeats.over(k2),
             geometry: geometry.freedom,
             scale: geometry.scale,
         }
@@ -195,7 +194,7 @@ impl Gram {
                 .l_dirty()
                 .solve_lower_triangular(&self.gy.component_div(&geometry.unit).unscale(k * k));
             let rest = self.yy - vy.map_or(0.0, |v| v.norm_squared()) * k * k;
-            let noise = Noise::new(self.equations, self.repeats, geometry.freedom);
+            let noise = Noise::new(self.equations, &self.repeats, geometry.freedom);
             k = (noise.own(rest) / noise.freedom).sqrt().max(1e-9 * k);
         }
         k

@@ -86,18 +86,83 @@ pub fn whiten(block: &mut DMatrix<f64>, repeats: usize, share: f64) {
     }
 }
 
-/// Of the whitened residuals of one pose: equations that repeat it, and the
-/// squares of their scatter about its mean, for [`super::Gram::add_repeats`].
-#[must_use]
-pub fn within(residual: &[f64], repeats: usize) -> (usize, f64) {
-    let repeats = repeats.max(1);
-    let m = residual.len() / repeats;
-    let scatter = (0..m).map(|e| {
-        let readings = || (0..repeats).map(|r| residual[r * m + e]);
-        let mean = readings().sum::<f64>() / repeats as f64;
-        readings().map(|x| (x - mean).powi(2)).sum::<f64>()
-    });
-    (m * (repeats - 1), scatter.sum())
+/// Share of the poses whose readings scatter least: these tell how readings scatter by
+/// themselves, where those of others came from either side of a gap.
+const QUIETEST: f64 = 0.25;
+/// The same of a normal distribution.
+const QUIETEST_DEVIATES: f64 = -0.674_490;
+
+/// What repeats say of the noise, whitened as [`whiten`] does.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Repeats {
+    /// Equations that repeat a pose.
+    pub equations: usize,
+    /// Squares of what they scatter about the mean of their pose.
+    pub square: f64,
+    /// Squares that the other equations have at least, over those of one that repeats: the
+    /// mean of a pose scatters by what its readings do, if by nothing else.
+    pub least: f64,
+    /// Of each pose that is repeated its mean square, over what one pose in four of equal
+    /// noise has.
+    quiet: Vec<f64>,
+}
+
+impl Repeats {
+    /// Of the whitened residuals of one pose, of whose variance its readings have a share in
+    /// common; for [`super::Gram::add_repeats`].
+    #[must_use]
+    pub fn of(residual: &[f64], repeats: usize, share: f64) -> Self {
+        let (repeats, h) = (repeats.max(1), share.clamp(0.0, MOST));
+        let m = residual.len() / repeats;
+        let scatter = (0..m).map(|e| {
+            let readings = || (0..repeats).map(|r| residual[r * m + e]);
+            let mean = readings().sum::<f64>() / repeats as f64;
+            readings().map(|x| (x - mean).powi(2)).sum::<f64>()
+        });
+        let (equations, square) = (m * (repeats - 1), scatter.sum());
+        let freedom = equations.max(1) as f64;
+        let quiet = (equations > 0).then(|| square / freedom / quietest(freedom));
+        Self {
+            equations,
+            square,
+            least: m as f64 * (1.0 - h) / (1.0 - h + repeats as f64 * h),
+            quiet: quiet.into_iter().collect(),
+        }
+    }
+
+    /// Mean square of an equation that repeats, by the poses whose readings scatter least.
+    #[must_use]
+    pub fn each(&self) -> f64 {
+        if self.quiet.is_empty() {
+            return 0.0;
+        }
+        let mut quiet = self.quiet.clone();
+        let place = (quiet.len() as f64 * QUIETEST) as usize;
+        let (_, own, _) = quiet.select_nth_unstable_by(place, f64::total_cmp);
+        own.min(self.square / self.equations as f64)
+    }
+
+    /// With those of other poses.
+    pub fn join(&mut self, other: Self) {
+        self.equations += other.equations;
+        self.square += other.square;
+        self.least += other.least;
+        self.quiet.extend(other.quiet);
+    }
+
+    /// At another noise scale.
+    #[must_use]
+    pub fn over(&self, k2: f64) -> Self {
+        let quiet = self.quiet.iter().map(|square| square / k2).collect();
+        Self { square: self.square / k2, quiet, ..*self }
+    }
+}
+
+/// Mean square of the quietest quarter of so many normal variates each (Wilson and Hilferty,
+/// PNAS 17 (1931) 684).
+fn quietest(freedom: f64) -> f64 {
+    let ninth = 2.0 / (9.0 * freedom);
+    (1.0 - ninth + QUIETEST_DEVIATES * ninth.sqrt()).max(0.05).powi(3)
 }
 
 #[cfg(test)]
@@ -121,6 +186,40 @@ mod tests {
             let mut v = v.transpose();
             whiten(&mut v, repeats, share);
             prop_assert!((v - DMatrix::identity(n, n)).amax() < 1e-9);
+        }
+    }
+
+    /// Readings that scatter alone make poses that scatter so.
+    #[test]
+    fn poses_scatter_as_their_readings_do_at_least() {
+        let mut state = 5_u64;
+        let mut noise = || {
+            let step = |_| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                (state >> 11) as f64 / (1_u64 << 53) as f64
+            };
+            (0..12).map(step).sum::<f64>() - 6.0
+        };
+        for (repeats, share) in [(2, 0.5), (3, 0.9), (5, 0.999)] {
+            let (mut all, mut own) = (Repeats::default(), 0.0);
+            for _ in 0..4000 {
+                let mut block = DMatrix::from_fn(3 * repeats, 1, |_, _| noise());
+                whiten(&mut block, repeats, share);
+                let pose = Repeats::of(block.as_slice(), repeats, share);
+                own += block.norm_squared() - pose.square;
+                all.join(pose);
+            }
+            let least = all.least * all.square / all.equations as f64;
+            assert!((own / least - 1.0).abs() < 0.05, "{repeats}, {share}: {own} {least}");
+            let each = all.each() / (all.square / all.equations as f64);
+            assert!((0.95..=1.0).contains(&each), "{repeats}: the quietest quarter, {each}");
+            // Half of the poses were read from both sides of a gap.
+            for (k, quiet) in all.quiet.iter_mut().enumerate() {
+                *quiet *= if k % 2 == 0 { 1.0 } else { 100.0 };
+            }
+            all.square *= 50.0;
+            let gap = all.each() / (all.square / all.equations as f64) * 50.0;
+            assert!((0.8..2.2).contains(&gap), "{repeats}: with a gap, {gap}");
         }
     }
 

@@ -122,7 +122,7 @@ pub fn choose(
     odds: &Odds,
 ) -> Vec<Option<Shape>> {
     let functions = (projected.b.len() - beside) / (2 * orders);
-    let noise = Noise::new(projected.equations, projected.repeats, projected.geometry);
+    let noise = Noise::new(projected.equations, &projected.repeats, projected.geometry);
     let shapes = Shape::all(orders, odds);
     let mut chosen: Vec<Option<Shape>> = vec![None; functions];
     for _ in 0..SWEEPS {

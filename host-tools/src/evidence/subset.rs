@@ -75,7 +75,7 @@ impl Subsets {
     #[must_use]
     pub fn new(projected: Projected, candidates: Vec<Candidate>) -> Self {
         let Projected { mut c, mut b, s, full, equations, repeats, geometry, scale } = projected;
-        let noise = Noise::new(equations, repeats, geometry);
+        let noise = Noise::new(equations, &repeats, geometry);
         let mut columns = Vec::with_capacity(candidates.len());
         let mut unit = DVector::from_element(b.len(), 0.0);
         let mut first = 0;

@@ -29,6 +29,14 @@ pub struct Rest {
     pub square: f64,
     /// Equations.
     pub equations: usize,
+    /// How much it counts as a row of its own: readings of a pose that have their noise in
+    /// common say one thing, however many. Three readings of a pose that is off are no tail.
+    pub count: f64,
+}
+
+/// Equations of rows, as much as each counts.
+fn equations(rows: &[Rest]) -> f64 {
+    rows.iter().map(|r| r.equations as f64 * r.count).sum()
 }
 
 impl Tails {
@@ -41,7 +49,7 @@ impl Tails {
     /// The same, and its logarithm of the likelihood.
     #[must_use]
     pub fn with_likelihood(rows: &[Rest], used: f64) -> (Self, f64) {
-        let equations: f64 = rows.iter().map(|r| r.equations as f64).sum();
+        let equations = equations(rows);
         let share = equations / (equations - used).max(1.0);
         let each = TAILS.map(|nu| {
             let tails = Self { nu, scale: 1.0 }.rescaled(rows, share);
@@ -53,11 +61,11 @@ impl Tails {
     }
 
     fn rescaled(mut self, rows: &[Rest], share: f64) -> Self {
-        let equations: f64 = rows.iter().map(|r| r.equations as f64).sum::<f64>().max(1.0);
-        let mut square = rows.iter().map(|r| r.square).sum::<f64>() / equations * share;
+        let equations = equations(rows).max(1.0);
+        let mut square = rows.iter().map(|r| r.square * r.count).sum::<f64>() / equations * share;
         for _ in 0..STEPS {
             self.scale = square.sqrt().max(f64::MIN_POSITIVE);
-            let sum: f64 = rows.iter().map(|r| self.weight(*r) * r.square).sum();
+            let sum: f64 = rows.iter().map(|r| self.weight(*r) * r.square * r.count).sum();
             square = sum / equations * share;
         }
         self
@@ -80,13 +88,13 @@ impl Tails {
             let square = r.square * share / (self.scale * self.scale);
             let own = -m * self.scale.ln();
             if self.nu.is_infinite() {
-                return own - 0.5 * square - 0.5 * m * std::f64::consts::TAU.ln();
+                return r.count * (own - 0.5 * square - 0.5 * m * std::f64::consts::TAU.ln());
             }
             let half = (self.nu + m) / 2.0;
             let constant = libm::lgamma(half)
                 - libm::lgamma(self.nu / 2.0)
                 - 0.5 * m * (self.nu * std::f64::consts::PI).ln();
-            own + constant - half * (square / self.nu).ln_1p()
+            r.count * (own + constant - half * (square / self.nu).ln_1p())
         });
         each.sum()
     }
@@ -110,7 +118,7 @@ mod tests {
             let chi: f64 = (0..whole).map(|_| normal(&mut rng).powi(2)).sum();
             let core = if whole > 0 { chi / nu } else { 1.0 };
             let square: f64 = (0..3).map(|_| normal(&mut rng).powi(2)).sum();
-            Rest { square: scale * scale * square / core, equations: 3 }
+            Rest { square: scale * scale * square / core, equations: 3, count: 1.0 }
         };
         (0..count).map(row).collect()
     }
@@ -126,7 +134,25 @@ mod tests {
     #[test]
     fn a_gross_row_hardly_counts() {
         let tails = Tails { nu: 4.0, scale: 1.0 };
-        assert!(tails.weight(Rest { square: 1e4, equations: 3 }) < 1e-3);
-        assert!(tails.weight(Rest { square: 0.0, equations: 3 }) > 1.0);
+        assert!(tails.weight(Rest { square: 1e4, equations: 3, count: 1.0 }) < 1e-3);
+        assert!(tails.weight(Rest { square: 0.0, equations: 3, count: 1.0 }) > 1.0);
+    }
+
+    /// Read three times, each reading a third: nothing is heavier than it was.
+    #[test]
+    fn readings_of_a_pose_say_one_thing() {
+        for nu in [4.0, f64::INFINITY] {
+            let once = rows(nu, 30, 1.5);
+            let thrice: Vec<Rest> =
+                once.iter().flat_map(|row| [Rest { count: 1.0 / 3.0, ..*row }; 3]).collect();
+            let ([a, b], [c, d]) = (
+                [Tails::with_likelihood(&once, 20.0), Tails::with_likelihood(&thrice, 20.0)]
+                    .map(|t| t.0),
+                [Tails::with_likelihood(&once, 20.0), Tails::with_likelihood(&thrice, 20.0)]
+                    .map(|t| t.1),
+            );
+            assert_eq!(a.nu, b.nu);
+            assert!((a.scale / b.scale - 1.0).abs() < 1e-9 && (c - d).abs() < 1e-6);
+        }
     }
 }

@@ -7,7 +7,7 @@ use toml::{Table, Value};
 const COVERED: [&str; 7] =
     ["joints", "corrections", "terms", "measurement_terms", "curves", "frame", "base"];
 /// What may be edited in it: where the arm may go, what is known of its type, and how well it is known.
-const FREE: [&str; 9] = [
+const FREE: [&str; 11] = [
     "limits_deg",
     "limits_mm",
     "gear_ratio",
@@ -17,6 +17,8 @@ const FREE: [&str; 9] = [
     "covered_deg",
     "covered_mm",
     "band_rad",
+    "gap_band_rad",
+    "gaps_deg",
 ];
 
 /// Of a model.toml: the same for the same values, however they are laid out.

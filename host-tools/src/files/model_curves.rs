@@ -15,9 +15,18 @@ pub(super) struct CurveFile {
     /// What the nodes are whole multiples of, where they come from a table.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     step_rad: Option<f32>,
+    /// One standard deviation where it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    gap_band_rad: Option<f64>,
+    /// Where it is not known: from one node to another.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    gaps_deg: Vec<[f64; 2]>,
     /// Coefficients of a periodic cubic B-spline, the first at angle 0.
     nodes_rad: Vec<f64>,
 }
+
+/// A gap's end is at a node if it is as near to it, in nodes.
+const AT_NODE: f64 = 1e-6;
 
 pub(super) fn to_file(curves: &[ErrorCurve]) -> Vec<CurveFile> {
     let mut sorted: Vec<&ErrorCurve> = curves.iter().collect();
@@ -26,6 +35,8 @@ pub(super) fn to_file(curves: &[ErrorCurve]) -> Vec<CurveFile> {
         joint: usize::from(curve.joint()) + 1,
         band_rad: curve.band(),
         step_rad: Some(curve.step()),
+        gap_band_rad: curve.gap_band(),
+        gaps_deg: curve.gap_ranges().iter().map(|range| range.map(degrees)).collect(),
         nodes_rad: curve.nodes().collect(),
     };
     sorted.iter().map(file).collect()
@@ -46,10 +57,41 @@ pub(super) fn curve(
     if before.iter().any(|other| usize::from(other.joint()) == place) {
         return Err(format!("a second curve of joint {}", file.joint));
     }
-    match file.step_rad {
+    let curve = match file.step_rad {
         Some(step) => ErrorCurve::with_step(place as u8, &file.nodes_rad, step, file.band_rad),
         None => ErrorCurve::new(place as u8, &file.nodes_rad, file.band_rad),
+    }?;
+    match (file.gap_band_rad, &file.gaps_deg[..]) {
+        (None, []) => Ok(curve),
+        (Some(band), gaps @ [_, ..]) => {
+            curve.with_gaps(band, &stretches(gaps, file.nodes_rad.len())?)
+        }
+        _ => Err("gap_band_rad and gaps_deg belong together".to_owned()),
     }
+}
+
+/// Ends of gaps are whole numbers of nodes: no more digits than they have.
+fn degrees(angle: f64) -> f64 {
+    (angle.to_degrees() * 1e9).round() / 1e9
+}
+
+/// Stretches between so many nodes that lie in these gaps, degrees.
+fn stretches(gaps: &[[f64; 2]], nodes: usize) -> Result<Vec<usize>, String> {
+    let mut out = Vec::new();
+    for [low, high] in gaps {
+        let [from, to] = [low, high].map(|angle| angle / 360.0 * nodes as f64);
+        let at_node = |x: f64| (x - x.round()).abs() < AT_NODE;
+        if !(at_node(from) && at_node(to) && 0.0 <= from.round() && from < to)
+            || to.round() > nodes as f64
+        {
+            return Err(format!(
+                "gaps_deg [{low}, {high}]: from node to node, {} degrees apart, of 0 to 360",
+                360.0 / nodes as f64
+            ));
+        }
+        out.extend(from.round() as usize..to.round() as usize);
+    }
+    Ok(out)
 }
 
 #[cfg(test)]
@@ -84,6 +126,35 @@ mod tests {
         let [second, first] = curves;
         assert_eq!(read(&text), Ok(vec![first, second]));
         assert!(text.contains("band_rad = 0.000015") && text.contains("step_rad = "), "{text}");
+    }
+
+    #[test]
+    fn gaps_are_written_in_degrees_and_read() {
+        for nodes in [32, 256, 512] {
+            let stretches = [0, 1, 5, nodes / 2, nodes - 1];
+            let gapped = some(0, nodes).with_gaps(3e-4, &stretches).unwrap();
+            let text = toml::to_string(&File { curves: to_file(std::slice::from_ref(&gapped)) });
+            let text = text.unwrap();
+            assert_eq!(read(&text), Ok(vec![gapped]), "{text}");
+            assert!(text.contains("gap_band_rad = 0.0003\n"), "{text}");
+        }
+        let whole = toml::to_string(&File { curves: to_file(&[some(0, 32)]) }).unwrap();
+        assert!(!whole.contains("gap"), "{whole}");
+        let with = |more: &str| {
+            read(&whole.replace("joint = 1\n", &format!("joint = 1\n{more}\n"))).unwrap_err()
+        };
+        assert!(with("gap_band_rad = 1e-4").contains("belong together"));
+        assert!(with("gaps_deg = [[0.0, 11.25]]").contains("belong together"));
+        for bad in [
+            "[[1.0, 11.25]]",
+            "[[-11.25, 0.0]]",
+            "[[11.25, 0.0]]",
+            "[[0.0, 371.25]]",
+            "[[0.0, nan]]",
+        ] {
+            let message = with(&format!("gap_band_rad = 1e-4\ngaps_deg = {bad}"));
+            assert!(message.contains("11.25 degrees apart"), "{bad}: {message}");
+        }
     }
 
     #[test]

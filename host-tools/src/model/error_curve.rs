@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 use truearm::Curves;
-use truearm::blob::{curve_len, encode_curve};
-use truearm::effects::Curve;
+use truearm::blob::{curve_len, encode_curve_with, gaps_len};
+use truearm::effects::{Curve, Gaps};
 
 /// Name of the effect in reports.
 pub const CURVE: &str = "joint-error-curve";
@@ -23,6 +23,14 @@ pub struct ErrorCurve {
     band: f64,
     step: f32,
     nodes: Vec<i16>,
+    gaps: Option<Guessed>,
+}
+
+/// Stretches between nodes where a curve is guessed: [`truearm::effects::Gaps`].
+#[derive(Debug, Clone, PartialEq)]
+struct Guessed {
+    band: f64,
+    known: Vec<u8>,
 }
 
 /// How near a curve comes to the function it was made of, rad.
@@ -70,8 +78,8 @@ impl ErrorCurve {
         });
         let nodes: Option<Vec<i16>> = steps.collect();
         let nodes = nodes.ok_or_else(|| format!("a node has more than 32767 steps of {step:e}"))?;
-        let curve = Self { joint, band, step, nodes };
-        let mut bytes = vec![0; curve_len(curve.nodes.len())];
+        let curve = Self { joint, band, step, nodes, gaps: None };
+        let mut bytes = vec![0; curve.len()];
         match curve.encode(&mut bytes) {
             Ok(_) => Ok(curve),
             Err(_) if !matches!(curve.nodes.len(), 32 | 64 | 128 | 256 | 512) => {
@@ -126,8 +134,81 @@ impl ErrorCurve {
     /// As a blob has it.
     #[must_use]
     pub fn of_blob(curve: &Curve<'_>) -> Self {
-        let nodes = curve.nodes().collect();
-        Self { joint: curve.joint(), band: f64::from(curve.band()), step: curve.step(), nodes }
+        let gaps = curve
+            .gaps()
+            .map(|gaps| Guessed { band: f64::from(gaps.band()), known: gaps.known().to_vec() });
+        Self {
+            joint: curve.joint(),
+            band: f64::from(curve.band()),
+            step: curve.step(),
+            nodes: curve.nodes().collect(),
+            gaps,
+        }
+    }
+
+    /// The same, not known in these stretches between nodes, the first behind node 0; one
+    /// standard deviation there is `band`, rad. Stretches beyond the nodes are left out.
+    ///
+    /// # Errors
+    /// A band that no controller takes, in words.
+    pub fn with_gaps(self, band: f64, stretches: &[usize]) -> Result<Self, String> {
+        let mut known = vec![0xff; self.nodes.len() / 8];
+        for stretch in stretches.iter().filter(|stretch| **stretch < self.nodes.len()) {
+            known[stretch / 8] &= !(1 << (stretch % 8));
+        }
+        if known.iter().all(|bits| *bits == 0xff) {
+            return Ok(self);
+        }
+        let curve = Self { gaps: Some(Guessed { band, known }), ..self };
+        let encoded = curve.encode(&mut vec![0; curve.len()]);
+        encoded.map_err(|_| format!("a band of {band:e} rad in gaps where 0 to 0.05 are read"))?;
+        Ok(curve)
+    }
+
+    /// One standard deviation where it is not known, rad; none where it is known all over.
+    #[must_use]
+    pub fn gap_band(&self) -> Option<f64> {
+        self.gaps.as_ref().map(|gaps| gaps.band)
+    }
+
+    /// Stretches between nodes where it is not known, the first behind node 0.
+    #[must_use]
+    pub fn gaps(&self) -> Vec<usize> {
+        let Some(gaps) = &self.gaps else { return Vec::new() };
+        (0..self.nodes.len()).filter(|k| gaps.known[k / 8] >> (k % 8) & 1 == 0).collect()
+    }
+
+    /// The same as turns from one angle to another, rad, the lower first.
+    #[must_use]
+    pub fn gap_ranges(&self) -> Vec<[f64; 2]> {
+        let stretch = TAU / self.nodes.len() as f64;
+        let gaps = self.gaps();
+        let runs = gaps.chunk_by(|a, b| a + 1 == *b);
+        runs.map(|run| [run[0] as f64 * stretch, (run[0] + run.len()) as f64 * stretch]).collect()
+    }
+
+    /// Whether it is known at encoder reading `q`, rad.
+    #[must_use]
+    pub fn knows(&self, q: f64) -> bool {
+        let Some(gaps) = &self.gaps else { return true };
+        let turns = (q / TAU).rem_euclid(1.0);
+        let stretch = (turns * self.nodes.len() as f64) as usize % self.nodes.len();
+        gaps.known[stretch / 8] >> (stretch % 8) & 1 != 0
+    }
+
+    /// One standard deviation at encoder reading `q`, rad.
+    #[must_use]
+    pub fn band_at(&self, q: f64) -> f64 {
+        match &self.gaps {
+            Some(gaps) if !self.knows(q) => gaps.band,
+            _ => self.band,
+        }
+    }
+
+    /// Bytes in a blob.
+    fn len(&self) -> usize {
+        let gaps = if self.gaps.is_some() { gaps_len(self.nodes.len()) } else { 0 };
+        curve_len(self.nodes.len()) + gaps
     }
 
     /// The joint, counted from 0.
@@ -171,7 +252,8 @@ impl ErrorCurve {
     }
 
     fn encode(&self, out: &mut [u8]) -> Result<usize, truearm::blob::EncodeError> {
-        encode_curve(self.joint, self.step, self.band as f32, &self.nodes, out)
+        let gaps = self.gaps.as_ref().map(|gaps| Gaps::new(gaps.band as f32, &gaps.known));
+        encode_curve_with(self.joint, self.step, self.band as f32, &self.nodes, gaps, out)
     }
 }
 
@@ -189,7 +271,7 @@ impl JointTables {
         let mut bytes = Vec::new();
         for curve in sorted {
             let at = bytes.len();
-            bytes.resize(at + curve_len(curve.nodes.len()), 0);
+            bytes.resize(at + curve.len(), 0);
             curve.encode(&mut bytes[at..]).unwrap_or_else(|e| unreachable!("made whole: {e}"));
         }
         Self(bytes)
@@ -262,6 +344,28 @@ mod tests {
             assert_eq!(bend[usize::from(joint)], one.value(joint, q[usize::from(joint)]));
         }
         assert_eq!(JointTables::new(&[]).bend(&q), [0.0; 6]);
+    }
+
+    /// As the controller reads them, at any number of turns.
+    #[test]
+    fn gaps_are_those_of_the_table() {
+        let (curve, _) = ErrorCurve::of_function(1, 32, 1e-5, |q| 1e-4 * q.sin()).unwrap();
+        assert_eq!(curve.clone().with_gaps(3e-4, &[]), Ok(curve.clone()));
+        assert_eq!(curve.clone().with_gaps(3e-4, &[32, 99]), Ok(curve.clone()));
+        assert!(curve.clone().with_gaps(0.06, &[1]).unwrap_err().contains("in gaps"));
+        let gapped = curve.with_gaps(3e-4, &[0, 1, 7, 30, 31]).unwrap();
+        assert_eq!(gapped.gaps(), [0, 1, 7, 30, 31]);
+        let degrees: Vec<_> =
+            gapped.gap_ranges().iter().map(|r| r.map(|q| q.to_degrees().round())).collect();
+        assert_eq!(degrees, [[0.0, 23.0], [79.0, 90.0], [338.0, 360.0]]);
+        let tables = JointTables::new(std::slice::from_ref(&gapped));
+        let read = tables.curves().of_joint(1).unwrap();
+        assert_eq!(ErrorCurve::of_blob(&read).gaps(), gapped.gaps());
+        for k in -900..900 {
+            let q = f64::from(k) * 0.02 + 0.003;
+            assert_eq!(read.knows(q), gapped.knows(q), "{q}");
+            assert!((f64::from(read.band_at(q)) - gapped.band_at(q)).abs() < 1e-10);
+        }
     }
 
     #[test]

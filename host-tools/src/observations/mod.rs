@@ -17,7 +17,7 @@ mod point;
 mod pose;
 mod range;
 mod reading;
-mod registry;
+mod references;
 mod residual;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -33,7 +33,7 @@ pub use column::{Column, Measure};
 pub use partials::{ArmPart, Body, Partials};
 pub use range::ray_of;
 pub use reading::{Reading, postures};
-pub use registry::{Bound, Registry, Told, Unclear};
+pub use references::{Bound, Registry, Told, Unclear};
 pub use residual::{Miss, Residual};
 
 /// All kinds. A row's [`KindId`] is the place of its kind here.

@@ -85,13 +85,13 @@ pub struct Step {
 ///
 /// # Errors
 /// Joints beyond their limits, an orientation that was not identified, more
-/// terms than the law takes, a marker that the model does not know, or temperatures without
-/// times where the arm follows them late.
+/// terms than the law takes, a marker that the model does not know, and as
+/// [`Forward::along`].
 pub fn compensate(model: &Model, path: &Path, options: &CompensateOptions) -> Result<Compensated> {
     path.within_limits(&model.robot)?;
-    model.timed(&path.data)?;
     let view = View { station: None, marker: options.marker.clone() };
-    let (nominal, real) = (Forward::nominal(model, &view)?, Forward::real(model, &view)?);
+    let (nominal, real) =
+        (Forward::nominal(model, &view)?, Forward::real(model, &view)?.along(&path.data, model)?);
     let asked = asked(model, options)?;
     let blob = if options.single { law::packed(model)? } else { Vec::new() };
     let tables = JointTables::new(&model.curves);
@@ -154,7 +154,7 @@ impl One<'_> {
     fn row(&self, index: usize, command: &[f64]) -> Result<Row> {
         let row = &self.path.data.rows[index];
         let Applied { joints, clamped, covered } =
-            self.law.apply(row, command).map_err(|refusal| {
+            self.law.apply(row, self.real.torques(row), command).map_err(|refusal| {
                 Error::data(
                     ErrorKind::Refused,
                     format!("{}: line {}: {refusal}", self.path.data.path.display(), row.line),

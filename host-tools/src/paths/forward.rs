@@ -72,6 +72,23 @@ impl Forward {
         Self::new(robot, chain(&robot.nominal(), robot.base.pose(), robot.tool))
     }
 
+    /// The same in the state that a path tells: with the torques that were read along it.
+    ///
+    /// # Errors
+    /// Springs that follow torques that are read, on a path that has none, or temperatures
+    /// without times where the arm follows them late.
+    pub fn along(self, data: &Measurements, model: &Model) -> Result<Self> {
+        model.loaded(data)?;
+        model.timed(data)?;
+        let surroundings = self.surroundings.reading(data, &model.robot);
+        Ok(Self { surroundings, ..self })
+    }
+
+    /// What was read of the torques of a row, as those of gravity.
+    pub(super) fn torques(&self, row: &Row) -> Option<Vec<f64>> {
+        self.surroundings.torques(row)
+    }
+
     fn new(robot: &Robot, arm: Box<dyn Kinematics>) -> Self {
         let placement = Placement { xyz: Vector3::zeros(), rpy: robot.tool_rpy };
         Self {

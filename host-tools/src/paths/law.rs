@@ -73,10 +73,12 @@ pub(super) struct ModelLaw<'t> {
 }
 
 impl ModelLaw<'_> {
-    /// The joints for the command of a row.
+    /// The joints for the command of a row, with what was read of its torques as those of
+    /// gravity.
     pub(super) fn apply(
         &self,
         row: &Row,
+        torque: Option<Vec<f64>>,
         command: &[f64],
     ) -> std::result::Result<Applied, Refusal> {
         let mut approach = vec![Approach::Unknown; command.len()];
@@ -88,6 +90,7 @@ impl ModelLaw<'_> {
             payload: row.payload,
             // What the controller's own filter makes of what was read up to here.
             temperature: row.temperature_of_arm(self.law.time_constant()),
+            torque: torque.as_deref(),
         };
         let mut applied = self.law.apply(command, &conditions)?;
         let most = self.law.max_correction();

@@ -33,12 +33,5 @@ pub fn missing_inputs(model: &Model, path: &Path) -> Vec<String> {
             two[1].line
         ));
     }
-    if model.loaded(&path.data).is_err() {
-        out.push(
-            "the model's springs were identified from torques that were read, and it has no masses \
-             to compute them from: its joints are taken as unloaded"
-                .to_owned(),
-        );
-    }
     out
 }

@@ -120,11 +120,10 @@ impl Place<'_> {
         Some(element("g").child(bar).child(self.shape(s)).into())
     }
 
-    /// Treads with their values, and the risers between them.
+    /// Treads, and the risers between them.
     fn steps(&self, seen: &[Seen]) -> Vec<Node> {
         let slot = self.layout.x(1.0) - self.layout.x(0.0);
         let half = 0.5 * WIDTH * slot / self.groups.max(1) as f64 - 3.0;
-        let [_, top, ..] = self.layout.edges;
         let mut out: Vec<Node> = Vec::new();
         for pair in seen.windows(2) {
             let (from, to) = (pair[0].at, pair[1].at);
@@ -136,11 +135,23 @@ impl Place<'_> {
             let (x, y) = s.at;
             let d = format!("M{} {}h{}", number(x - half), number(y), number(2.0 * half));
             out.push(noted(element("path").with("class", "tread").with("d", d), s));
-            let at = if y < top + 18.0 { y + 17.0 } else { y - 7.0 };
-            let value = text(x, at, &significant(s.value)).with("text-anchor", "middle");
-            out.push(value.with("class", "halo small").into());
         }
         out
+    }
+
+    /// What stands above the marks of all series: the values of treads.
+    pub fn values(&self, series: &Series) -> Vec<Node> {
+        if series.mark != Mark::Steps {
+            return Vec::new();
+        }
+        let [_, top, ..] = self.layout.edges;
+        let value = |s: &Seen| {
+            let (x, y) = s.at;
+            let at = if y < top + 18.0 { y + 17.0 } else { y - 7.0 };
+            let value = text(x, at, &significant(s.value)).with("text-anchor", "middle");
+            value.with("class", "halo small").into()
+        };
+        self.seen(series).iter().map(value).collect()
     }
 }
 

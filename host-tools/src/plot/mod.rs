@@ -101,12 +101,15 @@ impl Panel {
         let groups = self.series.iter().filter(|s| s.mark.is_beside()).count();
         let lines = self.lines();
         let (mut group, mut line) = (0, 0);
+        let mut above = Vec::new();
         for (series, ink) in self.series.iter().zip(inks) {
             let at = marks::Place { layout: &layout, panel: self, ink, group, groups, line, lines };
             out.push(at.group(series).into());
+            above.extend(at.values(series));
             group += usize::from(series.mark.is_beside());
             line += usize::from(series.mark == Mark::Line);
         }
+        out.extend(above);
         out
     }
 

@@ -18,6 +18,7 @@ pub const STYLE: &str = "\
 .plot .band { fill: currentColor; fill-opacity: 0.22; stroke: none; }
 .plot .thin { fill: none; stroke: currentColor; stroke-width: 1.3px; }
 .plot .tread { fill: none; stroke: currentColor; stroke-width: 4px; stroke-linecap: round; }
+.plot .i2 .tread { stroke-dasharray: 1 8; stroke-width: 5px; }
 .plot .riser { fill: none; stroke: currentColor; stroke-width: 1.2px; stroke-dasharray: 2 3; }
 .plot .i0 { color: #0072b2; } .plot .i1 { color: #c94f00; } .plot .i2 { color: #00805c; }
 .plot .i3 { color: #a63d7c; } .plot .i4 { color: #2a91cf; } .plot .i5 { color: #b07a00; }

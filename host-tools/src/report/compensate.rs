@@ -37,6 +37,8 @@ pub struct CompensateReport {
     /// Lines of the rows whose correction was held back: at its largest, or near
     /// a limit.
     pub clamped: Vec<usize>,
+    /// Of these, those at which more than half of the miss stays, and more than 0.1 mm.
+    pub mostly_left: Vec<RowLeft>,
     /// Lines of the rows outside the joint ranges of the identification.
     pub not_covered: Vec<usize>,
     /// Whether these were corrected all the same.
@@ -101,6 +103,21 @@ impl From<Step> for LargestStep {
     }
 }
 
+/// A row is not corrected if more than this share of its miss stays, and...
+const STAYS: f64 = 0.5;
+/// ...more than this, m.
+const NOTICED: f64 = 1e-4;
+
+/// What stays of a row whose correction was held back, if that is most of it.
+fn mostly_left(row: &Row) -> Option<[f64; 2]> {
+    match row {
+        Row::Corrected { clamped: true, before, left, .. } => {
+            (left[0] > STAYS * before[0] && left[0] > NOTICED).then_some(*left)
+        }
+        _ => None,
+    }
+}
+
 impl CompensateReport {
     /// Name of the schema.
     pub const SCHEMA: &'static str = "truearm-compensate-1";
@@ -134,6 +151,9 @@ impl CompensateReport {
             Row::NotReached(_) => None,
         });
         let rows = found.rows.iter().zip(&path.data.rows);
+        let stays = rows
+            .clone()
+            .filter_map(|(row, input)| mostly_left(row).map(|left| RowLeft::new(input.line, left)));
         Self {
             schema: Self::SCHEMA,
             command: "compensate",
@@ -146,6 +166,7 @@ impl CompensateReport {
             left,
             turns: Turns { before_max_deg, left_max_deg },
             clamped: lines(|row| matches!(row, Row::Corrected { clamped: true, .. })),
+            mostly_left: stays.collect(),
             not_covered: lines(|row| matches!(row, Row::Corrected { covered: false, .. })),
             extrapolated: options.extrapolate,
             not_reached: rows

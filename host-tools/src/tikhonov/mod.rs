@@ -7,8 +7,8 @@
 //! Columns are scaled beforehand, so that x counts tolerances.
 
 mod factorised;
+mod lambda_rules;
 mod normal;
-mod rules;
 mod triangle;
 
 pub use factorised::Factorised;

@@ -60,6 +60,7 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
         false => data.rows.iter().zip(&errors).map(of_points).collect(),
     };
     if joints {
+        model.loaded(data)?;
         model.timed(data)?;
     }
     let before = joints.then(|| predicted(model, data, &aim, &left));

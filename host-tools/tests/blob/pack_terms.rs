@@ -105,7 +105,9 @@ fn what_a_controller_cannot_take_is_refused() {
     let message = refused(&many);
     assert!(message.contains("25 terms of the arm where a controller takes 24"), "{message}");
 
+    // Torques of joints may be read, moments of a base may not.
     let mut light = model();
+    light.terms.insert(0, term(Effect::BaseCompliance, 0, 0.0));
     light.robot.links.clear();
     let message = refused(&light);
     assert!(message.contains("term 1 effect needs link masses and gravity"), "{message}");

@@ -55,6 +55,8 @@ fn every_valid_blob_comes_back() {
         "golden/layout-3-full",
         "golden/layout-3-least",
         "golden/layout-3-curves",
+        "golden/layout-3-torques",
+        "golden/layout-3-gaps",
         "firmware/ur10-terms",
     ] {
         let file = format!("{}/../tests/data/{name}.blob", env!("CARGO_MANIFEST_DIR"));

@@ -7,6 +7,7 @@ mod hidden_effects;
 #[path = "../judged/mod.rs"]
 mod judged;
 mod late;
+mod repeats;
 #[path = "../simulated/mod.rs"]
 mod simulated;
 mod springs;

@@ -291,6 +291,7 @@ fn ticks<const N: usize>(model: &Model, path: &Path, task: Task) -> Vec<[f32; N]
             approach: core::array::from_fn(|j| Approach::of_motion(f32::from(row.directions[j]))),
             payload: row.payload.unwrap() as f32,
             temperature: row.temperature.unwrap() as f32,
+            torque: None,
         };
         let settings = Settings { ramp_ticks: 5, ..Settings::new(task) };
         let mut compensator = Compensator::new(arm.clone(), settings, &q).unwrap();

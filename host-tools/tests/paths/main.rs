@@ -3,3 +3,4 @@
 mod cli;
 mod compensated;
 mod reach;
+mod torques;

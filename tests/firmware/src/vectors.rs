@@ -111,7 +111,7 @@ impl<'a> Vectors<'a> {
 
 /// The state of the arm at the `index`-th pose, so that every value a term
 /// depends on varies: every approach of every joint, payload 0 to 10 kg,
-/// temperature 10 to 40 degrees Celsius.
+/// temperature 10 to 40 degrees Celsius, torques of up to 48 N m or none.
 pub fn state<T: Scalar>(index: usize) -> State<T, JOINTS> {
     let mut power = 1;
     State {
@@ -122,6 +122,13 @@ pub fn state<T: Scalar>(index: usize) -> State<T, JOINTS> {
         }),
         payload: T::from_f32((index % 11) as f32),
         temperature: T::from_f32(10.0 + (index % 31) as f32),
+        // Every fifth has read its torques.
+        torque: index.is_multiple_of(5).then(|| {
+            let mut torque = [T::ZERO; JOINTS];
+            let sizes = (0..).map(|joint| (index * (joint + 3) % 97) as f32 - 48.0);
+            torque.iter_mut().zip(sizes).for_each(|(out, size)| *out = T::from_f32(size));
+            torque
+        }),
     }
 }
 

@@ -5,6 +5,7 @@ use truearm::{Curves, JointKind};
 
 use super::moved::Moved;
 use super::{Told, term_columns};
+use crate::blob::describe::gaps_in_words;
 use crate::model::ErrorCurve;
 
 /// Terms that came, went or changed.
@@ -54,8 +55,10 @@ pub(super) fn curves(out: &mut Moved, both: [Curves<'_>; 2]) {
             let of_model = ErrorCurve::of_blob(curve);
             let [most, _] = of_model.size();
             let band = of_model.band() * 1e3;
+            let gaps =
+                gaps_in_words(&of_model).map_or_else(String::new, |gaps| format!(", {gaps}"));
             format!(
-                "{} nodes, up to {:.4} mrad, band {band:.4} mrad",
+                "{} nodes, up to {:.4} mrad, band {band:.4} mrad{gaps}",
                 curve.nodes().len(),
                 most * 1e3
             )

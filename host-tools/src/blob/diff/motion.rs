@@ -5,6 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::Serialize;
+use truearm::effects::Term;
 use truearm::{Approach, JointKind};
 use truearm_sized::{Conditions, Parameters, real_arm};
 
@@ -68,6 +69,9 @@ pub(super) fn motion(
         "(poses drawn with seed {seed}, approach directions drawn, temperature within {WARMTH} K of the\n\
          reference, no payload, each blob with its own tool point)\n"
     );
+    if [a, b].into_iter().any(reads_torques) {
+        *text += "(springs that follow torques that are read: none taken)\n";
+    }
     motions
 }
 
@@ -81,6 +85,7 @@ fn farthest(
 ) -> Option<Motion> {
     let arms = [real_arm(a), real_arm(b)];
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let unloaded = vec![0.0; ranges.len()];
     let (mut worst, mut square, mut turn) = (None, 0.0, 0.0_f64);
     for _ in 0..poses {
         let q: Vec<f64> = ranges.iter().map(|[low, high]| rng.random_range(*low..=*high)).collect();
@@ -90,8 +95,13 @@ fn farthest(
             approach: &approach,
             payload: Some(0.0),
             temperature: Some(a.reference_temperature + rng.random_range(-WARMTH..=WARMTH)),
+            torque: None,
         };
-        let [x, y] = arms.each_ref().map(|arm| arm.real_pose(&q, &conditions));
+        let [x, y] = [(&arms[0], a), (&arms[1], b)].map(|(arm, p)| {
+            // Torques that are read nobody knows here: both as if they held nothing.
+            let torque = reads_torques(p).then_some(&unloaded[..]);
+            arm.real_pose(&q, &Conditions { torque, ..conditions })
+        });
         let by = y.translation - x.translation;
         square += by.norm_squared();
         turn = turn.max(x.inverse().compose(&y).rotation_vector().norm());
@@ -115,6 +125,11 @@ fn farthest(
             .collect(),
         by_mm: point_to_mm(&by),
     })
+}
+
+/// Whether terms follow torques that are read.
+fn reads_torques(p: &Parameters) -> bool {
+    p.masses.is_none() && p.terms.iter().any(Term::needs_torque)
 }
 
 fn told(motion: &Motion, kinds: &[JointKind]) -> String {

@@ -83,6 +83,13 @@ fn tails(r: &Outcome) -> String {
 
 fn verdict(r: &Outcome) -> &'static str {
     match r.verdict {
+        // What returns with the pose, or is far beyond what was stated, need be no noise.
+        Verdict::Clean if !r.leaves_noise() => {
+            "verdict: clean, what geometry alone leaves goes with nothing that was recorded\n"
+        }
+        Verdict::Explained if !r.leaves_noise() => {
+            "verdict: explained, what the model leaves goes with nothing that was recorded\n"
+        }
         Verdict::Clean => "verdict: clean, geometry alone leaves nothing but noise\n",
         Verdict::Explained => "verdict: explained, the model leaves nothing but noise\n",
         Verdict::Unexplained if r.effects.is_empty() => {
@@ -167,9 +174,16 @@ fn effect(e: &Effect, suspected: bool) -> String {
         out += &format!(", but {}", doubt.words());
     }
     if e.holdout_gain != 0.0 {
-        out += &format!("; held-out error falls by {:.0} %", e.holdout_gain * 100.0);
+        out += &format!("; {}", gained(e.holdout_gain));
     }
     out
+}
+
+/// What an effect is worth on poses held out.
+fn gained(gain: f64) -> String {
+    let percent = (gain * 100.0).round();
+    let way = if percent < 0.0 { "rises" } else { "falls" };
+    format!("held-out error {way} by {} %", percent.abs())
 }
 
 /// Many orders of one periodic effect: a line a joint, amplitudes in mrad.
@@ -180,11 +194,7 @@ fn spectrum(effects: &[&Effect]) -> String {
     let gain = effects.first().map_or(0.0, |e| e.holdout_gain);
     let name = effects.first().map_or("", |e| e.name);
     let least = effects.iter().map(|e| e.probability).fold(1.0, f64::min);
-    let mut out = format!(
-        "  {name}; probability {}; held-out error falls by {:.0} %\n",
-        said(least),
-        gain * 100.0
-    );
+    let mut out = format!("  {name}; probability {}; {}\n", said(least), gained(gain));
     for joint in joints {
         let mut lines: Vec<(f64, f64)> = Vec::new();
         for e in effects {

@@ -4,6 +4,7 @@ use truearm::effects::ActsOn;
 use super::certainty::certainty;
 use super::gap::stage_name;
 use crate::diagnose::crowd::crowded;
+use crate::diagnose::naming::{curve_probability, is_curve_named, is_named};
 use crate::diagnose::node::Node;
 use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
 use crate::diagnose::policy::POLICY;
@@ -32,7 +33,7 @@ pub fn effects(
         for (i, term) in best.fit.fit.state.terms.iter().enumerate().filter(|(_, t)| of(t)) {
             let (name, joints) = (term.effect_name(), term.joints());
             let claim = weighed.names.iter().find(|n| n.name == name && n.joints == joints);
-            let sure = claim.is_some_and(|c| c.probability >= POLICY.named && c.doubt.is_none());
+            let sure = claim.is_some_and(is_named);
             let effect = Effect {
                 name,
                 joints,
@@ -61,10 +62,8 @@ pub fn effects(
 fn curves(weighed: &Weighed, gap: &[GapRow]) -> (Vec<Effect>, Vec<Effect>) {
     let stage = stage_name(CURVE);
     let row = gap.iter().find(|row| row.model == stage);
-    let sure =
-        |c: &&Curved| probability(c) >= POLICY.named && c.half_gain.iter().all(|gain| *gain > 0.0);
     let entry = |which: bool| {
-        let own = weighed.curves.iter().filter(|c| sure(c) == which);
+        let own = weighed.curves.iter().filter(|c| is_curve_named(c) == which);
         let own: Vec<&Curved> = own.collect();
         let least = |of: fn(&Curved) -> f64| own.iter().map(|c| of(c)).fold(1.0, f64::min);
         let effect = Effect {
@@ -74,20 +73,16 @@ fn curves(weighed: &Weighed, gap: &[GapRow]) -> (Vec<Effect>, Vec<Effect>) {
             time_constant_s: None,
             time_constant_sigma_s: None,
             coefficients: own.iter().map(|c| curve_size(c)).collect(),
-            probability: least(|c| probability(&c)),
+            probability: least(curve_probability),
             half_gain: [least(|c| c.half_gain[0]), least(|c| c.half_gain[1])],
             doubt: (!which)
                 .then_some(Doubt::Halves)
-                .filter(|_| least(|c| probability(&c)) >= POLICY.named),
+                .filter(|_| least(curve_probability) >= POLICY.named),
             holdout_gain: row.map_or(0.0, |row| gain(gap, row)),
         };
         (!own.is_empty()).then_some(effect).into_iter().collect()
     };
     (entry(true), entry(false))
-}
-
-fn probability(curve: &&Curved) -> f64 {
-    1.0 / (1.0 + (-curve.log_odds).exp())
 }
 
 fn curve_size(curve: &Curved) -> Coefficient {

@@ -7,6 +7,8 @@ use truearm::effects::Effect;
 
 use super::nameless::Nameless;
 use crate::diagnose::candidates::Candidate;
+use crate::diagnose::moments::Moments;
+use crate::diagnose::question::Question;
 use crate::identify::Problem;
 use crate::model::ModelTerm;
 
@@ -21,6 +23,9 @@ pub enum Doubt {
     Memory,
     /// The joint was measured at so few angles that any function of it fits.
     Levels,
+    /// Nobody stated the masses of the links: what hangs on the joint loads it by the cosine
+    /// of its angle, and a spring does what an eccentricity does.
+    Unweighed,
 }
 
 impl Doubt {
@@ -31,6 +36,7 @@ impl Doubt {
             Self::Halves => "the halves of the poses disagree",
             Self::Memory => "the joint depends on its last move in a way that has no name",
             Self::Levels => "at so few angles of the joint any function of them fits",
+            Self::Unweighed => "without [[links]] a spring of the joint does the same",
         }
     }
 }
@@ -43,17 +49,27 @@ const ONE_LEVEL: f64 = 0.01;
 const ONE_PHASE: f64 = 0.3;
 /// Functions of a joint's angle that geometry and a gain have: a constant and a slope.
 const OTHERS: usize = 2;
+/// A joint is loaded if its torque at assumed masses varies by more than this share of the
+/// largest.
+const LOADED: f64 = 0.01;
 
 /// What speaks against an effect, replication apart.
 #[must_use]
 pub fn of(
-    problem: &Problem,
+    q: &Question,
     rows: &[usize],
     candidate: &Candidate,
     nameless: &[(Nameless, f64)],
 ) -> Option<Doubt> {
+    let problem = q.problem;
     let [joint] = candidate.joints()[..] else { return None };
     let joint = joint - 1;
+    let assumed = q.moments.is_some_and(Moments::are_assumed);
+    let once = |term: &ModelTerm| term.order() == Some(1.0);
+    let eccentric = candidate.name() == Effect::EncoderEccentricity.name();
+    if assumed && eccentric && candidate.terms.iter().all(once) && is_loaded(problem, rows, joint) {
+        return Some(Doubt::Unweighed);
+    }
     let lag = matches!(candidate.terms[..], [ModelTerm::Lag { .. }]);
     let of_a_move = [Effect::Backlash, Effect::JointGain].map(|effect| effect.name());
     if lag || of_a_move.contains(&candidate.name()) {
@@ -65,6 +81,18 @@ pub fn of(
     let angles = rows.iter().map(|row| problem.data.rows[*row].q[joint]);
     let few = levels(angles.collect(), highest) <= candidate.terms.len() + OTHERS;
     (highest > 0.0 && few).then_some(Doubt::Levels)
+}
+
+/// Whether gravity's torque on a joint varies, as far as assumed masses tell.
+fn is_loaded(problem: &Problem, rows: &[usize], joint: usize) -> bool {
+    let range = |joint: usize| {
+        let torques = rows.iter().filter_map(|row| problem.conditions.rows[*row].torque.get(joint));
+        let ends = torques
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(*t), high.max(*t)));
+        (ends.1 - ends.0).max(0.0)
+    };
+    let most = (0..problem.nominal.len()).map(range).fold(0.0, f64::max);
+    range(joint) > LOADED * most
 }
 
 /// How many angles a wave of this order can tell apart.

@@ -4,29 +4,33 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::sheet::{Weights, along};
+use super::sheet::{Weights, along, by_pose, counted};
 use crate::diagnose::node::Node;
 use crate::evidence::directed::{self, Seen};
 use crate::evidence::poses::{self, Readings, Scatter, common_share};
 use crate::evidence::tails::{Rest, Tails};
 use crate::identify::Problem;
-use crate::observations::Reading;
 
 /// What rows weigh after a fit, some joints of which scatter.
 #[must_use]
 pub fn after(problem: &Problem, node: &Node, scattering: &[usize]) -> Weights {
     let kept = &node.fit.kept;
     let (residuals, scattering) = scattered(problem, node, scattering);
-    let rest = |r: &Vec<f64>| Rest { square: r.iter().map(|x| x * x).sum(), equations: r.len() };
-    let rests: Vec<Rest> = residuals.iter().map(rest).collect();
     let used = problem.unknowns.list().len() as f64;
-    let tails = Tails::of(&rests, used.min(rests.len() as f64));
+    // Share of the noise that the readings of a pose have in common.
+    let common = common_share(&readings(problem, kept, &residuals), used);
+    let counted = counted(problem, kept, common);
+    let rest = |(r, count): (&Vec<f64>, &f64)| Rest {
+        square: r.iter().map(|x| x * x).sum(),
+        equations: r.len(),
+        count: *count,
+    };
+    let rests: Vec<Rest> = residuals.iter().zip(&counted).map(rest).collect();
+    let tails = Tails::of(&rests, used.min(counted.iter().sum()));
     let mut rows = vec![1.0; problem.data.rows.len()];
     for (row, rest) in kept.iter().zip(&rests) {
         rows[*row] = tails.weight(*rest);
     }
-    // Share of the noise that the readings of a pose have in common.
-    let common = common_share(&readings(problem, kept, &residuals), used);
     Weights { rows, common, scattering }
 }
 
@@ -38,6 +42,7 @@ pub fn left(problem: &Problem, node: &Node, scattering: &[usize]) -> Vec<Rest> {
     let of = |readings: &Readings| Rest {
         square: readings.norm_squared() / readings.ncols() as f64,
         equations: readings.nrows(),
+        count: 1.0,
     };
     readings(problem, kept, &residuals).iter().map(of).collect()
 }
@@ -83,12 +88,9 @@ pub fn scatter(problem: &Problem, node: &Node) -> Option<Scatter> {
 
 /// Residuals by the pose that they were read at.
 fn readings(problem: &Problem, kept: &[usize], residuals: &[Vec<f64>]) -> Vec<Readings> {
-    let key = |k: usize| Reading::of(&problem.data.rows, kept[k]);
-    let mut order: Vec<usize> = (0..kept.len()).collect();
-    order.sort_by_cached_key(|k| (key(*k), *k));
-    let poses = order.chunk_by(|a, b| key(*a) == key(*b)).map(|readings| {
+    let of = |readings: &Vec<usize>| {
         let equations = residuals[readings[0]].len();
         Readings::from_fn(equations, readings.len(), |e, r| residuals[readings[r]][e])
-    });
-    poses.collect()
+    };
+    by_pose(problem, kept).iter().map(of).collect()
 }

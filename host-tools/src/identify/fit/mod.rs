@@ -4,7 +4,7 @@
 mod damped;
 pub mod estimate;
 pub mod folds;
-mod l_curve;
+mod l_curve_points;
 mod lambda;
 pub mod robust;
 pub(crate) mod suspects;
@@ -27,7 +27,7 @@ const PLAIN_STEPS: usize = 12;
 const SAFE: f64 = 1e-3;
 
 pub use damped::{ANOTHER_ARM, Fit, Freedom};
-pub use l_curve::{LCurvePoint, l_curve};
+pub use l_curve_points::{LCurvePoint, l_curve};
 pub use lambda::{LambdaChoice, LambdaRule, choose, lambda_of};
 
 /// Fits the given rows from a state.

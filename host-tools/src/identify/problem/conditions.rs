@@ -46,6 +46,9 @@ pub struct Surroundings {
     arm: Box<dyn Kinematics>,
     reference: f64,
     curves: Option<JointTables>,
+    /// What a torque that a row reads is multiplied by to be one of gravity; none where they
+    /// are not read.
+    read: Option<f64>,
 }
 
 impl Surroundings {
@@ -75,14 +78,46 @@ impl Surroundings {
             _ => None,
         };
         let arm = chain(&robot.nominal(), Pose::identity(), Vector3::zeros());
-        Self { masses, arm, reference: robot.reference_temperature, curves: None }
+        Self { masses, arm, reference: robot.reference_temperature, curves: None, read: None }
+    }
+
+    /// The same where torques that all of these rows have read count in the place of
+    /// computed ones. A joint holds what gravity pulls it by: gravity's torque is the opposite
+    /// of what is read, unless the file counts the other way, which computed torques tell.
+    #[must_use]
+    pub fn reading(self, data: &Measurements, robot: &Robot) -> Self {
+        if !data.has_torques() {
+            return Self { read: None, ..self };
+        }
+        // Without gravity's direction nothing tells.
+        let assumed = robot.gravity.and_then(|_| robot.with_assumed_loads(Mounting::Upright));
+        let assumed = assumed.map(|robot| Self::new(&robot));
+        let computing = assumed.as_ref().unwrap_or(&self);
+        let alike = |row: &Row| {
+            let computed = computing.computed(row, &row.q).torque;
+            computed.iter().zip(&row.torques).map(|(computed, read)| computed * read).sum::<f64>()
+        };
+        let alike: f64 = data.rows.iter().map(alike).sum();
+        Self { read: Some(if alike > 0.0 { 1.0 } else { -1.0 }), ..self }
+    }
+
+    /// What was read of the torques of a row, as those of gravity.
+    #[must_use]
+    pub fn torques(&self, row: &Row) -> Option<Vec<f64>> {
+        self.read.map(|sign| row.torques.iter().map(|read| sign * read).collect())
+    }
+
+    /// Loads that masses give.
+    fn computed(&self, row: &Row, q: &[f64]) -> RowInputs {
+        let payload = row.payload.unwrap_or(0.0);
+        self.masses.as_ref().map(|m| self.arm.load(m, q, payload)).unwrap_or_default()
     }
 
     /// At joint values `q` (rad or m) in the state that a row tells.
     #[must_use]
     pub fn inputs(&self, row: &Row, q: &[f64]) -> RowInputs {
-        let payload = row.payload.unwrap_or(0.0);
-        let load = self.masses.as_ref().map(|m| self.arm.load(m, q, payload)).unwrap_or_default();
+        let mut load = self.computed(row, q);
+        load.torque = self.torques(row).unwrap_or(load.torque);
         let warmth = row.temperature.map_or(0.0, |t| t - self.reference);
         let warming = row.warming.clone();
         let approach = row.directions.iter().map(|d| Approach::of_motion(f64::from(*d)));
@@ -96,10 +131,9 @@ impl Conditions {
     /// Of these measurements.
     #[must_use]
     pub fn new(data: &Measurements, robot: &Robot) -> Self {
-        let surroundings = Surroundings::new(robot);
-        let mut rows: Vec<RowInputs> =
-            data.rows.par_iter().map(|row| surroundings.inputs(row, &row.q)).collect();
-        let torques = read_torques(&mut rows, data, robot);
+        let surroundings = Surroundings::new(robot).reading(data, robot);
+        let torques = surroundings.read.is_some();
+        let rows = data.rows.par_iter().map(|row| surroundings.inputs(row, &row.q)).collect();
         let differ = |f: fn(&crate::model::Row) -> Option<f64>| {
             let mut values = data.rows.iter().filter_map(f);
             values.next().is_some_and(|first| values.any(|v| v != first))
@@ -172,27 +206,4 @@ fn warming(rows: &[Row]) -> Option<[f64; 2]> {
     steps.sort_by(f64::total_cmp);
     let usual = *steps.get(steps.len() / 2)?;
     Some([usual, all().map(Warming::passed).fold(0.0, f64::max)])
-}
-
-/// Puts torques that were read in the place of computed ones; whether there are
-/// any. A joint holds what gravity pulls it by: gravity's torque is the opposite of
-/// what is read, unless the file counts the other way, which computed torques tell.
-fn read_torques(rows: &mut [RowInputs], data: &Measurements, robot: &Robot) -> bool {
-    if !data.has_torques() {
-        return false;
-    }
-    // Without gravity's direction nothing tells.
-    let assumed = robot.gravity.and_then(|_| robot.with_assumed_loads(Mounting::Upright));
-    let assumed = assumed.map(|robot| Surroundings::new(&robot));
-    let alike = |(inputs, row): (&RowInputs, &Row)| {
-        let guessed = assumed.as_ref().map(|s| s.inputs(row, &row.q).torque);
-        let computed = guessed.as_ref().unwrap_or(&inputs.torque);
-        computed.iter().zip(&row.torques).map(|(computed, read)| computed * read).sum::<f64>()
-    };
-    let alike: f64 = rows.iter().zip(&data.rows).map(alike).sum();
-    let sign = if alike > 0.0 { 1.0 } else { -1.0 };
-    for (inputs, row) in rows.iter_mut().zip(&data.rows) {
-        inputs.torque = row.torques.iter().map(|read| sign * read).collect();
-    }
-    true
 }

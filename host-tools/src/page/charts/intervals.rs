@@ -5,14 +5,14 @@ use crate::plot::{Axis, Ink, Mark, Panel, Series};
 const PARAMETERS: [(&str, &str); 5] =
     [("alpha", "deg"), ("a", "mm"), ("theta", "deg"), ("d", "mm"), ("beta", "deg")];
 
-/// Corrections of all links with their intervals: lengths, then angles.
+/// Corrections of all links with their intervals, those that are `drawn`: lengths, then angles.
 #[must_use]
-pub fn corrections(bars: &[ParameterBar]) -> Vec<Panel> {
+pub fn corrections(bars: &[ParameterBar], drawn: fn(&ParameterBar) -> bool) -> Vec<Panel> {
     let joints = bars.len().div_ceil(PARAMETERS.len());
     let panel = |title: &str, unit: &'static str| {
         let own = PARAMETERS.iter().enumerate().filter(|(_, p)| p.1 == unit);
         let series = own.map(|(k, (name, _))| {
-            let at = |joint: usize| bars.get(PARAMETERS.len() * joint + k);
+            let at = |joint: usize| bars.get(PARAMETERS.len() * joint + k).filter(|b| drawn(b));
             let of: Vec<(usize, &ParameterBar)> =
                 (0..joints).filter_map(|joint| Some((joint, at(joint)?))).collect();
             let points = of.iter().map(|(j, b)| (*j as f64 + 1.0, b.correction)).collect();
@@ -29,7 +29,8 @@ pub fn corrections(bars: &[ParameterBar]) -> Vec<Panel> {
         });
         let names = (1..=joints).map(|joint| format!("joint {joint}")).collect();
         let y = Axis::signed(format!("correction, {unit}"));
-        Panel::new(title, Axis::names(names), y, series.collect())
+        let told = series.filter(|s| !s.points.is_empty());
+        Panel::new(title, Axis::names(names), y, told.collect())
     };
     vec![
         panel("Corrections of lengths, 95 % intervals", "mm"),

@@ -195,15 +195,15 @@ fn curve(seen: &Seen, which: usize) -> Part {
     let at = |k: usize| tables.value(curve.joint(), rows[seen.kept[k]].q[joint]);
     let points = shown(seen, &action, &covariate, at);
     let (y_label, unit) = of_joint(joint, seen);
-    let wide = WIDE * curve.band();
-    let looks: Vec<(f64, f64)> = places(&covariate, &points)
+    let looks: Vec<(f64, f64, f64)> = places(&covariate, &points)
         .into_iter()
-        .map(|x| (x, tables.value(curve.joint(), x.to_radians())))
+        .map(|x| (x, x.to_radians()))
+        .map(|(x, q)| (x, tables.value(curve.joint(), q), WIDE * curve.band_at(q)))
         .collect();
     Part {
         effect: CURVE,
         joint: Some(joint + 1),
-        title: format!("Joint {}: smooth error over its turn", joint + 1),
+        title: format!("Joint {}: error over its angle", joint + 1),
         x_label: covariate.label(&kinds(seen)),
         names: Vec::new(),
         y_label,
@@ -213,7 +213,7 @@ fn curve(seen: &Seen, which: usize) -> Part {
         means: Vec::new(),
         intervals: Vec::new(),
         curve: looks.iter().map(|p| (p.0, p.1 * unit)).collect(),
-        band: looks.iter().map(|p| ((p.1 - wide) * unit, (p.1 + wide) * unit)).collect(),
+        band: looks.iter().map(|p| ((p.1 - p.2) * unit, (p.1 + p.2) * unit)).collect(),
     }
 }
 
@@ -268,7 +268,15 @@ fn title(key: &Key, term: &ModelTerm) -> String {
             Some(n) => format!("Joint {j}: {name}, {}", cycles(n)),
             None => format!("Joint {j}: {name}"),
         },
-        (None, _) => format!("{}{}", name[..1].to_uppercase(), &name[1..]),
+        (None, _) => {
+            let about = match term {
+                ModelTerm::Arm(t) if t.effect.acts_on() == ActsOn::Base => {
+                    format!(" about {}", ["x", "y"][usize::from(t.component) % 2])
+                }
+                _ => String::new(),
+            };
+            format!("{}{}{about}", name[..1].to_uppercase(), &name[1..])
+        }
     }
 }
 

@@ -121,7 +121,7 @@ pub fn effects(named: &[Effect], suspected: &[Effect], parts: &[Part], clean: bo
             "probability",
             "held-out error falls",
         ],
-        named.iter().chain(suspected).flat_map(rows),
+        table_rows(named.iter().chain(suspected)),
     );
     section = section.node(details("the numbers: coefficients, probabilities, gains", all));
     let mut names: Vec<String> = Vec::new();
@@ -149,15 +149,29 @@ fn caption(p: &Part) -> String {
     let model = if p.names.is_empty() { "Line and band" } else { "Marks with bars" };
     format!(
         "{} rows: what the residual of each says of this effect alone, everything else of the model \
-         taken off. {model}: the model with its 95 % interval.{silent}",
+         taken off. {model}: the model with its own 95 % interval, which rows with their noise \
+         need not stand in.{silent}",
         p.points.len()
     )
 }
 
-/// Lines of the table.
-fn rows(e: &Effect) -> Vec<Vec<String>> {
+/// Lines of the table. The fall of the error is of all effects of a name together, and stands
+/// once.
+fn table_rows<'e>(effects: impl Iterator<Item = &'e Effect>) -> Vec<Vec<String>> {
+    let (mut out, mut before): (Vec<Vec<String>>, Option<&Effect>) = (Vec::new(), None);
+    for e in effects {
+        let first = before.is_none_or(|b| (b.name, b.holdout_gain) != (e.name, e.holdout_gain));
+        let lines = rows(e, first);
+        out.extend(lines);
+        before = Some(e);
+    }
+    out
+}
+
+fn rows(e: &Effect, first: bool) -> Vec<Vec<String>> {
     let p = said(e.probability);
     let gain = format!("{:.0} %", 100.0 * e.holdout_gain);
+    let mut gains = first.then_some(gain).into_iter();
     let name = match e.order {
         Some(n) => format!("{}, {}", e.name, cycles(n)),
         None => e.name.to_owned(),
@@ -166,11 +180,11 @@ fn rows(e: &Effect) -> Vec<Vec<String>> {
         let joint = c.joint.map_or(String::new(), |joint| joint.to_string());
         let (value, sigma) = (format!("{:.3e}", c.value), format!("{:.0e}", c.sigma));
         let first = [name.clone(), joint, c.part.to_owned(), value, sigma, c.unit.to_owned()];
-        first.into_iter().chain([p.clone(), gain.clone()]).collect()
+        first.into_iter().chain([p.clone(), gains.next().unwrap_or_default()]).collect()
     };
     if e.coefficients.is_empty() {
         let blank = vec![String::new(); 5];
-        return vec![[vec![name], blank, vec![p, gain]].concat()];
+        return vec![[vec![name], blank, vec![p, gains.next().unwrap_or_default()]].concat()];
     }
     e.coefficients.iter().map(line).collect()
 }

@@ -94,7 +94,8 @@ pub fn poses(outcome: &Outcome) -> Option<Section> {
     }
     let mut section = Section::new("poses", "Poses to measure next").say(
         "The data leave more than one explanation. The poses below are those at which their \
-         predictions are furthest apart.",
+         predictions are furthest apart, within the limits of the joints and beyond what was \
+         measured as well; nothing is known here of the floor and the cell.",
     );
     let named = [outcome.effects.clone(), outcome.suspected.clone()].concat();
     for a in outcome.alternatives.iter().filter(|a| !a.is_told_by_poses()) {
@@ -127,14 +128,15 @@ pub fn poses(outcome: &Outcome) -> Option<Section> {
     Some(section)
 }
 
-/// The commands as a section.
-pub fn steps(commands: &[(String, String)]) -> Section {
+/// The commands as a section, behind what to do in a sentence.
+pub fn steps(advice: Option<&str>, commands: &[(String, String)]) -> Section {
     let line = |(what, line): &(String, String)| -> [Node; 2] {
         let mut what = what.clone();
         what[..1].make_ascii_uppercase();
         [element("p").text(format!("{what}:")).into(), typed(std::slice::from_ref(line)).into()]
     };
     let section = Section::new("next", "What to do next");
+    let section = advice.into_iter().fold(section, Section::say);
     commands.iter().flat_map(line).fold(section, Section::node)
 }
 

@@ -25,7 +25,7 @@ pub fn diagnosed(report: &DiagnoseReport, on: &Measured, next: &next::Next) -> R
     let effects = [r.effects.clone(), r.suspected.clone()].concat();
     let clean = r.verdict == Verdict::Clean;
     let mut all = vec![
-        sections::gap(&steps, floor(r), &f.cross_validation),
+        sections::gap(&steps, floor(r), &f.cross_validation).say(sections::measured(on.model)),
         sections::effects(&r.effects, &r.suspected, &parts(&seen, &effects), clean),
     ];
     let curves = if r.verdict == Verdict::Unexplained { unexplained(&seen) } else { Vec::new() };
@@ -35,7 +35,7 @@ pub fn diagnosed(report: &DiagnoseReport, on: &Measured, next: &next::Next) -> R
     all.extend(next::poses(r));
     all.extend(of_figures(f, &r.not_testable));
     all.extend(whereabouts(r));
-    all.push(next::steps(&next::commands("diagnose", &r.alternatives, next)));
+    all.push(next::steps(Some(advice(r)), &next::commands("diagnose", &r.alternatives, next)));
     all.extend(sections::remarks(&f.warnings));
     let [before, after] = ends(r);
     let mut numbers = vec![
@@ -96,20 +96,40 @@ fn verdict(r: &Outcome) -> String {
     let fall = format!(
         "{what} by {before} as drawn and by {after} with this model on poses held out (RMS)"
     );
-    let names = found(&r.effects).join("; ");
-    match (r.verdict, names.is_empty()) {
-        (Verdict::Clean, _) => {
-            format!("Clean: {fall}, and geometry alone leaves nothing but noise.")
-        }
-        (Verdict::Explained, true) => format!("Explained: {fall}, and what is left is noise."),
-        (Verdict::Explained, false) => {
-            format!("Explained: {fall}, and what is left is noise; found: {names}.")
-        }
-        (Verdict::Unexplained, true) => format!(
+    let named = found(&r.effects).join("; ");
+    let found = if named.is_empty() { String::new() } else { format!(" Found: {named}.") };
+    let left = match r.leaves_noise() {
+        true => "what is left is noise".to_owned(),
+        false => format!("what is left {}", r.what_is_left()),
+    };
+    match r.verdict {
+        Verdict::Clean => format!("Clean: {fall}; with geometry alone {left}."),
+        Verdict::Explained => format!("Explained: {fall}; {left}.{found}"),
+        Verdict::Unexplained if named.is_empty() => format!(
             "Unexplained: {fall}, but structure is left that no effect of the repertoire explains."
         ),
-        (Verdict::Unexplained, false) => {
-            format!("Unexplained: {fall}, but structure is left beside what was found: {names}.")
+        Verdict::Unexplained => {
+            format!("Unexplained: {fall}, but structure is left beside what was found.{found}")
+        }
+    }
+}
+
+/// What to do with the model, in a sentence.
+fn advice(r: &Outcome) -> &'static str {
+    let told_apart = r.alternatives.is_empty();
+    match r.verdict {
+        Verdict::Clean | Verdict::Explained if told_apart => {
+            "Flash it, and verify it at poses that were not measured yet."
+        }
+        Verdict::Clean | Verdict::Explained => {
+            "Flash it, and verify it at poses that were not measured yet: where joints were \
+             measured, the explanations predict alike. Before it is used elsewhere, measure the \
+             poses that tell them apart and diagnose again."
+        }
+        Verdict::Unexplained => {
+            "It may be flashed, as it predicts poses held out better than the drawing does, and \
+             must be verified at poses that were not measured yet. Look for what is left first: it \
+             is the arm's or the measurement's, and grows where nobody looked."
         }
     }
 }
@@ -159,6 +179,7 @@ fn waves(name: &str, own: &[&Effect]) -> String {
 fn whereabouts(r: &Outcome) -> Option<Section> {
     (!r.whereabouts.is_empty()).then(|| {
         Section::new("where", "Where geometry alone disagrees")
+            .say("Before any effect was added; what of it is still there stands above.")
             .node(folded(&r.whereabouts, "observations"))
     })
 }

@@ -42,7 +42,7 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
     all.extend(sections::workspace(&on.in_robot_frame(), names, "row"));
     all.extend(sections::unexplained(&unexplained(&seen), &[], "the geometry"));
     all.extend(of_figures(f, &[]));
-    all.push(next::steps(&commands(lacking, next)));
+    all.push(next::steps(None, &commands(lacking, next)));
     all.extend(sections::remarks(&f.warnings));
     let mut numbers = vec![rows_of(f), ("rows left out".to_owned(), f.outliers.len().to_string())];
     if let Some(before) = steps[0].fitted {

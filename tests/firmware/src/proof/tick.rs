@@ -39,7 +39,10 @@ fn header(blob: &Blob<'_>) {
 
 fn poses<T: Scalar>(blob: &Blob<'_>, arm: &Arm<'_, T, 6>, q: &[T; 6]) {
     let [x, y, z, ..] = *q;
-    let state = State { approach: q.map(Approach::of_motion), payload: x, temperature: y };
+    let approach = q.map(Approach::of_motion);
+    let torque = black_box(Some(*q));
+    let state = State { approach, payload: x, temperature: y, torque };
+    compute(arm.reads_torques());
     compute(arm.real_pose(q));
     compute(arm.real_pose_in(q, black_box(&state)));
     compute(arm.deflection(q, black_box(&state)));
@@ -48,7 +51,7 @@ fn poses<T: Scalar>(blob: &Blob<'_>, arm: &Arm<'_, T, 6>, q: &[T; 6]) {
     compute((lag.step(black_box(x), black_box(y)), lag.step(black_box(y), black_box(x))));
     compute(lag.time_constant());
     let curves = arm.curves();
-    compute(curves.of_joint(black_box(0)).map(|curve| (curve.at(x), curve.band())));
+    compute(curves.of_joint(black_box(0)).map(|curve| (curve.at(x), curve.band_at(x))));
     compute((arm.limits(), arm.orientation_identified(), arm.reference_temperature()));
     for chain in [arm.nominal(), arm.real()] {
         compute(chain.forward(q));

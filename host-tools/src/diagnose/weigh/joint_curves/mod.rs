@@ -4,6 +4,8 @@
 pub mod choice;
 pub mod worth;
 
+use std::f64::consts::TAU;
+
 use nalgebra::DVector;
 
 use crate::evidence::Geometry;
@@ -14,6 +16,10 @@ use crate::model::ErrorCurve;
 const NODES: usize = 256;
 /// Angles at which a band is asked for.
 const LOOKS: usize = 40;
+/// A curve is known where the data take away this share of its prior's variance.
+const KNOWN: f64 = 0.5;
+/// So many rows in a stretch and the two beside it tell it without being asked.
+const ENOUGH: usize = 8;
 
 /// A joint, counted from 0, and the prior of its curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,15 +43,27 @@ impl Curve {
         smooth::basis(self.orders(), angle)
     }
 
-    /// The table of coefficients; `None` of what no controller takes.
+    /// The table of coefficients, not known in these stretches between its nodes; `None` of
+    /// what no controller takes.
     #[must_use]
-    pub fn table(&self, coefficients: &[f64], band: f64) -> Option<ErrorCurve> {
+    pub fn table(&self, coefficients: &[f64], band: f64, gaps: &[usize]) -> Option<ErrorCurve> {
         let value = |angle: f64| {
             let basis = self.basis(angle);
             basis.iter().zip(coefficients).map(|(b, c)| b * c).sum()
         };
         let joint = u8::try_from(self.joint).ok()?;
-        ErrorCurve::of_function(joint, NODES, band.min(0.05), value).ok().map(|(curve, _)| curve)
+        let (table, _) = ErrorCurve::of_function(joint, NODES, band.min(0.05), value).ok()?;
+        table.with_gaps(self.prior.size, gaps).ok()
+    }
+
+    /// A vector of all unknowns whose product with them is the curve at an angle; its columns
+    /// stand at `first` in geometry.
+    fn at(&self, angle: f64, geometry: &Geometry, first: usize) -> DVector<f64> {
+        let mut at = DVector::zeros(geometry.unknowns());
+        for (k, value) in self.basis(angle).into_iter().enumerate() {
+            at[first + k] = value;
+        }
+        at
     }
 }
 
@@ -58,22 +76,35 @@ pub fn columns(curves: &[Curve]) -> usize {
 /// Standard deviation of a curve, RMS over the angles that were measured; its
 /// columns stand at `first` in geometry.
 #[must_use]
-pub fn band(
-    curve: &Curve,
-    angles: impl ExactSizeIterator<Item = f64>,
-    geometry: &Geometry,
-    first: usize,
-) -> f64 {
+pub fn band(curve: &Curve, angles: &[f64], geometry: &Geometry, first: usize) -> f64 {
     let every = angles.len().div_ceil(LOOKS).max(1);
     let squares: Vec<f64> = angles
+        .iter()
         .step_by(every)
-        .map(|angle| {
-            let mut at = DVector::zeros(geometry.unknowns());
-            for (k, value) in curve.basis(angle).into_iter().enumerate() {
-                at[first + k] = value;
-            }
-            geometry.variance(&at)
-        })
+        .map(|angle| geometry.variance(&curve.at(*angle, geometry, first)))
         .collect();
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+}
+
+/// Stretches between the nodes of its table, within the range of the angles that were
+/// measured, where a curve is hardly known better than its prior knows it.
+#[must_use]
+pub fn gaps(curve: &Curve, angles: &[f64], geometry: &Geometry, first: usize) -> Vec<usize> {
+    let place = |angle: f64| (angle * NODES as f64 / TAU).floor();
+    let stretch = |place: f64| place.rem_euclid(NODES as f64) as usize % NODES;
+    let mut rows = [0; NODES];
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for angle in angles {
+        let place = place(*angle);
+        rows[stretch(place)] += 1;
+        (low, high) = (low.min(place), high.max(place));
+    }
+    let count = ((high - low).max(0.0) as usize + 1).min(NODES);
+    let most = (1.0 - KNOWN) * curve.prior.size.powi(2);
+    let unknown = |k: &usize| {
+        let near: usize = [NODES - 1, 0, 1].iter().map(|by| rows[(k + by) % NODES]).sum();
+        let middle = (*k as f64 + 0.5) * TAU / NODES as f64;
+        near < ENOUGH && geometry.variance(&curve.at(middle, geometry, first)) > most
+    };
+    (0..count).map(|k| stretch(low + k as f64)).filter(unknown).collect()
 }

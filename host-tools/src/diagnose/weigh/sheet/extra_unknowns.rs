@@ -72,9 +72,11 @@ impl Sheet<'_> {
         for curve in self.curves {
             let count = 2 * curve.orders();
             let own = solution.geometry.rows(first, count).into_owned();
-            let rows = self.problem.data.rows.iter().map(|row| row.q[curve.joint]);
-            let band = joint_curves::band(curve, rows, geometry, first);
-            out.extend(curve.table(own.as_slice(), band));
+            let rows = &self.problem.data.rows;
+            let angles: Vec<f64> = rows.iter().map(|row| row.q[curve.joint]).collect();
+            let band = joint_curves::band(curve, &angles, geometry, first);
+            let gaps = joint_curves::gaps(curve, &angles, geometry, first);
+            out.extend(curve.table(own.as_slice(), band, &gaps));
             first += count;
         }
         out

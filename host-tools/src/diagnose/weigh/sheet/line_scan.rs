@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Vector3};
 use rayon::prelude::*;
 
-use super::Sheet;
+use super::{Sheet, counted};
 use crate::evidence;
 use crate::evidence::lines::JointColumn;
 use crate::model::arm::Derivatives;
@@ -16,7 +16,8 @@ impl Sheet<'_> {
     /// How the target moves along each of `count` ways wherever the arm stood, in the order
     /// of [`postures`], and the residual along it; without joint values. All ways in one
     /// pass of the rows, whose equations cost more than the ways. What both ends of a pair
-    /// have in common is left to the evidence: of many it is nothing on the average.
+    /// have in common is left to the evidence: of many it is nothing on the average. Readings
+    /// of a pose count as in the Gram matrix that `geometry` is of.
     #[must_use]
     pub fn along(
         &self,
@@ -27,7 +28,8 @@ impl Sheet<'_> {
     ) -> Vec<JointColumn> {
         let p = self.problem.unknowns.list().len();
         let data = &self.problem.data.rows;
-        let one = |index: &usize| {
+        let counts = counted(self.problem, rows, self.weights.common);
+        let one = |(index, counts): (&usize, &f64)| {
             let ends = postures(data, &[*index]);
             let own = |i: usize, d: &Derivatives, end: usize| match i == end {
                 true => ways(d),
@@ -40,7 +42,7 @@ impl Sheet<'_> {
             let e = self.at.equations_beside(*index, &beside);
             let residual = e.scaled_residual();
             let (block, residual) = self.beside_scatter(e.block, residual, ends.len());
-            let weight = self.weights.rows[*index].sqrt();
+            let weight = (self.weights.rows[*index] * counts).sqrt();
             let moved = block.columns(p, ends.len() * count) * (weight / scale);
             let right = moved.tr_mul(&residual.column()) * (weight / scale);
             let products = block.columns(0, p).tr_mul(&moved) * (weight * scale);
@@ -52,7 +54,7 @@ impl Sheet<'_> {
             };
             (0..ends.len()).map(of_end).collect::<Vec<_>>()
         };
-        let all: Vec<Posture> = rows.par_iter().flat_map_iter(one).collect();
+        let all: Vec<Posture> = rows.par_iter().zip(&counts).flat_map_iter(one).collect();
         let of_way = |way: usize| {
             let mut imitated = DMatrix::zeros(p, all.len());
             for (k, posture) in all.iter().enumerate() {

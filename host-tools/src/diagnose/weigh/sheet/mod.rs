@@ -4,6 +4,7 @@
 mod beside_springs;
 mod extra_unknowns;
 mod line_scan;
+mod repeats;
 mod residuals;
 mod scattered;
 mod tool_point;
@@ -17,13 +18,14 @@ use super::possible::{Possible, columns_of};
 use crate::diagnose::moments::Bending;
 use crate::diagnose::policy::POLICY;
 use crate::evidence::Gram;
-use crate::evidence::poses::{whiten, within};
+use crate::evidence::poses::{Repeats, whiten};
 use crate::identify::problem::accumulate::tree;
 use crate::identify::{Linearised, Problem, State, Unknown};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
-use crate::observations::{Reading, postures};
+use crate::observations::postures;
 use beside_springs::shares;
+pub use repeats::{by_pose, counted};
 pub use scattered::{Scattered, along};
 pub use tool_point::ByCurves;
 
@@ -199,7 +201,8 @@ impl<'a> Sheet<'a> {
     /// Sums over rows, on all cores, in an order that the rows alone decide.
     #[must_use]
     pub fn gram(&self, rows: &[usize]) -> Gram {
-        let readings = self.readings(rows);
+        let of_rows = |places: &Vec<usize>| places.iter().map(|k| rows[*k]).collect();
+        let readings: Vec<Vec<usize>> = by_pose(self.problem, rows).iter().map(of_rows).collect();
         let all: Vec<usize> = (0..readings.len()).collect();
         let leaf = |own: &[usize]| self.summed(own.iter().map(|k| &readings[*k][..]));
         tree(&all, PART, &leaf, &|mut a: Gram, b| {
@@ -222,7 +225,7 @@ impl<'a> Sheet<'a> {
         };
         for readings in poses {
             let (block, repeats) = self.block(readings);
-            gram.add_repeats(repeats.0, repeats.1);
+            gram.add_repeats(repeats);
             equations += block.nrows();
             waiting.push(block);
             if equations >= TOGETHER {
@@ -236,17 +239,9 @@ impl<'a> Sheet<'a> {
         gram
     }
 
-    /// Rows that are readings of one target in one pose from one station.
-    fn readings(&self, rows: &[usize]) -> Vec<Vec<usize>> {
-        let key = |r: &usize| Reading::of(&self.problem.data.rows, *r);
-        let mut sorted = rows.to_vec();
-        sorted.sort_by_cached_key(|r| (key(r), *r));
-        sorted.chunk_by(|a, b| key(a) == key(b)).map(<[usize]>::to_vec).collect()
-    }
-
-    /// `[G, Z, y]` of the readings of a pose, weighted and whitened; how many of
-    /// its equations repeat others, and what they scatter about their mean.
-    fn block(&self, readings: &[usize]) -> (DMatrix<f64>, (usize, f64)) {
+    /// `[G, Z, y]` of the readings of a pose, weighted and whitened, and what they say of
+    /// the noise.
+    fn block(&self, readings: &[usize]) -> (DMatrix<f64>, Repeats) {
         let mut parts = Vec::new();
         let mut residual: Vec<f64> = Vec::new();
         for index in readings {
@@ -260,7 +255,7 @@ impl<'a> Sheet<'a> {
         whiten(&mut block, readings.len(), self.weights.common);
         let mut left = DMatrix::from_vec(residual.len(), 1, residual);
         whiten(&mut left, readings.len(), self.weights.common);
-        (block, within(left.as_slice(), readings.len()))
+        (block, Repeats::of(left.as_slice(), readings.len(), self.weights.common))
     }
 
     /// `[G, Z, y]` of a row and its residual.
