@@ -29,7 +29,7 @@ use crate::scalar::Scalar;
 pub struct CheckPoint<T, const N: usize> {
     /// Encoder readings, rad or m.
     pub q: [T; N],
-    /// Approach, payload and temperature at the measurement.
+    /// Approach, payload, temperature and torques at the measurement.
     pub state: State<T, N>,
     /// The measured tool point, m: in the commanded frame, or in that of a
     /// tracker whose place is unknown.
@@ -47,7 +47,7 @@ impl<T: Scalar, const N: usize> CheckPoint<T, N> {
     /// Whether every number of it is one.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        let state = [&self.state.payload, &self.state.temperature];
+        let state = self.state.numbers();
         self.q.iter().chain(state).chain(self.point.iter()).all(|v| v.is_finite())
     }
 

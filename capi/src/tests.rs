@@ -394,4 +394,9 @@ fn torques_of_the_state_count() {
     let heavy = TruearmState { torque: [100.0; 6], ..NEUTRAL };
     assert_eq!(pose(&heavy), pose(&NEUTRAL), "without has_torque it is not looked at");
     assert_ne!(pose(&TruearmState { has_torque: 1, ..heavy }), pose(&NEUTRAL));
+    let mut unset = MaybeUninit::<TruearmPose>::uninit();
+    let state = TruearmState { has_torque: 0xaa, ..heavy };
+    // SAFETY: as the function wants it.
+    let error = unsafe { truearm_real_pose(arm, Q.as_ptr(), &state, unset.as_mut_ptr()) };
+    assert_eq!(error, TruearmError::BadState);
 }

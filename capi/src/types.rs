@@ -44,6 +44,8 @@ pub enum TruearmError {
     BadApproach = 14,
     /// The blob carries no covariance.
     NoCovariance = 15,
+    /// `has_torque` of the state is neither 0 nor 1: was all of it set?
+    BadState = 16,
 }
 
 /// What compensation has to meet.
@@ -253,7 +255,11 @@ pub fn state_of(c: &TruearmState) -> Result<State<f32, TRUEARM_JOINTS>> {
             _ => return Err(TruearmError::BadApproach),
         };
     }
-    let torque = (c.has_torque != 0).then_some(c.torque);
+    let torque = match c.has_torque {
+        0 => None,
+        1 => Some(c.torque),
+        _ => return Err(TruearmError::BadState),
+    };
     Ok(State { approach, payload: c.payload_kg, temperature: c.temperature_c, torque })
 }
 

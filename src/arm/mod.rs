@@ -33,6 +33,11 @@ pub struct State<T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> State<T, N> {
+    /// Every number of it.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = &T> {
+        [&self.payload, &self.temperature].into_iter().chain(self.torque.iter().flatten())
+    }
+
     /// At a temperature in degrees Celsius, without payload, approach unknown, no torques
     /// read.
     #[must_use]
@@ -201,6 +206,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     }
 
     /// Whether all that a term depends on is a number in this state.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn can_be_in(&self, state: &State<T, N>) -> bool {
         let payload = self.gravity.is_none() || state.payload.is_finite();
         let torque = state.torque.iter().flatten().all(|torque| torque.is_finite());

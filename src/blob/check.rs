@@ -109,11 +109,14 @@ impl<'a> Blob<'a> {
         for (record, index) in records.chunks_exact(RECORD).zip(0..) {
             check_record(index, record, masses)?;
         }
-        let mut late = None;
+        let (mut late, mut torques) = (None, false);
         for (record, index) in term::each(term_records).zip(0..) {
-            term::check(index, record, (joints, flags), &mut late)?;
+            torques |= term::check(index, record, (joints, flags), &mut late)?;
         }
-        check_torques(flags, term_records)?;
+        // They are read where a term needs them and no masses give them, and nowhere else.
+        if flags & FLAG_TORQUES != 0 && (masses || !torques) {
+            return Err(of_header("flags", Flaw::Implausible));
+        }
         if !factor.is_empty() {
             check_factor(factor, uncertain_parameters(count, term_count))?;
         }
@@ -149,15 +152,6 @@ fn check_flags(header: &[u8; HEADER]) -> Result<(), DecodeError> {
     }
     if reserved != [0; 3] {
         return unknown("reserved");
-    }
-    Ok(())
-}
-
-/// Torques are read where a term needs them and no masses give them, and nowhere else.
-fn check_torques(flags: u8, terms: &[u8]) -> Result<(), DecodeError> {
-    let loaded = || term::each(terms).filter_map(term::from_bytes::<f32>).any(|t| t.needs_torque());
-    if flags & FLAG_TORQUES != 0 && (flags & FLAG_MASSES != 0 || !loaded()) {
-        return Err(of_header("flags", Flaw::Implausible));
     }
     Ok(())
 }

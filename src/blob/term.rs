@@ -79,13 +79,13 @@ pub(super) fn from_bytes<T: Scalar>(bytes: &[u8; TERM]) -> Option<Term<T>> {
 
 /// Checks the `index`-th term, counted from 0, of an arm with so many joints. `late` is the
 /// time constant of the terms before it: all have one, as a state holds one temperature.
-/// `flags` are the blob's: they say what tells of loads.
+/// `flags` are the blob's: they say what tells of loads. Whether it follows a torque.
 pub(super) fn check(
     index: u8,
     bytes: &[u8; TERM],
     (joints, flags): (u8, u8),
     late: &mut Option<f32>,
-) -> Result<()> {
+) -> Result<bool> {
     let unknown = |field| Err(flaw(index, field, Flaw::Unknown));
     let implausible = |field| Err(flaw(index, field, Flaw::Implausible));
     let [first, numbers, ..] = *bytes;
@@ -116,11 +116,12 @@ pub(super) fn check(
     if Scalar::abs(term.coefficient) > term.effect.plausible() {
         return implausible("coefficient");
     }
-    let enough = if term.needs_masses() { FLAG_MASSES } else { FLAG_MASSES | FLAG_TORQUES };
-    if term.needs_load() && flags & enough == 0 {
+    let (load, masses) = (term.needs_load(), term.needs_masses());
+    let enough = if masses { FLAG_MASSES } else { FLAG_MASSES | FLAG_TORQUES };
+    if load && flags & enough == 0 {
         return Err(flaw(index, "effect", Flaw::NeedsMasses));
     }
-    Ok(())
+    Ok(load && !masses)
 }
 
 /// Reads the terms behind the joint records.

@@ -113,6 +113,7 @@ impl<'t> Curve<'t> {
 
     /// Whether it is known at encoder reading `q`, rad, of any number of turns.
     #[must_use]
+    #[inline(never)]
     pub fn knows<T: Scalar>(&self, q: T) -> bool {
         let Some(gaps) = &self.gaps else { return true };
         let (below, _) = (q * per_radian(self.nodes.len())).floor_and_rest();
@@ -231,6 +232,9 @@ impl<'t> Curves<'t> {
     }
 
     /// Whether all curves are known at joint values `q`, rad.
+    // Cold: most arms have no gaps.
+    #[cold]
+    #[inline(never)]
     #[must_use]
     pub fn know<T: Scalar, const N: usize>(&self, q: &[T; N]) -> bool {
         let known = |curve: &Curve| q.get(usize::from(curve.joint())).map(|q| curve.knows(*q));

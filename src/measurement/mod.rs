@@ -104,7 +104,7 @@ pub enum Reading<T> {
 pub struct Measurement<T, const N: usize> {
     /// Encoder readings, rad or m.
     pub q: [T; N],
-    /// Approach, payload and temperature at the measurement.
+    /// Approach, payload, temperature and torques at the measurement.
     pub state: State<T, N>,
     /// What was read.
     pub reading: Reading<T>,
@@ -130,8 +130,7 @@ impl<T: Scalar, const N: usize> Measurement<T, N> {
     /// Whether it can be taken when these are the unknowns.
     #[inline]
     pub(crate) fn check(&self, parameters: &[Parameter]) -> Result<(), MeasurementError> {
-        let state = [&self.state.payload, &self.state.temperature];
-        let finite = self.q.iter().chain(state).all(|v| v.is_finite());
+        let finite = self.q.iter().chain(self.state.numbers()).all(|v| v.is_finite());
         if !(finite && self.reading.is_finite()) {
             return Err(MeasurementError::NotFinite);
         }

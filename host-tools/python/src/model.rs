@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use truearm::Task;
+use truearm::{JointKind, Task};
 use truearm_host::blob::{PackOptions, pack_with};
 use truearm_host::files::{self, Wanted};
 use truearm_host::model;
@@ -70,7 +70,9 @@ impl Model {
     /// Where the real tool is at joint values (n x joints, rad or m): n x 4 x 4, m.
     /// Play, warmth and payload are those of a robot at rest without a load. With a station,
     /// as that tracker station sees the target; with a marker, of that target, not of `[tool]`.
-    #[pyo3(signature = (joint_values, nominal=false, station=None, marker=None))]
+    /// `torques` (n x joints, N m or N) are what the joints were read to hold, which a model
+    /// of springs without masses needs.
+    #[pyo3(signature = (joint_values, nominal=false, station=None, marker=None, torques=None))]
     fn forward<'py>(
         &self,
         py: Python<'py>,
@@ -78,12 +80,22 @@ impl Model {
         nominal: bool,
         station: Option<String>,
         marker: Option<String>,
+        torques: Option<Table>,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let q = joints(&joint_values, self.inner.robot.joints.len())?;
         let Some(first) = q.first() else { return transforms(py, &[]) };
         let view = View { station, marker };
         let of = if nominal { Forward::nominal } else { Forward::real };
         let forward = of(&self.inner, &view).map_err(refused)?;
+        if !nominal && (torques.is_some() || self.inner.reads_torques()) {
+            let text = self.rows(&joint_values, torques.as_ref(), Vec::new())?;
+            let found = py.detach(|| {
+                let path = self.path(&text)?;
+                Ok(forward.along(&path.data, &self.inner)?.all(&path.data))
+            });
+            let poses: Vec<_> = found.map_err(refused)?.iter().map(flat).collect();
+            return transforms(py, &poses);
+        }
         let at_rest = model::Row::at(first.clone());
         let poses = py.detach(|| each(&q, |q| flat(&forward.pose(&at_rest, q))));
         transforms(py, &poses)
@@ -107,7 +119,7 @@ impl Model {
     /// controller's law. `single` has the controller's bits; rows that the identification
     /// did not cover stay as they were unless `extrapolate`. `task` is `position` or `pose`;
     /// `payload` (kg), `temperature` (degrees C) and `time` (s, which an arm that warms up late
-    /// needs beside temperatures that change) are a number or one a row.
+    /// needs beside temperatures that change) are a number or one a row; `torques` as in `forward`.
     #[pyo3(signature = (
         joint_values,
         extrapolate=false,
@@ -115,7 +127,8 @@ impl Model {
         task=None,
         payload=None,
         temperature=None,
-        time=None
+        time=None,
+        torques=None
     ))]
     #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
     fn compensate(
@@ -128,29 +141,55 @@ impl Model {
         payload: Option<Bound<'_, PyAny>>,
         temperature: Option<Bound<'_, PyAny>>,
         time: Option<Bound<'_, PyAny>>,
+        torques: Option<Table>,
     ) -> PyResult<Compensated> {
-        let robot = Robot { inner: self.inner.robot.clone() };
         let rows = joint_values.as_array().nrows();
-        let mut state = vec![("row".to_owned(), (0..rows).map(|k| k.to_string()).collect())];
+        let mut state = Vec::new();
         let columns = [("payload_kg", payload), ("temperature_c", temperature), ("time_s", time)];
         for (name, given) in columns {
             if let Some(given) = given {
                 state.push((name.to_owned(), numbers(&given, rows)?));
             }
         }
-        let text = table(&robot, &joint_values, &state)?;
+        let text = self.rows(&joint_values, torques.as_ref(), state)?;
         let task = task.map(task_named).transpose()?;
         let options = CompensateOptions { task, extrapolate, single, ..Default::default() };
-        let found = py.detach(|| {
-            let path = model::Path::parse("arrays".as_ref(), &text, &robot.inner, Wanted::Joints)?;
-            compensate(&self.inner, &path, &options)
-        });
+        let found = py.detach(|| compensate(&self.inner, &self.path(&text)?, &options));
         Compensated::of(py, &found.map_err(refused)?.rows)
     }
 
     fn __repr__(&self) -> String {
         let (name, terms) = (&self.inner.robot.name, self.inner.terms.len());
         format!("Model({name:?}, {terms} terms, {} curves)", self.inner.curves.len())
+    }
+}
+
+impl Model {
+    /// The text of a path: joints, what they hold, and columns of its state.
+    fn rows(
+        &self,
+        joint_values: &Table,
+        torques: Option<&Table>,
+        mut state: Vec<(String, Vec<String>)>,
+    ) -> PyResult<String> {
+        let robot = Robot { inner: self.inner.robot.clone() };
+        let rows = joint_values.as_array().nrows();
+        state.insert(0, ("row".to_owned(), (0..rows).map(|k| k.to_string()).collect()));
+        let kinds: Vec<_> = robot.inner.joints.iter().map(|joint| joint.link.kind).collect();
+        let read = torques.map(|read| joints(read, kinds.len())).transpose()?;
+        for (j, kind) in kinds.iter().enumerate().filter(|_| read.is_some()) {
+            let name = match kind {
+                JointKind::Revolute => format!("torque{}_nm", j + 1),
+                JointKind::Prismatic => format!("force{}_n", j + 1),
+            };
+            let cells = read.iter().flatten().map(|row| row[j].to_string()).collect();
+            state.push((name, cells));
+        }
+        table(&robot, joint_values, &state)
+    }
+
+    fn path(&self, text: &str) -> truearm_host::Result<model::Path> {
+        model::Path::parse("arrays".as_ref(), text, &self.inner.robot, Wanted::Joints)
     }
 }
 

@@ -14,7 +14,7 @@ use crate::observations::Measure;
 pub enum Verdict {
     /// Geometry alone leaves nothing but noise.
     Clean,
-    /// The model leaves nothing that goes with anything recorded.
+    /// The model leaves nothing that has a name.
     Explained,
     /// Structure is left that no effect of the repertoire explains.
     Unexplained,
@@ -173,11 +173,10 @@ impl Outcome {
         let left = self.gap.last().map_or(1.0, |last| last.train_rms_sigmas.max(1.0));
         match self.beyond_repeats {
             Some(times) => format!(
-                "goes with nothing that was recorded, though poses are off by {times:.1} times what \
-                 their repeats scatter"
+                "has no name, though poses are off by {times:.1} times what their repeats scatter"
             ),
             None => format!(
-                "goes with nothing that was recorded, though it is {:.1} times the stated noise",
+                "has no name, though it is {:.1} times the stated noise",
                 left * self.noise_scale
             ),
         }

@@ -98,7 +98,7 @@ impl Gram {
     /// Of the equations added some repeat a pose: what they say of the noise, at the best
     /// model known. Where a later one explains part of their scatter, accumulate again with
     /// its residuals.
-    pub fn add_repeats(&mut self, repeats: Repeats) {
+    pub fn add_repeats(&mut self, repeats: &Repeats) {
         self.repeats.join(repeats);
     }
 
@@ -117,7 +117,7 @@ impl Gram {
         self.zy += &other.zy;
         self.yy += other.yy;
         self.equations += other.equations;
-        self.add_repeats(other.repeats.clone());
+        self.add_repeats(&other.repeats);
     }
 
     /// Unknowns of geometry.

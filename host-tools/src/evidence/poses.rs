@@ -6,7 +6,7 @@
 //! 2.3). Structure that no candidate explains is common to repeats too, so that
 //! it cannot pass for many rows' evidence.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Poses with repeats from which on the share is taken from the data.
 pub const ENOUGH: usize = 10;
@@ -86,11 +86,12 @@ pub fn whiten(block: &mut DMatrix<f64>, repeats: usize, share: f64) {
     }
 }
 
-/// Share of the poses whose readings scatter least: these tell how readings scatter by
-/// themselves, where those of others came from either side of a gap.
-const QUIETEST: f64 = 0.25;
-/// The same of a normal distribution.
-const QUIETEST_DEVIATES: f64 = -0.674_490;
+/// Equations that tell how readings scatter by themselves, at least.
+const TELLING: usize = 12;
+/// Columns that explain so many times what as many of chance do are an effect.
+const NOT_YET: f64 = 5.0;
+/// Columns that others do are no columns: share of their square that is left of them.
+const ALIKE: f64 = 1e-9;
 
 /// What repeats say of the noise, whitened as [`whiten`] does.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -102,67 +103,99 @@ pub struct Repeats {
     /// Squares that the other equations have at least, over those of one that repeats: the
     /// mean of a pose scatters by what its readings do, if by nothing else.
     pub least: f64,
-    /// Of each pose that is repeated its mean square, over what one pose in four of equal
-    /// noise has.
-    quiet: Vec<f64>,
+    /// Poses that are repeated.
+    poses: usize,
+    /// Products of what may differ between readings of a pose, about their mean, their
+    /// residual behind them.
+    within: DMatrix<f64>,
 }
 
 impl Repeats {
-    /// Of the whitened residuals of one pose, of whose variance its readings have a share in
-    /// common; for [`super::Gram::add_repeats`].
+    /// Of one pose, of whose variance its readings have a share in common, for
+    /// [`super::Gram::add_repeats`]: the whitened columns of what may differ between its
+    /// readings, and behind them the whitened residual.
     #[must_use]
-    pub fn of(residual: &[f64], repeats: usize, share: f64) -> Self {
+    pub fn of(mut columns: DMatrix<f64>, repeats: usize, share: f64) -> Self {
         let (repeats, h) = (repeats.max(1), share.clamp(0.0, MOST));
-        let m = residual.len() / repeats;
-        let scatter = (0..m).map(|e| {
-            let readings = || (0..repeats).map(|r| residual[r * m + e]);
-            let mean = readings().sum::<f64>() / repeats as f64;
-            readings().map(|x| (x - mean).powi(2)).sum::<f64>()
-        });
-        let (equations, square) = (m * (repeats - 1), scatter.sum());
-        let freedom = equations.max(1) as f64;
-        let quiet = (equations > 0).then(|| square / freedom / quietest(freedom));
+        let m = columns.nrows() / repeats;
+        centre(&mut columns, repeats);
         Self {
-            equations,
-            square,
+            equations: m * (repeats - 1),
+            square: columns.column(columns.ncols() - 1).norm_squared(),
             least: m as f64 * (1.0 - h) / (1.0 - h + repeats as f64 * h),
-            quiet: quiet.into_iter().collect(),
+            poses: usize::from(repeats > 1),
+            within: columns.tr_mul(&columns),
         }
     }
 
-    /// Mean square of an equation that repeats, by the poses whose readings scatter least.
+    /// Mean square of an equation that repeats, without what differs between readings for a
+    /// reason that may be: the side that a joint came from, a drift, the temperature. 0 where
+    /// too few poses are repeated, and as long as such a reason is not in the model yet: what
+    /// repeats say of it is evidence, and no noise.
     #[must_use]
     pub fn each(&self) -> f64 {
-        if self.quiet.is_empty() {
+        // Where nothing is looked for nobody knows for what reason readings differ.
+        let count = self.within.ncols().saturating_sub(1);
+        if count == 0 || self.poses < ENOUGH {
             return 0.0;
         }
-        let mut quiet = self.quiet.clone();
-        let place = (quiet.len() as f64 * QUIETEST) as usize;
-        let (_, own, _) = quiet.select_nth_unstable_by(place, f64::total_cmp);
-        own.min(self.square / self.equations as f64)
+        let unit = |k: usize| self.within[(k, k)].sqrt();
+        let own: Vec<usize> = (0..count).filter(|k| unit(*k) > 0.0).collect();
+        let (rank, explained) = self.explained(&own, &unit);
+        let left = self.equations.saturating_sub(rank);
+        if left < TELLING {
+            return 0.0;
+        }
+        let each = (self.within[(count, count)] - explained).max(0.0) / left as f64;
+        if explained > NOT_YET * rank as f64 * each { 0.0 } else { each }
+    }
+
+    /// How many independent columns there are among these, over their units, and what they
+    /// explain of the squares of the residual.
+    fn explained(&self, own: &[usize], unit: &dyn Fn(usize) -> f64) -> (usize, f64) {
+        if own.is_empty() {
+            return (0, 0.0);
+        }
+        let last = self.within.ncols() - 1;
+        let of = |i: usize, j: usize| self.within[(own[i], own[j])] / (unit(own[i]) * unit(own[j]));
+        let eigen = DMatrix::from_fn(own.len(), own.len(), of).symmetric_eigen();
+        let right = DVector::from_fn(own.len(), |i, _| self.within[(own[i], last)] / unit(own[i]));
+        let pairs = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());
+        let told = pairs.filter(|(value, _)| **value > ALIKE);
+        told.fold((0, 0.0), |(rank, sum), (value, vector)| {
+            (rank + 1, sum + vector.dot(&right).powi(2) / value)
+        })
     }
 
     /// With those of other poses.
-    pub fn join(&mut self, other: Self) {
+    pub fn join(&mut self, other: &Self) {
         self.equations += other.equations;
         self.square += other.square;
         self.least += other.least;
-        self.quiet.extend(other.quiet);
+        self.poses += other.poses;
+        match self.within.is_empty() {
+            true => self.within.clone_from(&other.within),
+            false if other.within.is_empty() => {}
+            false => self.within += &other.within,
+        }
     }
 
     /// At another noise scale.
     #[must_use]
     pub fn over(&self, k2: f64) -> Self {
-        let quiet = self.quiet.iter().map(|square| square / k2).collect();
-        Self { square: self.square / k2, quiet, ..*self }
+        Self { square: self.square / k2, within: &self.within / k2, ..*self }
     }
 }
 
-/// Mean square of the quietest quarter of so many normal variates each (Wilson and Hilferty,
-/// PNAS 17 (1931) 684).
-fn quietest(freedom: f64) -> f64 {
-    let ninth = 2.0 / (9.0 * freedom);
-    (1.0 - ninth + QUIETEST_DEVIATES * ninth.sqrt()).max(0.05).powi(3)
+/// Takes the mean of the readings off each equation of a pose.
+fn centre(block: &mut DMatrix<f64>, repeats: usize) {
+    let m = block.nrows() / repeats;
+    for mut column in block.column_iter_mut() {
+        for e in 0..m {
+            let mean = (0..repeats).map(|r| column[r * m + e]).sum::<f64>() / repeats as f64;
+            (0..repeats).for_each(|r| column[r * m + e] -= mean);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -201,25 +234,42 @@ mod tests {
             (0..12).map(step).sum::<f64>() - 6.0
         };
         for (repeats, share) in [(2, 0.5), (3, 0.9), (5, 0.999)] {
-            let (mut all, mut own) = (Repeats::default(), 0.0);
+            let (mut all, mut apart, mut own) = (Repeats::default(), Repeats::default(), 0.0);
             for _ in 0..4000 {
                 let mut block = DMatrix::from_fn(3 * repeats, 1, |_, _| noise());
                 whiten(&mut block, repeats, share);
-                let pose = Repeats::of(block.as_slice(), repeats, share);
+                // What may differ: a side, which has no effect yet.
+                let side = DMatrix::from_fn(3 * repeats, 1, |i, _| if i < 3 { 1.0 } else { -1.0 });
+                let both = |size: f64| {
+                    let mut columns = DMatrix::zeros(3 * repeats, 2);
+                    columns.set_column(0, &side.column(0));
+                    columns.set_column(1, &(block.column(0) + side.column(0) * size));
+                    columns
+                };
+                let pose = Repeats::of(both(0.0), repeats, share);
                 own += block.norm_squared() - pose.square;
-                all.join(pose);
+                all.join(&pose);
+                apart.join(&Repeats::of(both(20.0), repeats, share));
             }
             let least = all.least * all.square / all.equations as f64;
             assert!((own / least - 1.0).abs() < 0.05, "{repeats}, {share}: {own} {least}");
             let each = all.each() / (all.square / all.equations as f64);
-            assert!((0.95..=1.0).contains(&each), "{repeats}: the quietest quarter, {each}");
-            // Half of the poses were read from both sides of a gap.
-            for (k, quiet) in all.quiet.iter_mut().enumerate() {
-                *quiet *= if k % 2 == 0 { 1.0 } else { 100.0 };
-            }
-            all.square *= 50.0;
-            let gap = all.each() / (all.square / all.equations as f64) * 50.0;
-            assert!((0.8..2.2).contains(&gap), "{repeats}: with a gap, {gap}");
+            assert!((each - 1.0).abs() < 0.05, "{repeats}: {each}");
+            // A side that counts is evidence, until it is in the model.
+            assert_eq!(apart.each(), 0.0);
+        }
+    }
+
+    /// Nine poses read three times among many say nothing of how poses scatter.
+    #[test]
+    fn few_repeated_poses_tell_no_floor() {
+        let mut all = Repeats::default();
+        let residual: Vec<f64> = (0..9).map(|k| f64::from(k * 7 % 5) - 2.0).collect();
+        for poses in 1..20 {
+            let mut columns = DMatrix::zeros(9, 2);
+            columns.column_mut(1).copy_from_slice(&residual);
+            all.join(&Repeats::of(columns, 3, 0.5));
+            assert_eq!(all.each() > 0.0, poses >= ENOUGH, "{poses}");
         }
     }
 

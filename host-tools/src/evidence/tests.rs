@@ -285,7 +285,7 @@ proptest! {
             rows.y[i] = y.mean();
             poses::whiten(&mut y, times, share);
             gram.add(&repeat(&rows.g), &repeat(&rows.z), &y.column(0).into_owned());
-            gram.add_repeats(poses::Repeats::of(y.as_slice(), times, share));
+            gram.add_repeats(&poses::Repeats::of(y, times, share));
         }
         let precision = DVector::from_element(3, 1e-6);
         let repeated = explain(&gram, &precision, &rows.candidates, Effort::default(), None);

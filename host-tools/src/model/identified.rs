@@ -81,6 +81,13 @@ pub struct Provenance {
 }
 
 impl Model {
+    /// Whether its springs and gaps follow torques that are read: it has no masses.
+    #[must_use]
+    pub fn reads_torques(&self) -> bool {
+        let needed = |t: &ModelTerm| matches!(t, ModelTerm::Arm(term) if term.needs_torque());
+        !self.robot.is_weighed() && self.terms.iter().any(needed)
+    }
+
     /// Whether a row's gravity torques are known where the model's springs and gaps
     /// need them: from masses, or as every row has read them.
     ///

@@ -3,37 +3,74 @@
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
-use truearm_host::model::Measurements;
+use truearm_host::diagnose::{DiagnoseOptions, Doubt, Outcome, Verdict, diagnose};
+use truearm_host::model::{Measurements, Robot};
 
 use crate::simulated::{Truth, UR10_LIKE, csv_of, robot, vector};
 
 const SIGMA: f64 = 3e-5;
 
-/// So many poses of an arm, each read so often, cycle after cycle; its joints really are where
-/// `real` says.
-fn read(poses: usize, times: usize, seed: u64, real: &dyn Fn(&mut [f64])) -> Outcome {
+fn arm() -> Robot {
     let mut robot = robot(UR10_LIKE);
     robot.sigma = SIGMA;
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let truth = Truth::draw(&robot, 1, 1, &mut rng);
-    let mut pose = || -> Vec<f64> {
-        let degrees = (0..6).map(|_| rng.random_range(-140.0..140.0_f64));
-        degrees.map(|d| ((d * 1e4).round() / 1e4).to_radians()).collect()
-    };
-    let once: Vec<Vec<f64>> = (0..poses).map(|_| pose()).collect();
-    let all: Vec<Vec<f64>> = (0..times).flat_map(|_| once.clone()).collect();
-    let points: Vec<Vector3<f64>> = all
-        .iter()
-        .map(|q| {
+    robot
+}
+
+/// What is wrong with a session in which poses are read cycle after cycle.
+struct Session<'s> {
+    poses: usize,
+    times: usize,
+    seed: u64,
+    /// Where the joints really are, in a cycle.
+    joints: &'s dyn Fn(&mut [f64], usize),
+    /// By how much what measures has moved, of so many rows.
+    moved: &'s dyn Fn(usize) -> Vector3<f64>,
+    /// More columns: their names, and the cells of a row and its cycle.
+    columns: (&'s str, &'s dyn Fn(usize, usize) -> String),
+}
+
+impl Session<'_> {
+    fn new(poses: usize, times: usize, seed: u64) -> Self {
+        Self {
+            poses,
+            times,
+            seed,
+            joints: &|_, _| (),
+            moved: &|_| Vector3::zeros(),
+            columns: ("", &|_, _| String::new()),
+        }
+    }
+
+    fn diagnosed(&self, robot: &Robot) -> Outcome {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let truth = Truth::draw(robot, 1, 1, &mut rng);
+        let mut pose = || -> Vec<f64> {
+            let degrees = (0..6).map(|_| rng.random_range(-140.0..140.0_f64));
+            degrees.map(|d| ((d * 1e4).round() / 1e4).to_radians()).collect()
+        };
+        let once: Vec<Vec<f64>> = (0..self.poses).map(|_| pose()).collect();
+        let all: Vec<Vec<f64>> = (0..self.times).flat_map(|_| once.clone()).collect();
+        let point = |(k, q): (usize, &Vec<f64>)| {
             let mut q = q.clone();
-            real(&mut q);
-            truth.point(&q, 0, 0) + vector(&mut rng) * SIGMA
-        })
-        .collect();
-    let text = csv_of(&robot, &all, &points);
-    let data = Measurements::parse("m.csv".as_ref(), &text, &robot).unwrap();
-    diagnose(&robot, &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap().outcome
+            (self.joints)(&mut q, k / self.poses);
+            truth.point(&q, 0, 0) + (self.moved)(k) + vector(&mut rng) * SIGMA
+        };
+        let points: Vec<Vector3<f64>> = all.iter().enumerate().map(point).collect();
+        let text = csv_of(robot, &all, &points);
+        let (names, cells) = self.columns;
+        let lines = text.lines().enumerate().map(|(k, line)| match (k, names) {
+            (_, "") => format!("{line}\n"),
+            (0, _) => format!("{line},{names}\n"),
+            _ => format!("{line},{}\n", cells(k - 1, (k - 1) / self.poses)),
+        });
+        let text: String = lines.collect();
+        let data = Measurements::parse("m.csv".as_ref(), &text, robot).unwrap();
+        diagnose(robot, &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap().outcome
+    }
+}
+
+fn names(outcome: &Outcome) -> Vec<(&'static str, Vec<usize>)> {
+    outcome.effects.iter().map(|e| (e.name, e.joints.clone())).collect()
 }
 
 /// A line of about five noise floors was found in 40 poses read once and lost in the same
@@ -41,11 +78,12 @@ fn read(poses: usize, times: usize, seed: u64, real: &dyn Fn(&mut [f64])) -> Out
 #[test]
 fn a_line_is_found_however_often_poses_were_read() {
     for times in 1..=4 {
-        let outcome = read(40, times, 5, &|q| q[0] += 2.5e-4 * (3.0 * q[0] + 0.4).sin());
-        let names: Vec<_> =
-            outcome.effects.iter().map(|e| (e.name, e.joints.clone(), e.order)).collect();
-        assert_eq!(names, [("joint-periodic-error", vec![1], Some(3.0))], "{times} readings");
+        let joints = |q: &mut [f64], _: usize| q[0] += 2.5e-4 * (3.0 * q[0] + 0.4).sin();
+        let outcome = Session { joints: &joints, ..Session::new(40, times, 5) }.diagnosed(&arm());
+        assert_eq!(names(&outcome), [("joint-periodic-error", vec![1])], "{times} readings");
+        assert_eq!(outcome.effects[0].order, Some(3.0));
         assert_eq!(outcome.verdict, Verdict::Explained);
+        assert!(outcome.leaves_noise());
         let size = outcome.effects[0].coefficients.iter().map(|c| c.value.powi(2)).sum::<f64>();
         assert!((size.sqrt() - 2.5e-4).abs() < 2e-5, "{times} readings: {size}");
         assert!((0.8..1.5).contains(&outcome.noise_scale), "{}", outcome.noise_scale);
@@ -57,9 +95,67 @@ fn a_line_is_found_however_often_poses_were_read() {
 #[test]
 fn nothing_is_found_in_few_poses_of_a_sound_arm() {
     for seed in 10..16 {
-        let outcome = read(20, 3, seed, &|_| ());
+        let outcome = Session::new(20, 3, seed).diagnosed(&arm());
         assert!(outcome.effects.is_empty(), "seed {seed}: {:?}", outcome.effects);
         assert_eq!(outcome.verdict, Verdict::Clean, "seed {seed}: {:?}", outcome.unnamed);
         assert!(outcome.noise_scale > 0.4, "seed {seed}: {}", outcome.noise_scale);
+    }
+}
+
+/// What differs between the readings of a pose is no noise of them.
+#[test]
+fn what_differs_between_readings_is_found() {
+    let arm = arm();
+    // Every pose from either side, in turn.
+    for (poses, half) in [(40, 1e-4), (40, 3e-4), (60, 1e-4)] {
+        let joints =
+            move |q: &mut [f64], cycle: usize| q[2] -= if cycle == 0 { half } else { -half };
+        let side = |_: usize, cycle: usize| ["1", "-1"][cycle].to_owned();
+        let names_of = |_: usize, cycle: usize| vec![side(0, cycle); 6].join(",");
+        let session = Session {
+            joints: &joints,
+            columns: ("dir1,dir2,dir3,dir4,dir5,dir6", &names_of),
+            ..Session::new(poses, 2, 31)
+        };
+        let outcome = session.diagnosed(&arm);
+        assert_eq!(names(&outcome), [("backlash", vec![3])], "{poses} poses, {half}");
+    }
+    // What measures drifts.
+    let moved = |row: usize| Vector3::new(4e-4, -2e-4, 1e-4) * (row as f64 / 120.0);
+    let time = |row: usize, _: usize| format!("{}", 60 * row);
+    let session = Session { moved: &moved, columns: ("time_s", &time), ..Session::new(40, 3, 32) };
+    assert_eq!(names(&session.diagnosed(&arm)), [("measurement-drift", vec![])]);
+}
+
+/// Thirteen poses for 39 unknowns leave next to nothing and tell nothing, however often they
+/// were read.
+#[test]
+fn poses_that_are_too_few_are_said() {
+    let joints = |q: &mut [f64], _: usize| {
+        q[1] += 4e-3 * (2.0 * q[1]).sin();
+        q[3] += 4e-3 * (q[2] + q[1]).cos();
+    };
+    let few = Session { joints: &joints, ..Session::new(13, 3, 41) }.diagnosed(&arm());
+    assert_eq!(few.verdict, Verdict::Unexplained, "{few:?}");
+    assert!(few.unnamed.iter().any(|w| w.contains("13 poses are too few")), "{:?}", few.unnamed);
+    let enough = Session::new(20, 3, 41).diagnosed(&arm());
+    assert!(!enough.unnamed.iter().any(|w| w.contains("too few")), "{:?}", enough.unnamed);
+}
+
+/// Without masses a spring of a joint that gravity loads does what its eccentricity does.
+#[test]
+fn an_eccentricity_of_a_loaded_joint_is_suspected_without_masses() {
+    let mut weightless = arm();
+    weightless.links.clear();
+    for (robot, joint, named) in
+        [(arm(), 1, true), (weightless.clone(), 1, false), (weightless, 0, true)]
+    {
+        let joints = move |q: &mut [f64], _: usize| q[joint] += 3e-4 * q[joint].sin();
+        let session = Session { joints: &joints, ..Session::new(120, 1, 51) };
+        let outcome = session.diagnosed(&robot);
+        let own = ("encoder-eccentricity", vec![joint + 1]);
+        assert_eq!(names(&outcome).contains(&own), named, "joint {joint}: {outcome:?}");
+        let doubted = outcome.suspected.iter().any(|e| e.doubt == Some(Doubt::Unweighed));
+        assert_eq!(doubted, !named, "joint {joint}: {:?}", outcome.suspected);
     }
 }

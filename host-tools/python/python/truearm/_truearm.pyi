@@ -52,6 +52,7 @@ class Model:
         nominal: bool = False,
         station: str | None = None,
         marker: str | None = None,
+        torques: ArrayLike | None = None,
     ) -> Array: ...
     def jacobian(self, joint_values: ArrayLike) -> Array: ...
     def compensate(
@@ -63,6 +64,7 @@ class Model:
         payload: float | Sequence[float] | None = None,
         temperature: float | Sequence[float] | None = None,
         time: float | Sequence[float] | None = None,
+        torques: ArrayLike | None = None,
     ) -> Compensated: ...
 
 class Compensated:

@@ -97,11 +97,10 @@ fn farthest(
             temperature: Some(a.reference_temperature + rng.random_range(-WARMTH..=WARMTH)),
             torque: None,
         };
-        let [x, y] = [(&arms[0], a), (&arms[1], b)].map(|(arm, p)| {
-            // Torques that are read nobody knows here: both as if they held nothing.
-            let torque = reads_torques(p).then_some(&unloaded[..]);
-            arm.real_pose(&q, &Conditions { torque, ..conditions })
-        });
+        // Torques that are read nobody knows here: both as if they held nothing.
+        let torque = (reads_torques(a) || reads_torques(b)).then_some(&unloaded[..]);
+        let [x, y] =
+            arms.each_ref().map(|arm| arm.real_pose(&q, &Conditions { torque, ..conditions }));
         let by = y.translation - x.translation;
         square += by.norm_squared();
         turn = turn.max(x.inverse().compose(&y).rotation_vector().norm());

@@ -85,10 +85,10 @@ fn verdict(r: &Outcome) -> &'static str {
     match r.verdict {
         // What returns with the pose, or is far beyond what was stated, need be no noise.
         Verdict::Clean if !r.leaves_noise() => {
-            "verdict: clean, what geometry alone leaves goes with nothing that was recorded\n"
+            "verdict: clean, what geometry alone leaves has no name\n"
         }
         Verdict::Explained if !r.leaves_noise() => {
-            "verdict: explained, what the model leaves goes with nothing that was recorded\n"
+            "verdict: explained, what the model leaves has no name\n"
         }
         Verdict::Clean => "verdict: clean, geometry alone leaves nothing but noise\n",
         Verdict::Explained => "verdict: explained, the model leaves nothing but noise\n",

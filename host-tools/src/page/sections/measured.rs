@@ -1,3 +1,5 @@
+use std::f64::consts::TAU;
+
 use truearm::JointKind;
 
 use crate::model::Model;
@@ -14,8 +16,11 @@ pub fn measured(model: &Model) -> String {
     let of_joint = |j: usize| {
         let covered = model.covered.get(j).copied().flatten()?;
         let curve = model.curves.iter().find(|curve| usize::from(curve.joint()) == j);
-        let gaps: Vec<String> =
-            curve.into_iter().flat_map(|c| c.gap_ranges()).map(|gap| range(j, gap)).collect();
+        let gaps: Vec<String> = curve
+            .into_iter()
+            .flat_map(|c| c.gap_ranges())
+            .map(|gap| range(j, within(gap, covered)))
+            .collect();
         let but = match gaps.is_empty() {
             true => String::new(),
             false => format!(" but {}, where too few rows tell its curve", gaps.join(", ")),
@@ -28,4 +33,12 @@ pub fn measured(model: &Model) -> String {
          controller is told so.",
         all.join("; ")
     )
+}
+
+/// A stretch of a turn as many turns on as it takes to lie in a range.
+fn within([low, high]: [f64; 2], covered: [f64; 2]) -> [f64; 2] {
+    let turns = ((covered[0] - low) / TAU).ceil();
+    // One that begins before the range may end in it.
+    let by = if high + (turns - 1.0) * TAU > covered[0] + 1e-9 { turns - 1.0 } else { turns } * TAU;
+    [low + by, high + by]
 }

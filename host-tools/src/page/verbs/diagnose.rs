@@ -9,6 +9,8 @@ use crate::effects::OUTLIERS;
 use crate::error::Result;
 use crate::report::DiagnoseReport;
 
+/// A model whose error of poses held out is above this share of the drawing's is none.
+const BETTER: f64 = 0.8;
 /// Effects that the verdict names.
 const NAMED: usize = 4;
 
@@ -116,21 +118,28 @@ fn verdict(r: &Outcome) -> String {
 
 /// What to do with the model, in a sentence.
 fn advice(r: &Outcome) -> &'static str {
-    let told_apart = r.alternatives.is_empty();
-    match r.verdict {
-        Verdict::Clean | Verdict::Explained if told_apart => {
-            "Flash it, and verify it at poses that were not measured yet."
-        }
-        Verdict::Clean | Verdict::Explained => {
-            "Flash it, and verify it at poses that were not measured yet: where joints were \
-             measured, the explanations predict alike. Before it is used elsewhere, measure the \
-             poses that tell them apart and diagnose again."
-        }
-        Verdict::Unexplained => {
-            "It may be flashed, as it predicts poses held out better than the drawing does, and \
-             must be verified at poses that were not measured yet. Look for what is left first: it \
-             is the arm's or the measurement's, and grows where nobody looked."
-        }
+    let figures = |row: Option<&GapRow>| {
+        let [fitted, held_out, other] = row.map_or([None; 3], |row| r.gap_unit().figures(row));
+        [other.or(held_out).or(fitted).unwrap_or(f64::INFINITY), fitted.unwrap_or(0.0)]
+    };
+    let [[held, _], [_, drawn]] = [figures(r.gap.last()), figures(r.gap.first())];
+    let sound = r.verdict != Verdict::Unexplained;
+    if held > BETTER * drawn {
+        "Do not flash it: it predicts poses held out hardly better than the drawing does. Measure \
+         more poses, or look for what is wrong with these."
+    } else if sound && !r.leaves_noise() {
+        "It may be flashed, and must be verified at poses that were not measured yet: what is left \
+         is more than noise. Is the stated noise that of the instrument?"
+    } else if sound && r.alternatives.is_empty() {
+        "Flash it, and verify it at poses that were not measured yet."
+    } else if sound {
+        "Flash it, and verify it at poses that were not measured yet: where joints were measured, \
+         the explanations predict alike. Before it is used elsewhere, measure the poses that tell \
+         them apart and diagnose again."
+    } else {
+        "It may be flashed, as it predicts poses held out better than the drawing does, and must be \
+         verified at poses that were not measured yet. Look for what is left first: it is the arm's \
+         or the measurement's, and grows where nobody looked."
     }
 }
 

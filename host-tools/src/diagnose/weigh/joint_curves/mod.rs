@@ -18,7 +18,7 @@ const NODES: usize = 256;
 const LOOKS: usize = 40;
 /// A curve is known where the data take away this share of its prior's variance.
 const KNOWN: f64 = 0.5;
-/// So many rows in a stretch and the two beside it tell it without being asked.
+/// So many poses in a stretch and the two beside it tell it without being asked.
 const ENOUGH: usize = 8;
 
 /// A joint, counted from 0, and the prior of its curve.

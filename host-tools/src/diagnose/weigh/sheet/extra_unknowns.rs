@@ -7,8 +7,8 @@ use super::{Sheet, Solution};
 use crate::diagnose::weigh::joint_curves::{self, Curve};
 use crate::evidence;
 use crate::identify::Equations;
-use crate::model::ErrorCurve;
 use crate::model::arm::Derivatives;
+use crate::model::{ErrorCurve, Row};
 
 impl Sheet<'_> {
     /// What the curves of the state do where the arm stands at a row.
@@ -72,8 +72,11 @@ impl Sheet<'_> {
         for curve in self.curves {
             let count = 2 * curve.orders();
             let own = solution.geometry.rows(first, count).into_owned();
-            let rows = &self.problem.data.rows;
-            let angles: Vec<f64> = rows.iter().map(|row| row.q[curve.joint]).collect();
+            // Readings of a pose tell its angle once.
+            let mut poses: Vec<&Row> = self.problem.data.rows.iter().collect();
+            poses.sort_by_key(|row| row.pose);
+            poses.dedup_by_key(|row| row.pose);
+            let angles: Vec<f64> = poses.iter().map(|row| row.q[curve.joint]).collect();
             let band = joint_curves::band(curve, &angles, geometry, first);
             let gaps = joint_curves::gaps(curve, &angles, geometry, first);
             out.extend(curve.table(own.as_slice(), band, &gaps));

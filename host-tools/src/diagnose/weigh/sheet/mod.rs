@@ -25,6 +25,7 @@ use crate::model::Values;
 use crate::model::arm::Derivatives;
 use crate::observations::postures;
 use beside_springs::shares;
+use repeats::differs;
 pub use repeats::{by_pose, counted};
 pub use scattered::{Scattered, along};
 pub use tool_point::ByCurves;
@@ -65,6 +66,8 @@ pub struct Sheet<'a> {
     possible: &'a [Possible],
     /// Coefficient of every column in the state.
     held: DVector<f64>,
+    /// Columns of candidates that may differ between readings of a pose.
+    differing: Vec<usize>,
     weights: &'a Weights,
     curves: &'a [Curve],
     /// What the moments of links bend, a part of geometry.
@@ -98,17 +101,20 @@ impl<'a> Sheet<'a> {
         weights: &'a Weights,
         curves: &'a [Curve],
     ) -> Self {
-        let columns = possible.iter().flat_map(Possible::coefficients_zero);
-        let held = columns.map(|term| {
+        let columns: Vec<_> = possible.iter().flat_map(Possible::coefficients_zero).collect();
+        let own = |k: &usize| columns[*k].as_ref().is_some_and(differs);
+        let differing = (0..columns.len()).filter(own).collect();
+        let held = columns.iter().map(|term| {
             let same = |t: &&crate::model::ModelTerm| {
                 let mut t = (*t).clone();
                 *t.coefficient_mut() = 0.0;
-                term.as_ref() == Some(&t)
+                *term == Some(t)
             };
             state.terms.iter().find(same).map_or(0.0, |t| t.coefficient())
         });
         Self {
             held: DVector::from_iterator(columns_of(possible), held),
+            differing,
             at: problem.linearise(state),
             problem,
             possible,
@@ -225,7 +231,7 @@ impl<'a> Sheet<'a> {
         };
         for readings in poses {
             let (block, repeats) = self.block(readings);
-            gram.add_repeats(repeats);
+            gram.add_repeats(&repeats);
             equations += block.nrows();
             waiting.push(block);
             if equations >= TOGETHER {
@@ -255,7 +261,13 @@ impl<'a> Sheet<'a> {
         whiten(&mut block, readings.len(), self.weights.common);
         let mut left = DMatrix::from_vec(residual.len(), 1, residual);
         whiten(&mut left, readings.len(), self.weights.common);
-        (block, Repeats::of(left.as_slice(), readings.len(), self.weights.common))
+        let [p, _] = self.size();
+        let differing: Vec<usize> = self.differing.iter().map(|column| p + column).collect();
+        let mut differing = block.select_columns(&differing).insert_column(differing.len(), 0.0);
+        let last = differing.ncols() - 1;
+        differing.column_mut(last).copy_from(&left.column(0));
+        let repeats = Repeats::of(differing, readings.len(), self.weights.common);
+        (block, repeats)
     }
 
     /// `[G, Z, y]` of a row and its residual.

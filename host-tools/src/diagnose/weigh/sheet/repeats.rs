@@ -1,6 +1,7 @@
 //! Rows that are readings of one target in one pose from one station.
 
 use crate::identify::Problem;
+use crate::model::{Course, ModelTerm};
 use crate::observations::Reading;
 
 /// Places of rows that are readings of one pose, a list each.
@@ -10,6 +11,21 @@ pub fn by_pose(problem: &Problem, rows: &[usize]) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by_cached_key(|k| (key(*k), *k));
     order.chunk_by(|a, b| key(*a) == key(*b)).map(<[usize]>::to_vec).collect()
+}
+
+/// Whether a term may differ between readings of a pose; of variants of an effect, which
+/// differ alike, the plainest.
+#[must_use]
+pub fn differs(term: &ModelTerm) -> bool {
+    match term {
+        ModelTerm::Arm(term) => {
+            let effect = term.effect;
+            let state = effect.needs_approach() || effect.needs_warmth() || term.needs_torque();
+            state && term.order == 0.0
+        }
+        ModelTerm::Drift { course, .. } => matches!(course, Course::Time | Course::Rows),
+        ModelTerm::Lag { .. } | ModelTerm::Remount { .. } => true,
+    }
 }
 
 /// How much each of these rows counts as one of its own: of r readings of a pose that have a
