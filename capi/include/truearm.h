@@ -106,6 +106,10 @@ enum TruearmError
    The blob carries no covariance.
    */
   TRUEARM_ERROR_NO_COVARIANCE = 15,
+  /*
+   `has_torque` of the state is neither 0 nor 1: was all of it set?
+   */
+  TRUEARM_ERROR_BAD_STATE = 16,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

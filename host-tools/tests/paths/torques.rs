@@ -17,6 +17,15 @@ use truearm_host::paths::{
 };
 use truearm_simulate::robots;
 
+const EXTRAPOLATE: CompensateOptions = CompensateOptions {
+    task: Some(Task::Position),
+    trust_nominal_orientation: false,
+    extrapolate: true,
+    single: false,
+    marker: None,
+    start: None,
+};
+
 const SPRINGS: [(u8, f64); 2] = [(1, 8e-6), (4, 3e-5)];
 
 /// Six joints that nobody weighed, two of them springs.
@@ -104,14 +113,7 @@ fn gravity_tells_which_way_a_file_counts() {
 fn a_path_with_torques_is_compensated_to_the_bits_of_the_controller() {
     let model = model(None);
     let path = path(&model, &drawn(3));
-    let options = CompensateOptions {
-        task: Some(Task::Position),
-        trust_nominal_orientation: false,
-        extrapolate: true,
-        single: false,
-        marker: None,
-        start: None,
-    };
+    let options = EXTRAPOLATE;
     let found = compensate(&model, &path, &options).unwrap();
     let text = compensated_csv(&path, &model.robot, &found).unwrap();
     let told = Path::parse(FilePath::new("out.csv"), &text, &model.robot, Wanted::Joints).unwrap();
@@ -165,14 +167,7 @@ fn a_path_without_torques_is_refused() {
     let forward = Forward::real(&model, &View::default()).unwrap();
     let refused = forward.along(&path.data, &model).err().unwrap();
     assert_eq!(refused.kind(), ErrorKind::NoTorques, "{refused}");
-    let options = CompensateOptions {
-        task: Some(Task::Position),
-        trust_nominal_orientation: false,
-        extrapolate: true,
-        single: false,
-        marker: None,
-        start: None,
-    };
+    let options = EXTRAPOLATE;
     for single in [false, true] {
         let options = CompensateOptions { single, ..options.clone() };
         let refused = compensate(&model, &path, &options).unwrap_err();
