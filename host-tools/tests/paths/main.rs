@@ -2,5 +2,6 @@
 
 mod cli;
 mod compensated;
+mod gaps;
 mod reach;
 mod torques;
