@@ -60,7 +60,7 @@ fn a_gap_is_not_covered_in_a_path_and_in_a_file() {
     assert_eq!(covered(&known, &through, false), [true; 5]);
 }
 
-/// A zero off by a fifth of a radian is more than a controller corrects, a twentieth of one is not.
+/// A zero off by a fifth of a radian is more than a controller corrects, a milliradian is not.
 #[test]
 fn what_is_held_back_so_far_that_most_stays_is_told() {
     for (zero, told) in [(0.2, 2), (9e-4, 0)] {
