@@ -135,9 +135,13 @@ fn step(on_axis: &Pose<f64>, next: &Axis, convention: Convention) -> Step {
     let foot = p - u * p.dot(&u);
     let sine = u.x.hypot(u.y);
     let d = foot.z / (sine * sine);
+    // From the next joint to where the normal meets its axis: what follows, the
+    // tip too, is told from there, and must stay within the lengths of files.
+    let on_next = d * u.z - p.dot(&u);
+    let (far, far_on_next) = (d.abs() > FARTHEST, on_next.abs() > 0.5 * FARTHEST);
     match convention {
-        Convention::Hayati if sine < ALMOST_PARALLEL || d.abs() > FARTHEST => hayati(&foot, &u),
-        Convention::Dh if sine < PARALLEL || d.abs() > FARTHEST => Step {
+        Convention::Hayati if sine < ALMOST_PARALLEL || far || far_on_next => hayati(&foot, &u),
+        Convention::Dh if sine < PARALLEL || far => Step {
             straightened: if sine < PARALLEL { 0.0 } else { sine.asin() },
             ..hayati(&(p - Vector3::z() * p.z), &Vector3::new(0.0, 0.0, u.z.signum()))
         },
