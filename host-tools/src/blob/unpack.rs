@@ -99,6 +99,7 @@ fn model(p: &Parameters, path: &Path, name: Option<Name>) -> Model {
         frame_translation: p.base_translation,
         frame_rotation: p.base_rotation,
         provenance: Provenance {
+            tool_point_mm: None,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             created: humantime::format_rfc3339_seconds(std::time::UNIX_EPOCH + created).to_string(),
             sequence: (p.sequence != p.created).then_some(p.sequence),

@@ -108,7 +108,7 @@ impl Plan {
         let page = || planned(&report, &self.of(&robot, &workspace, &found.poses));
         let of = KINDS[usize::from(kind.0)];
         let lines = match found.kind {
-            "point" | "pose" => poses_csv(&robot, "q", &found.poses, &[]),
+            "point" => poses_csv(&robot, "q", &found.poses, &[]),
             _ => planned_csv(&robot, of, &found.measurements),
         };
         self.write(lines, page)?;

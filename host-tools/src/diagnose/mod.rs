@@ -33,6 +33,7 @@ use crate::identify::fit::estimate::Estimate;
 use crate::identify::fit::folds;
 use crate::identify::fit::robust::{Crowd, Flags};
 use crate::identify::start::registration::register;
+use crate::identify::start::zeros;
 use crate::identify::typical::as_measured;
 use crate::identify::{
     Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, blamed, enough,
@@ -101,6 +102,15 @@ pub fn diagnose(
     if let Some(held) = holdout {
         same_torques(robot, data, held)?;
     }
+    let zeros = zeros::found(robot, data);
+    let freed = zeros.as_ref().map(|zeros| {
+        let mut freed = zeros.freed(data);
+        let taken = |words: &String| format!("{words}; here it is an unknown");
+        freed.warnings.extend(zeros.words.iter().map(taken));
+        freed
+    });
+    let held = zeros.as_ref().zip(holdout).map(|(zeros, held)| zeros.freed(held));
+    let (data, holdout) = (freed.as_ref().unwrap_or(data), held.as_ref().or(holdout));
     let with =
         |crowd, mounting| diagnosed(robot, data, holdout, options, (crowd, mounting), progress);
     let mounted = |mounting| match with(Crowd::Refused, mounting) {
@@ -221,7 +231,9 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         false => show.beside_curves(&root, best, &nominal, &weighed.stages)?,
     };
     let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
-    let (verdict, unnamed) = verdict::verdict(problem, &weighed, &best, &gap);
+    let (whereabouts, chance) = tell::sentences(show.rigid, &root, show.question.flags.lambda);
+    let goes_with = whereabouts.first().filter(|_| chance < POLICY.beyond_chance);
+    let (verdict, unnamed) = verdict::verdict(problem, &weighed, &best, &gap, goes_with);
     let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
     let (alternatives, rivals): (_, Vec<State>) = alternatives.into_iter().unzip();
     // What was assumed and moves nothing is in no model.
@@ -255,7 +267,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         gap,
         alternatives,
         not_testable,
-        whereabouts: tell::sentences(show.rigid, &root, show.question.flags.lambda),
+        whereabouts,
     };
     Ok(Diagnosis {
         model: identified.model,

@@ -98,6 +98,9 @@ pub struct Policy {
     /// A dependence of the residuals weaker than this p value after correction
     /// is not worth a sentence.
     pub significant: f64,
+    /// The same where it keeps a verdict from being clean, beside noise of
+    /// [`Self::beyond_stated`]. No study set it.
+    pub beyond_chance: f64,
     /// Share of the residuals of contradicting rows that one shift of a joint
     /// must explain to be told.
     pub slipped: f64,
@@ -138,6 +141,7 @@ pub const POLICY: Policy = Policy {
     gap_share: 0.3,
     gap_deviations: 4.0,
     significant: 1e-3,
+    beyond_chance: 1e-9,
     slipped: 0.8,
     step: 0.2,
 };

@@ -10,7 +10,8 @@ use super::white;
 use crate::identify::Problem;
 
 /// The verdict on a model, and in words what it leaves: structure without a name
-/// that is more probable than not, and neighbours that are alike. How large the
+/// that is more probable than not, neighbours that are alike, and, where nothing is named, what
+/// the residuals of geometry alone go with, `goes_with`, beyond any chance. How large the
 /// rest is has no part in it, as nobody knows the noise, unless it is beyond what any
 /// instrument is misstated by.
 #[must_use]
@@ -19,6 +20,7 @@ pub fn verdict(
     weighed: &Weighed,
     best: &Node,
     gap: &[GapRow],
+    goes_with: Option<&String>,
 ) -> (Verdict, Vec<String>) {
     let nameless = weighed.nameless.iter().filter(|(_, p)| *p >= POLICY.worth_saying);
     let mut left: Vec<String> =
@@ -43,6 +45,9 @@ pub fn verdict(
     if noise > POLICY.beyond_stated {
         left.extend(weighed.scattering.iter().map(|joint| remarks::scatters(problem, *joint)));
     }
+    // What geometry alone leaves, where nothing was added to it.
+    let alone = best.added.is_empty() && weighed.curves.is_empty();
+    left.extend(goes_with.filter(|_| alone && noise > POLICY.beyond_stated).cloned());
     if weighed.no_room > 0 && best.added.is_empty() {
         left.push(format!("{} effects that --most-terms has no room for", weighed.no_room));
     }

@@ -1,5 +1,5 @@
 use nalgebra::{DMatrix, DVector};
-use truearm::{MdhParameters, Pose};
+use truearm::MdhParameters;
 
 use super::part::Part;
 use super::{LAST, NEAR, state};
@@ -194,7 +194,7 @@ impl Round<'_> {
         };
         let uncertainties = (0..problem.nominal.len())
             .map(|i| MdhParameters::from_array(core::array::from_fn(|k| sigma(i, k))));
-        let frame = part.points.rigid().unwrap_or_else(Pose::identity);
+        let frame = part.points.frame();
         let known = |label: &String| model.markers.iter().position(|(own, _)| own == label);
         let marker = model.tool_marker().and_then(|(label, _)| known(label));
         let covariance: DMatrix<f64> = of_arm_by(problem, &state, &part.frame, marker, &unknowns);

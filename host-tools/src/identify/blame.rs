@@ -39,8 +39,11 @@ pub(super) fn named(problem: &Problem, rows: &[usize], start: &State, error: Err
     let mut kinds: Vec<KindId> = rows.iter().map(|row| data.rows[*row].kind).collect();
     kinds.sort_unstable();
     kinds.dedup();
-    if kinds.len() < 2 {
-        return error;
+    if let [kind] = kinds[..] {
+        let known = KINDS[usize::from(kind.0)];
+        let help = format!("check {}; or else: {}", known.check(), error.help());
+        let pointless = kind != KindId::default();
+        return if pointless { Error::data(error.kind(), error.to_string(), help) } else { error };
     }
     let noise = Noise::default();
     let problem = Problem { noise, scaling: Scaling::Prior, ..problem.clone() };

@@ -119,7 +119,7 @@ pub fn identify(
     };
 
     let found = estimated(&problem, rule, &rows, &start).map_err(|e| blamed(&problem, e))?;
-    noise_estimate::none_is_lost(data, &rows, &found.robust.outliers)?;
+    noise_estimate::none_is_lost(&problem, &rows, &found.robust.outliers)?;
     tick();
     let held_out = cross_validate(&problem, rule, &folds, &found, &tick)?;
     let blocked = match &blocks {

@@ -161,11 +161,28 @@ const MOST_LOST: f64 = 0.5;
 /// So few rows of a kind may all be gross errors.
 const FEW: usize = 3;
 
-/// That no kind is lost row by row.
+/// That no kind is lost, as noise beyond bounds or row by row.
 ///
 /// # Errors
 /// [`ErrorKind::Contradiction`], naming the kind.
-pub fn none_is_lost(data: &Measurements, rows: &[usize], outliers: &[Outlier]) -> Result<()> {
+pub fn none_is_lost(problem: &Problem, rows: &[usize], outliers: &[Outlier]) -> Result<()> {
+    /// Rounding.
+    const NEARLY: f64 = 0.999;
+    let (data, help) = (
+        problem.data,
+        "so many are no gross errors: check the units and coordinates in instruments.toml (inches \
+         are 25.4 mm), and the labels of the rows",
+    );
+    let beyond = |g: &Group| problem.noise.of(g.kind, g.measure) > NEARLY * BOUNDS[1];
+    if let Some(group) = groups(data).into_iter().find(beyond) {
+        let message = format!(
+            "{}: the rows of kind {} contradict the rest: they are {:.0} times as far off as stated, or more",
+            data.path.display(),
+            KINDS[usize::from(group.kind.0)].name(),
+            BOUNDS[1]
+        );
+        return Err(Error::data(ErrorKind::Contradiction, message, help));
+    }
     for (known, id) in KINDS.iter().zip(0..).map(|(known, id)| (known, KindId(id))) {
         let of = |row: usize| data.rows[row].kind == id;
         let all = rows.iter().filter(|row| of(**row)).count();
@@ -178,8 +195,7 @@ pub fn none_is_lost(data: &Measurements, rows: &[usize], outliers: &[Outlier]) -
                     data.path.display(),
                     known.name()
                 ),
-                "so many are no gross errors: check the units and coordinates in instruments.toml \
-                 (inches are 25.4 mm), and the labels of the rows",
+                help,
             ));
         }
     }
@@ -244,7 +260,8 @@ mod tests {
             };
             let outliers: Vec<Outlier> = (0..lost).map(outlier).collect();
             let rows: Vec<usize> = (0..data.rows.len()).collect();
-            let said = none_is_lost(&data, &rows, &outliers);
+            let problem = Problem::new(&data, &robot, Scaling::Prior);
+            let said = none_is_lost(&problem, &rows, &outliers);
             assert_eq!(said.is_ok(), fine, "{lost} of {touches}: {said:?}");
         }
     }

@@ -2,8 +2,9 @@
 
 use super::problem::Problem;
 use crate::identify::problem::{Group, groups};
-use crate::model::Robot;
-use crate::observations::{KINDS, kind};
+use crate::identify::start::zeros;
+use crate::model::{Instrument, Robot, Row};
+use crate::observations::{KINDS, equations_of, kind};
 
 /// Noise is stated within a factor of two at best, and what an arm has beyond geometry is
 /// some of its sigmas more; a kind that is ten times noisier than stated measured something
@@ -38,7 +39,34 @@ pub fn of(robot: &Robot, problem: &Problem, scale: f64) -> Vec<String> {
     }
     warnings.extend(noisy(problem, scale));
     warnings.extend(of_two_stations(problem));
+    warnings.extend(of_few_rows(problem));
+    if let Some(zeros) = zeros::found(robot, data) {
+        let advice = "zero = \"free\" in its [[anchors]] of instruments.toml finds it with the arm";
+        warnings.extend(zeros.words.iter().map(|words| format!("{words}; {advice}")));
+    }
     warnings
+}
+
+/// Places that are found of so few rows that these say nothing of the arm: a label that was
+/// mistyped is such a place.
+fn of_few_rows(problem: &Problem) -> Vec<String> {
+    let data = problem.data;
+    let sentence = |(i, own): (usize, &Instrument)| {
+        let open = problem.unknowns.instrument(i).count();
+        let rows: Vec<&Row> = data.rows.iter().filter(|row| row.refers.contains(&i)).collect();
+        let equations: usize = rows.iter().map(|row| equations_of(row)).sum();
+        let first = rows.first().filter(|_| open > 0 && equations <= open)?;
+        let count = if rows.len() == 1 { "1 row".to_owned() } else { format!("{} rows", rows.len()) };
+        Some(format!(
+            "{}: {} \"{}\" has {count}, first in line {}, which do no more than find it: give more, \
+             state where it is, or check the label",
+            data.path.display(),
+            own.form.name(),
+            own.label,
+            first.line
+        ))
+    };
+    data.instruments.iter().enumerate().filter_map(sentence).collect()
 }
 
 /// Kinds that are far noisier than stated.

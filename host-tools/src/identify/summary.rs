@@ -1,6 +1,6 @@
 //! From findings to model and figures.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use rayon::prelude::*;
 use truearm::{MdhParameters, Pose};
 
@@ -8,14 +8,14 @@ use super::figures::{AllRows, Figures, FlaggedRow};
 use super::problem::link_corrections;
 use super::{
     Identification, LambdaRule, Problem, RowResult, Scaling, State, TOLERANCE_ANGLE,
-    noise_estimate, remarks, rigid_transform,
+    noise_estimate, remarks,
 };
 use crate::identify::certainty::covariance::{factor, instruments, of_arm};
 use crate::identify::certainty::error_bars::{Covariances, spread, uncertainty};
 use crate::identify::certainty::{redundancy, scale};
 use crate::identify::fit::estimate::Estimate;
 use crate::identify::fit::{l_curve, robust};
-use crate::identify::start::tool;
+use crate::identify::start::{frame_between, tool};
 use crate::model::arm::chain;
 use crate::model::{ErrorCurve, Measurements, Model, Provenance, Robot};
 use crate::observations::{Residual, kind};
@@ -215,6 +215,7 @@ fn provenance(figures: &Figures) -> Provenance {
         lambda_rule: figures.lambda_rule.to_owned(),
         nominal_rms_mm: figures.nominal.map_or(0.0, |s| s.rms_mm),
         cross_validated_rms_mm: figures.cross_validated.map_or(0.0, |s| s.rms_mm),
+        tool_point_mm: Some(figures.uncertainty.tool_point.rms_mm),
     }
 }
 
@@ -243,7 +244,8 @@ const TURNED: usize = 6;
 
 /// Whether the data say how the last frame is turned, up to how the marker sits
 /// on it: at every pose that they say something of, better than a tolerance.
-/// Points say nothing of it.
+/// Points say nothing of it. A turn of all poses together is left out: it is how the arm stands
+/// in the frame of the station, which nothing may tell, and commanded poses refer to the arm.
 fn orientation_identified(problem: &Problem, found: &Estimate, of: &Covariances) -> bool {
     let at = problem.linearise(&found.fit.state);
     let turning = |row: &&usize| kind(&problem.data.rows[**row]).turns();
@@ -251,8 +253,14 @@ fn orientation_identified(problem: &Problem, found: &Estimate, of: &Covariances)
     let mut poses: Vec<usize> = rows.iter().map(|row| problem.data.rows[**row].pose).collect();
     poses.sort_unstable();
     poses.dedup();
-    let sigma = |row: &&usize| of.of_predicted(&at.turn(**row))[1].amax();
-    poses.len() >= TURNED && rows.iter().map(sigma).all(|sigma| sigma < TOLERANCE_ANGLE)
+    if poses.len() < TURNED {
+        return false;
+    }
+    let mut common = DMatrix::zeros(3, problem.unknowns.list().len());
+    rows.iter().for_each(|row| common += at.turn(**row));
+    common /= rows.len() as f64;
+    let sigma = |row: &&usize| of.of_predicted(&(at.turn(**row) - &common))[1].amax();
+    rows.iter().map(sigma).all(|sigma| sigma < TOLERANCE_ANGLE)
 }
 
 /// The rigid transform that best carries identified tool points onto nominal
@@ -266,7 +274,5 @@ fn robot_frame(problem: &Problem, found: &Estimate) -> Pose<f64> {
         let rows = found.robust.kept.iter().map(|r| &problem.data.rows[*r]);
         rows.map(|r| chains[r.marker].pose(&r.q).translation).collect()
     };
-    let weights = vec![1.0; found.robust.kept.len()];
-    rigid_transform(&points(&state.links), &points(&problem.nominal), &weights)
-        .unwrap_or_else(Pose::identity)
+    frame_between(&points(&state.links), &points(&problem.nominal))
 }

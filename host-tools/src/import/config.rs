@@ -111,6 +111,12 @@ fn first() -> usize {
 const HELP: &str = "an import.toml is written by `truearm import FILE... --out measurements.csv`";
 
 impl Config {
+    /// The file whose rows are the rows: that says what was measured.
+    #[must_use]
+    pub(super) fn file_of_what_was_measured(&self) -> usize {
+        self.columns.get("x").or(self.columns.get("kind")).map_or(0, |pick| pick.file)
+    }
+
     /// Reads an import.toml.
     ///
     /// # Errors

@@ -135,7 +135,7 @@ fn keyed_rows(
                     tables[file].text(row, columns[file])
                 );
                 let help =
-                    "a key must be unique in all files but that of the points; mend the labels";
+                    "a key must be unique in all files but that of what was measured; mend the labels";
                 return Err(tables[file].fail(row, columns[file], message, help));
             }
         }

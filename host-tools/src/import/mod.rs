@@ -83,7 +83,7 @@ fn converted(
     options: &ImportOptions,
     mut warnings: Vec<String>,
 ) -> Result<Imported> {
-    let base = config.columns.get("x").map_or(0, |pick| pick.file);
+    let base = config.file_of_what_was_measured();
     // Said once: the guess joined the same rows.
     let mut said = Vec::new();
     let mut rows = join::rows(tables, &config.join, base, &mut said)?;

@@ -1,6 +1,7 @@
 //! Columns that measurements.csv has for what rows measure beyond points: a table of
 //! truearm's own keeps them as they are.
 
+use crate::headings::{Heading, Quantity, Unit};
 use crate::observations::columns_of_kinds;
 
 /// What every import makes, whatever it is called before.
@@ -28,6 +29,23 @@ pub(super) fn own(name: &str) -> Option<Own> {
         return Some(Own::Number);
     }
     (name == "kind" || labels.contains(&name)).then_some(Own::Label)
+}
+
+/// Such a column of numbers under another heading, and its unit: of `distance_m`, `Distance
+/// [in]` and `length (mm)` it is `distance_mm`.
+pub(super) fn meant(heading: &Heading) -> Option<(&'static str, Unit)> {
+    const LENGTHS: [&str; 4] = ["length", "range", "abstand", "länge"];
+    let unit = heading.unit?;
+    let words = heading.words.join("_");
+    let base = if LENGTHS.contains(&words.as_str()) { "distance" } else { &words };
+    let (numbers, _) = columns_of_kinds();
+    let own = numbers.into_iter().filter(|name| !OF_POINTS.contains(name));
+    let same = |name: &&str| match name.rsplit_once('_') {
+        Some((stem, "mm")) => stem == base && unit.quantity() == Quantity::Length,
+        Some((stem, "deg")) => stem == base && unit.quantity() == Quantity::Angle,
+        _ => false,
+    };
+    own.into_iter().find(same).map(|name| (name, unit))
 }
 
 /// Whether a row of this kind has a point.

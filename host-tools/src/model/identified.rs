@@ -78,6 +78,10 @@ pub struct Provenance {
     pub nominal_rms_mm: f64,
     /// Cross-validated RMS error, mm.
     pub cross_validated_rms_mm: f64,
+    /// How well the predicted tool point is known, half width of its 95 % interval, RMS over
+    /// the poses, mm; where that was asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tool_point_mm: Option<f64>,
 }
 
 impl Model {

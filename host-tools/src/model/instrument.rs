@@ -25,17 +25,20 @@ pub enum Form {
     Up,
     /// The ball at the end of a marker; its radius.
     Probe,
+    /// What an instrument that measures lengths to the anchor of its label adds to each.
+    Zero,
 }
 
 /// Names of the six freedoms of a place, about and along its own axes.
 const FREEDOMS: [&str; 6] = ["rx", "ry", "rz", "x", "y", "z"];
 const RADIUS: &[&str] = &["radius"];
+const ZERO: &[&str] = &["offset"];
 /// Focal lengths and centre in thousands of pixels, Brown's distortion.
 const CAMERA: &[&str] = &["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];
 
 impl Form {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Turn,
         Self::Anchor,
         Self::Plane,
@@ -45,6 +48,7 @@ impl Form {
         Self::Camera,
         Self::Up,
         Self::Probe,
+        Self::Zero,
     ];
 
     /// As in files and reports.
@@ -60,6 +64,7 @@ impl Form {
             Self::Camera => "camera",
             Self::Up => "up",
             Self::Probe => "probe",
+            Self::Zero => "zero of anchor",
         }
     }
 
@@ -75,7 +80,7 @@ impl Form {
             Self::Cylinder => [l, l, o, l, l, o],
             Self::Plate | Self::Camera => [l; 6],
             Self::Up => [l, l, o, o, o, o],
-            Self::Probe => [o; 6],
+            Self::Probe | Self::Zero => [o; 6],
         }
     }
 
@@ -85,6 +90,7 @@ impl Form {
         match self {
             Self::Sphere | Self::Cylinder | Self::Probe => RADIUS,
             Self::Camera => CAMERA,
+            Self::Zero => ZERO,
             _ => &[],
         }
     }
@@ -92,7 +98,7 @@ impl Form {
     /// Whether a number is a length, m.
     #[must_use]
     pub fn has_lengths(self) -> bool {
-        self.numbers() == RADIUS
+        [RADIUS, ZERO].contains(&self.numbers())
     }
 }
 

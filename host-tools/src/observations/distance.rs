@@ -1,5 +1,6 @@
 //! The distance of the target from a point that does not move: a ballbar, a draw
-//! wire, an interferometer. The point is an unknown unless it is stated.
+//! wire, an interferometer. The point is an unknown unless it is stated. What the
+//! instrument adds to every length is nothing unless it is stated, known or unknown.
 
 use nalgebra::{DMatrix, Vector3};
 
@@ -12,7 +13,7 @@ pub(super) const COLUMNS: [Column; 1] = [Column {
     name: "distance_mm",
     within: [0.0, 1e3],
     missing: "a distance needs distance_mm",
-    wrong: "give it in mm; no distance is below zero",
+    wrong: "give it in mm, 0 to a million",
 }];
 
 /// Of the column `anchor`; without a label there is one.
@@ -32,8 +33,10 @@ impl Kind for Distance {
     }
 
     fn bind(&self, told: &Told, book: &mut dyn Registry) -> Result<Bound, Unclear> {
-        let anchor = book.instrument(&[Form::Anchor], (told.text)("anchor"));
-        Ok(Bound { refers: vec![anchor], known: Vec::new() })
+        let label = (told.text)("anchor");
+        let mut refers = vec![book.instrument(&[Form::Anchor], label)];
+        refers.extend(book.known(Form::Zero, label));
+        Ok(Bound { refers, known: Vec::new() })
     }
 
     fn components(&self) -> &'static [&'static str] {
@@ -52,13 +55,25 @@ impl Kind for Distance {
         Some(row.measured[0])
     }
 
+    fn has_zero(&self) -> bool {
+        true
+    }
+
     fn partials(&self, index: usize, seen: &dyn Seen) -> Partials {
         let row = seen.row(index);
         let instrument = (row.refers[0], seen.instrument(row.refers[0]));
         let at = InFrame { row: index, target: seen.point(index), instrument };
         let local = at.local();
-        let residual = Values::repeat(1, row.measured[0] - local.norm());
-        at.partials(residual, &along(&local), &[])
+        let zero = row.refers.get(1).map(|zero| (*zero, seen.instrument(*zero).numbers[0]));
+        let added = zero.map_or(0.0, |(_, added)| added);
+        let residual = Values::repeat(1, row.measured[0] - local.norm() - added);
+        let mut out = at.partials(residual, &along(&local), &[]);
+        if let Some((zero, _)) = zero {
+            let mut own = DMatrix::zeros(1, 7);
+            own[(0, 6)] = 1.0;
+            out.instruments.push((zero, own));
+        }
+        out
     }
 }
 

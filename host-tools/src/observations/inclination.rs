@@ -11,7 +11,8 @@ use crate::model::{Form, Row, Values};
 pub struct Inclination;
 
 const AT: &str = "an inclination needs incl_x_deg and incl_y_deg";
-const FAR: &str = "give it in degrees";
+const FAR: &str = "give in degrees how far the axis leans from the level, -90 to 90: the arc sine of what \
+                   of gravity lies along it";
 
 impl Kind for Inclination {
     fn name(&self) -> &'static str {
@@ -40,7 +41,7 @@ impl Kind for Inclination {
     }
 
     fn check(&self) -> &'static str {
-        "that incl_x_deg and incl_y_deg are degrees, not swapped, and positive upwards, \
+        "that incl_x_deg and incl_y_deg are degrees, both positive upwards, \
          and how the inclinometer sits ([[markers]])"
     }
 

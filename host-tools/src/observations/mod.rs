@@ -155,6 +155,11 @@ pub trait Kind: Sync {
         None
     }
 
+    /// Whether what measures it may add to every value, by anchor.
+    fn has_zero(&self) -> bool {
+        false
+    }
+
     /// The label of what a row measures with, of that of its marker: another where it is
     /// no target.
     fn target<'a>(&self, marker: &'a str) -> Cow<'a, str> {

@@ -69,7 +69,7 @@ pub struct PosePlan {
     /// What the standard deviations are of, in words: the tool point, or the place of what
     /// measures where the kind says nothing of a tool.
     pub what: &'static str,
-    /// Parameters that the kind can determine, those of instruments included.
+    /// Parameters that these measurements determine, those of instruments included.
     pub parameters: usize,
     /// Of the scaled Jacobian of the poses.
     pub observability: Observability,
@@ -136,17 +136,16 @@ pub fn plan(
     let determined = Determined { worst: told.0, rms: told.1, random_worst: random_told };
     let is_open = open > COUNTS * all.0;
     let measurements: Vec<Candidate> = chosen.iter().map(|k| candidates[*k].clone()).collect();
-    let undetermined = match is_open {
-        true => undetermined::words(robot, options, &measurements)?,
-        false => Vec::new(),
-    };
+    let undetermined = undetermined::words(robot, options, &measurements, is_open)?;
+    let (observability, parameters) =
+        Observability::of(&design.jacobian(&chosen), chosen.len());
     let bound = robot.sigma * (design.parameters() as f64 / chosen.len() as f64).sqrt();
     Ok(PosePlan {
         poses: kinds::poses(&measurements),
         kind: name(options.kind),
         what: motions.what,
-        parameters: design.parameters(),
-        observability: Observability::of(&design.jacobian(&chosen), chosen.len()),
+        parameters,
+        observability,
         worst: all.0,
         rms: all.1,
         // Where tolerances hold the tool better than measurements could, it is none.

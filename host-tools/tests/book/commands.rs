@@ -67,7 +67,8 @@ fn shell(folder: &TempDir, script: &str) -> Result<String, String> {
 /// and points apart, other measurements, what was flashed before, a path.
 fn stage() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["tests", "memory.x"] {
+    std::fs::create_dir(folder.path().join("host-tools")).unwrap();
+    for name in ["tests", "memory.x", "host-tools/examples"] {
         std::os::unix::fs::symlink(root().join(name), folder.path().join(name)).unwrap();
     }
     shell(&folder, USERS).unwrap_or_else(|said| panic!("{said}"));
@@ -117,6 +118,17 @@ fn commands_run_and_print_what_stands_below_them() {
             .collect();
         assert!(started.len() >= 4, "{} pages have commands", started.len());
     });
+}
+
+/// One for every kind, which runs the kind's example.
+#[test]
+fn every_kind_of_measurement_has_a_page() {
+    for kind in truearm_host::observations::KINDS {
+        let page = root().join(format!("docs/instruments/{}.md", kind.name()));
+        let text = fs::read_to_string(&page).unwrap_or_default();
+        assert!(text.starts_with("# ") && text.contains(&format!("(`{}`)", kind.name())));
+        assert!(blocks(&text).iter().any(|(info, _)| *info == "sh"), "{}", page.display());
+    }
 }
 
 /// So do those of the README, whose picture is one that they make, and whose report the

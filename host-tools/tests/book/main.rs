@@ -21,7 +21,7 @@ fn root() -> PathBuf {
 /// Path and text of every page, with the pages that it includes.
 fn pages() -> Vec<(PathBuf, String)> {
     let docs = root().join("docs");
-    let folders = [docs.clone(), docs.join("verbs")];
+    let folders = [docs.clone(), docs.join("instruments"), docs.join("verbs")];
     let entries = folders.iter().flat_map(|folder| fs::read_dir(folder).unwrap());
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.retain(|path| path.extension().is_some_and(|end| end == "md"));

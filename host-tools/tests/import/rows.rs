@@ -85,6 +85,54 @@ fn kinds_without_points() {
     assert!(message.contains("no measured point found"), "{message}");
 }
 
+/// Lengths that are no coordinates, in the unit that their heading says.
+#[test]
+fn lengths_in_other_units() {
+    for (heading, value) in [
+        ("distance_m", "2.0029465"),
+        ("distance [in]", "78.85616141732284"),
+        ("Length (mm)", "2002.9465"),
+        ("Abstand [cm]", "200.29465"),
+    ] {
+        let mut table = format!("J1,J2,J3,J4,J5,J6,kind,{heading},anchor\n");
+        for row in rows() {
+            let joints: Vec<String> = row[..6].iter().map(f64::to_string).collect();
+            table += &format!("{},distance,{value},A\n", joints.join(","));
+        }
+        let files = vec![("m.csv", table.into())];
+        let found = imported(&files, Some(&robot()), &ImportOptions::default());
+        assert!(found.left_out.is_empty(), "{heading}: {:?}", found.left_out);
+        let at = found.csv.lines().next().unwrap().split(',').position(|n| n == "distance_mm");
+        let cell = found.csv.lines().nth(1).unwrap().split(',').nth(at.unwrap()).unwrap();
+        assert!((cell.parse::<f64>().unwrap() - 2002.9465).abs() < 1e-6, "{heading}: {cell}");
+        let (_folder, paths) = written(&files);
+        let config = (Path::new("import.toml"), found.config.as_str());
+        let again = import(&paths, Some(&robot()), Some(config), &ImportOptions::default());
+        assert_eq!(again.unwrap().csv, found.csv, "{heading}");
+    }
+}
+
+/// Joints in one file, corners of the images taken there in another.
+#[test]
+fn joints_beside_corners() {
+    let (mut joints, mut corners) =
+        ("Image,J1,J2,J3,J4,J5,J6\n".to_owned(), "image,kind,camera,plate,hole,u_px,v_px\n".to_owned());
+    for (i, row) in rows().iter().enumerate() {
+        let own: Vec<String> = row[..6].iter().map(f64::to_string).collect();
+        joints += &format!("im{i},{}\n", own.join(","));
+        for k in 0..3 {
+            corners += &format!("im{i},pixel,cam,board,C{k},{}.5,{}.25\n", 100 + 10 * k, 200 + i);
+        }
+    }
+    let files = vec![("q.csv", joints.into()), ("corners.csv", corners.into())];
+    let found = imported(&files, Some(&robot()), &ImportOptions::default());
+    assert_eq!((found.rows, found.poses), (54, 18), "{}", found.csv);
+    let header: Vec<&str> = found.csv.lines().next().unwrap().split(',').collect();
+    for column in ["q1_deg", "q6_deg", "kind", "image", "camera", "plate", "hole", "u_px", "v_px"] {
+        assert!(header.contains(&column), "{header:?}");
+    }
+}
+
 /// Standard deviations of points are kept in any table.
 #[test]
 fn sigma_without_kinds() {

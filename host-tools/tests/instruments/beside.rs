@@ -274,12 +274,13 @@ fn the_kind_to_blame_is_named() {
     };
     let id = |name: &str| truearm_host::observations::by_name(name).unwrap().0;
     let radians = |v: &mut [f64]| v.iter_mut().for_each(|v| *v = v.to_radians());
-    let swapped = |v: &mut [f64]| v.swap(0, 1);
+    // In counts of a tenth of a degree, or of another instrument.
+    let tenths = |v: &mut [f64]| v.iter_mut().for_each(|v| *v *= 0.1);
     let metres = |v: &mut [f64]| v[0] /= 1e3;
     type Change<'a> = &'a dyn Fn(&mut [f64]);
     let cases: [(&str, Change, &str); 3] = [
         ("inclination", &radians, "degrees"),
-        ("inclination", &swapped, "swapped"),
+        ("inclination", &tenths, "degrees"),
         ("distance", &metres, "unit of distance_mm"),
     ];
     for (kind, change, help) in cases {

@@ -2,5 +2,7 @@
 
 mod beside;
 mod each;
+mod examples;
 #[path = "../judged/mod.rs"]
 mod judged;
+mod places;

@@ -13,9 +13,9 @@ use crate::model::{KindId, Values};
 use crate::observations::kind;
 
 /// Sentences for what is significant, a joint that slipped first, then strongest
-/// first. `lambda` is that of the fit.
+/// first, and the p value of the least probable chance. `lambda` is that of the fit.
 #[must_use]
-pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
+pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> (Vec<String>, f64) {
     let at = problem.linearise(&root.fit.fit.state);
     // Where many rows are flagged, the flags are what is to be placed.
     let all: Vec<usize> = (0..problem.data.rows.len()).collect();
@@ -64,27 +64,29 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
         Some(place.iter().copied().collect())
     });
     let slips = if crowded { contradiction(problem, root) } else { step(problem, root, lambda) };
-    slips.into_iter().chain(significant(&residuals, tests)).collect()
+    let found = significant(&residuals, tests);
+    let least = found.iter().map(|(p, _)| *p).fold(1.0, f64::min);
+    (slips.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect(), least)
 }
 
-/// What residuals go with beyond chance, the most first.
+/// What residuals go with beyond chance, the most first, and the chance.
 fn significant(
     residuals: &[(KindId, Values)],
     tests: Vec<(String, Vec<Vec<f64>>)>,
-) -> impl Iterator<Item = String> {
+) -> Vec<(f64, String)> {
     let count = tests.len() as f64;
-    let mut found: Vec<(f64, String)> = Vec::new();
+    let mut found: Vec<(f64, f64, String)> = Vec::new();
     for (name, functions) in tests {
         let Some((share, p)) = dependence(residuals, &functions) else { continue };
         if p * count < POLICY.significant {
             let (percent, chance) = (share * 100.0, chance(p * count));
             let sentence =
                 format!("{percent:.0} % of the residual variance goes with {name} ({chance})");
-            found.push((share, sentence));
+            found.push((share, p * count, sentence));
         }
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().map(|(_, sentence)| sentence)
+    found.into_iter().map(|(_, p, sentence)| (p, sentence)).collect()
 }
 
 /// Places nearer to each other than this are one, m: more than residuals are, and less

@@ -30,11 +30,15 @@ pub(super) struct InstrumentsFile {
 #[derive(Deserialize)]
 pub(super) struct AnchorFile {
     pub label: String,
-    pub xyz_mm: Triple,
+    pub xyz_mm: Option<Triple>,
     #[serde(default)]
     pub guess: bool,
     /// Shortest and longest length that is measured from it.
     pub reach_mm: Option<Spanned<[f64; 2]>>,
+    /// What the instrument adds to every length.
+    pub zero_mm: Option<Spanned<f64>>,
+    /// Whether that is "known" or "free".
+    pub zero: Option<Spanned<String>>,
 }
 
 #[derive(Deserialize)]

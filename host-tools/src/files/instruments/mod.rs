@@ -99,8 +99,28 @@ impl Gathered {
                 instrument.place = Pose { translation: Vector3::zeros(), ..tool };
             }
         }
+        for (stated, _) in self.list.iter().zip(&places).filter(|(_, used)| used.is_none()) {
+            let like = |other: &&Instrument| {
+                !other.stated && plain(&other.label) == plain(&stated.label)
+            };
+            if let Some(used) = data.instruments.iter().find(like) {
+                data.warnings.push(format!(
+                    "instruments.toml states {} \"{}\", which no row refers to, and nothing of {} \
+                     \"{}\", which rows do: if they are one, write both labels alike",
+                    stated.form.name(),
+                    stated.label,
+                    used.form.name(),
+                    used.label
+                ));
+            }
+        }
         data.warnings.extend(self.warnings);
     }
+}
+
+/// What a label is without regard to case and separators.
+fn plain(label: &str) -> String {
+    label.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 impl Registry for Gathered {

@@ -1,13 +1,13 @@
 //! The covariance that a blob carries: of base, tool point, links and terms in
 //! the commanded frame, tracker and other reflectors marginalised away.
 
-use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix3, Matrix6, Matrix6xX, Vector3, Vector6};
 use truearm::Pose;
 use truearm::blob::uncertain_parameters;
 
 use crate::identify::problem::accumulate::{CHUNK, tree};
 use crate::identify::problem::{Problem, State};
-use crate::identify::start::tool;
+use crate::identify::start::{on_a_line, tool};
 use crate::model::arm::{Kinematics, RowInputs, chain};
 use crate::model::{Instrument, ModelTerm};
 
@@ -117,11 +117,20 @@ impl FrameSums {
 
     /// Change of the base, translation then rotation, with every unknown.
     fn base(&self) -> Matrix6xX<f64> {
-        match self.normal.cholesky() {
+        match self.normal.cholesky().filter(|_| !self.on_a_line()) {
             Some(normal) => normal.solve(&self.pull),
-            // Points on a line: the frame is then the nominal one, and exact.
+            // The frame is then the nominal one, and exact.
             None => &self.pull * 0.0,
         }
+    }
+
+    /// Whether the points lie on a line: by the moments of inertia about their middle, which
+    /// the rotations of the normal matrix are once translations have followed.
+    fn on_a_line(&self) -> bool {
+        let block = |i, j| self.normal.fixed_view::<3, 3>(i, j).into_owned();
+        let inertia = block(3, 3) - block(3, 0) * block(0, 3) / self.normal[(0, 0)];
+        let moments = Matrix3::identity() * (0.5 * inertia.trace()) - inertia;
+        on_a_line(&moments, 0.5 * block(3, 3).trace())
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::folds;
 use super::lambda::{LambdaChoice, LambdaRule, chosen, lambda_by};
-use super::robust::{Flags, RobustFit, robust_fit};
+use super::robust::{Flags, RobustFit, robust_fit, robust_fit_near};
 use super::{Fit, Freedom, fit_again};
 use crate::error::Result;
 use crate::identify::problem::{Problem, Scaling, State};
@@ -39,6 +39,11 @@ pub fn estimate(
     let prior = Problem { scaling: Scaling::Prior, ..problem.clone() };
     let robust = robust_fit(&prior, rows, start, Flags::default())?;
     let mut found = decided(problem, rule, robust)?;
+    if got_on(problem, &found) {
+        // The flags and the scale are those of a place that has been left.
+        let robust = robust_fit_near(&prior, rows, &found.fit.state, Flags::default())?;
+        found = decided(problem, rule, robust)?;
+    }
     if report {
         let kept = &found.robust.kept;
         let folds = folds::random(problem.data, kept, folds::SEED + 1);
@@ -46,6 +51,21 @@ pub fn estimate(
         (found.choice, found.solved) = (Some(choice), Some(solved));
     }
     Ok(found)
+}
+
+/// Whether the fit with another lambda went on from where the search for gross errors had
+/// stayed, to a small part of what that left.
+fn got_on(problem: &Problem, found: &Estimate) -> bool {
+    /// Residuals over the stated noise that are worth a look.
+    const FAR: f64 = 2.0;
+    /// The part of a sum of squares that a change of lambda does not come to.
+    const PART: f64 = 0.25;
+    let robust = &found.robust;
+    let left = |state: &State| -> f64 {
+        let at = problem.linearise(state);
+        robust.kept.iter().map(|row| at.scaled_residual(*row).norm_squared()).sum()
+    };
+    robust.scale > FAR && left(&found.fit.state) < PART * left(&robust.fit.state)
 }
 
 /// Lambda and the fit with it, of rows that are kept.

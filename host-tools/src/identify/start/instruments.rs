@@ -13,7 +13,10 @@ use crate::observations::pixel::project;
 /// A state with a first guess of every instrument that nothing is stated of.
 #[must_use]
 pub fn instruments(data: &Measurements, mut state: State) -> State {
-    for index in 0..state.instruments.len() {
+    // What is mounted on the arm first: where it looks, planes are, and where up is.
+    let mut order: Vec<usize> = (0..state.instruments.len()).collect();
+    order.sort_by_key(|index| state.instruments[*index].form != Form::Turn);
+    for index in order {
         if state.instruments[index].stated {
             continue;
         }
@@ -36,6 +39,8 @@ struct Sight<'a> {
     axes: Option<Matrix3<f64>>,
     /// The camera that sees it.
     camera: Option<&'a Instrument>,
+    /// Which way is up, where that is stated.
+    up: Option<Vector3<f64>>,
 }
 
 impl Sight<'_> {
@@ -70,14 +75,17 @@ fn sights<'a>(data: &'a Measurements, state: &'a State, index: usize) -> Vec<Sig
         let flange = at.translation - at.rotation * state.markers[row.marker];
         let mut seen = row.refers.iter().map(|i| &state.instruments[*i]);
         let camera = seen.find(|i| i.form == Form::Camera);
-        Sight { row, at, flange, axes, camera }
+        let stated = row.refers.iter().map(|i| &state.instruments[*i]);
+        let up = stated.filter(|i| i.form == Form::Up && i.stated);
+        let up = up.map(|up| up.place.rotation.column(2).into_owned()).next();
+        Sight { row, at, flange, axes, camera, up }
     };
     data.rows.iter().filter(|row| row.refers.contains(&index)).map(of).collect()
 }
 
 fn guess(instrument: &Instrument, sights: &[Sight]) -> Option<Instrument> {
     match instrument.form {
-        Form::Turn => turn(sights).map(|place| Instrument { place, ..instrument.clone() }),
+        Form::Turn => turn(sights).or_else(|| level(sights)).map(|place| Instrument { place, ..instrument.clone() }),
         Form::Anchor => anchor(sights).map(|point| at(instrument, point, Matrix3::identity())),
         Form::Plane => plane(sights).map(|(point, turn)| at(instrument, point, turn)),
         Form::Sphere => {
@@ -98,7 +106,7 @@ fn guess(instrument: &Instrument, sights: &[Sight]) -> Option<Instrument> {
             Some(Instrument { place, ..instrument.clone() })
         }
         Form::Up => up(sights).map(|turn| at(instrument, Vector3::zeros(), turn)),
-        Form::Camera | Form::Probe => None,
+        Form::Camera | Form::Probe | Form::Zero => None,
     }
 }
 
@@ -110,12 +118,52 @@ fn at(instrument: &Instrument, translation: Vector3<f64>, rotation: Matrix3<f64>
 fn turn(sights: &[Sight]) -> Option<Pose<f64>> {
     let measured = sights.iter().filter_map(|s| Some((s, kind(s.row).turn(s.row)?)));
     let sum: Matrix3<f64> = measured.map(|(s, turn)| s.at.rotation.transpose() * turn).sum();
-    let svd = sum.svd(true, true);
+    let rotation = nearest_rotation(&sum)?;
+    Some(Pose { rotation, translation: Vector3::zeros() })
+}
+
+fn nearest_rotation(of: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let svd = of.svd(true, true);
     let (u, v_t) = (svd.u?, svd.v_t?);
     let mut sign = Matrix3::identity();
     sign[(2, 2)] = (u * v_t).determinant().signum();
-    let found = sum.norm() > 0.0;
-    found.then(|| Pose { rotation: u * sign * v_t, translation: Vector3::zeros() })
+    (of.norm() > 0.0).then(|| u * sign * v_t)
+}
+
+/// How a level sits on the last frame, whatever its turn: the sine of what its axis s leans
+/// by is `s' R' u`, linear in the products of s and up, u. Both reversed read the same; up
+/// is then where the station's z points.
+fn level(sights: &[Sight]) -> Option<Pose<f64>> {
+    /// A direction that leans this much less than the best seen is not seen.
+    const SEEN: f64 = 1e-3;
+    let leaning: Vec<_> =
+        sights.iter().filter_map(|s| Some((s, kind(s.row).lean(s.row)?))).collect();
+    let sines = DMatrix::from_fn(leaning.len(), 2, |k, c| leaning[k].1[c].sin());
+    let solved = |a: DMatrix<f64>| {
+        let svd = a.svd(true, true);
+        let seen = svd.rank(SEEN * svd.singular_values.max()) == svd.v_t.as_ref()?.nrows();
+        seen.then(|| svd.solve(&sines, 0.0).ok()).flatten()
+    };
+    let stated = leaning.first()?.0.up;
+    let axes: [Vector3<f64>; 2] = match stated {
+        Some(up) => {
+            let seen = |k: usize| leaning[k].0.at.rotation.tr_mul(&up);
+            let found = solved(DMatrix::from_fn(leaning.len(), 3, |k, c| seen(k)[c]))?;
+            [0, 1].map(|c| found.fixed_view::<3, 1>(0, c).into_owned())
+        }
+        None => {
+            let turn = |k: usize| leaning[k].0.at.rotation;
+            let found = solved(DMatrix::from_fn(leaning.len(), 9, |k, c| turn(k)[(c / 3, c % 3)]))?;
+            let products = DMatrix::from_fn(3, 6, |i, j| found[(3 * i + j % 3, j / 3)]);
+            let svd = products.svd(true, true);
+            let (first, v_t) = (svd.singular_values.imax(), svd.v_t?);
+            let up = svd.u?.column(first)[2].signum();
+            [0, 3].map(|c| v_t.fixed_view::<1, 3>(first, c).transpose() * up)
+        }
+    };
+    let [x, y] = axes;
+    let rotation = nearest_rotation(&Matrix3::from_columns(&[x, y, x.cross(&y)]))?;
+    Some(Pose { rotation, translation: Vector3::zeros() })
 }
 
 /// Where up is by how far axes lean from the level: a sine is linear in it.

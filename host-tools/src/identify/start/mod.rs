@@ -4,5 +4,6 @@ mod instruments;
 pub mod registration;
 mod rigid;
 pub mod tool;
+pub mod zeros;
 
-pub use rigid::{Pairs, rigid_transform};
+pub use rigid::{Pairs, frame_between, on_a_line, rigid_transform};

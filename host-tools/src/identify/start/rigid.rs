@@ -24,6 +24,33 @@ pub fn rigid_transform(
     turned(&h, [centre_from, centre_to])
 }
 
+/// Points that lie this near to a line, root mean square over their distance from the base,
+/// say nothing to be relied on of a turn about it: one seat that was met in many postures, a
+/// row of holes. What differs between the arms there would be twenty times as much elsewhere.
+const NEAR_A_LINE: f64 = 0.05;
+
+/// The frame that carries an arm's points onto the nominal arm's; none where they lie on a
+/// line or nearly so, and the nominal frame is as good as any.
+#[must_use]
+pub fn frame_between(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Pose<f64> {
+    let mut pairs = Pairs::default();
+    from.iter().zip(to).for_each(|(from, to)| pairs.add(*from, *to));
+    let found = if pairs.on_a_line() {
+        None
+    } else {
+        rigid_transform(from, to, &vec![1.0; from.len()])
+    };
+    found.unwrap_or_else(Pose::identity)
+}
+
+/// The same question of the moments of points about their middle, and of the sum of squares
+/// of their distances from the base.
+#[must_use]
+pub fn on_a_line(moments: &Matrix3<f64>, far: f64) -> bool {
+    let s = moments.singular_values();
+    s.sum() - s.max() < far * NEAR_A_LINE * NEAR_A_LINE
+}
+
 /// The same of centres and of the sum of `to from'` about them.
 fn turned(h: &Matrix3<f64>, [from, to]: [Vector3<f64>; 2]) -> Option<Pose<f64>> {
     let svd = h.svd(true, true);
@@ -70,10 +97,21 @@ impl Pairs {
         }
     }
 
-    /// As [`rigid_transform`], all of one weight.
+    /// As [`frame_between`].
     #[must_use]
-    pub fn rigid(&self) -> Option<Pose<f64>> {
+    pub fn frame(&self) -> Pose<f64> {
         let [from, to] = self.sums.map(|sum| sum / self.count);
-        turned(&(self.product - to * from.transpose() * self.count), [from, to])
+        let found = if self.on_a_line() { None } else { turned(&self.about(), [from, to]) };
+        found.unwrap_or_else(Pose::identity)
+    }
+
+    fn on_a_line(&self) -> bool {
+        on_a_line(&self.about(), self.product.trace())
+    }
+
+    /// Sum of `to from'` about the centres.
+    fn about(&self) -> Matrix3<f64> {
+        let [from, to] = self.sums.map(|sum| sum / self.count);
+        self.product - to * from.transpose() * self.count
     }
 }

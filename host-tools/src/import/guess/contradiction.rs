@@ -34,7 +34,7 @@ pub(super) fn contradictions(
 /// Files that do not fit together as it says.
 pub(in crate::import) fn contradicted(clues: &Clues, config: &Config) -> Result<Vec<String>> {
     let point: Vec<&Pick> = ["x", "y", "z"].iter().filter_map(|a| config.columns.get(*a)).collect();
-    let base = point.first().map_or(0, |pick| pick.file);
+    let base = config.file_of_what_was_measured();
     let rows = join::rows(clues.tables, &config.join, base, &mut Vec::new())?;
     let places = |picks: &[&Pick]| -> Vec<Place> {
         let place =

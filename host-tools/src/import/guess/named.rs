@@ -125,12 +125,15 @@ fn point_groups(clues: &Clues) -> Vec<Group> {
     groups(clues, axis).into_iter().filter(|g| g.columns.len() == 3).collect()
 }
 
-/// Whether the rows of every file say that they measured something else than points.
+/// Whether the rows of all files that say what they measured say that it is something else
+/// than points, and some do: another may have the joints.
 fn without_points(clues: &Clues) -> bool {
-    clues.tables.iter().all(|table| {
-        let kind = table.headings.iter().position(|heading| heading.text == "kind");
-        kind.is_some_and(|k| (0..table.rows.len()).all(|row| !has_point(table.text(row, k))))
-    })
+    let kind = |table: &Table| table.headings.iter().position(|heading| heading.text == "kind");
+    let pointless = |(table, k): (&Table, usize)| {
+        (0..table.rows.len()).all(|row| !has_point(table.text(row, k)))
+    };
+    let mut told = clues.tables.iter().filter_map(|table| Some((table, kind(table)?))).peekable();
+    told.peek().is_some() && told.all(pointless)
 }
 
 /// What stands under a heading of such a role and is no number.
@@ -269,9 +272,13 @@ pub(super) fn joints_and_point(
                 }
                 _ => String::new(),
             };
+            let other = match joints.is_some() {
+                true => "; rows that measured something else have a column kind that says what",
+                false => "",
+            };
             Err(Error::usage(
                 format!("no {what} found among {}{more}", lists.join("; ")),
-                format!("name them: {flag}"),
+                format!("name them: {flag}{other}"),
             ))
         }
     }

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::headings::{Named, Quantity, Role, Unit};
 use crate::import::clock::{dated, is_of_day, seconds};
 use crate::import::config::Pick;
-use crate::import::native::{Own, own};
+use crate::import::native::{Own, meant, own};
 use crate::import::table::Table;
 
 /// Adds what names and numbers tell; what is not clear is left out, and so
@@ -121,6 +121,10 @@ fn ours(clues: &Clues, columns: &mut BTreeMap<String, Pick>) {
     for (file, table) in clues.tables.iter().enumerate() {
         let kinds = table.headings.iter().any(|heading| heading.text == "kind");
         for (column, heading) in table.headings.iter().enumerate() {
+            if kinds && table.numeric(column) && own(&heading.text).is_none() {
+                measured(clues, columns, &Place { file, column, because: String::new() });
+                continue;
+            }
             let to = &heading.text;
             let of_any = ["torque", "force", "sigma_"].iter().any(|begin| to.starts_with(begin))
                 && own(to) == Some(Own::Number)
@@ -134,6 +138,17 @@ fn ours(clues: &Clues, columns: &mut BTreeMap<String, Pick>) {
             let place = Place { file, column, because: because.clone() };
             columns.insert(to.clone(), clues.pick(&place, Unit::Plain, because));
         }
+    }
+}
+
+/// What rows measure beyond points under another heading, in the unit that this says.
+fn measured(clues: &Clues, columns: &mut BTreeMap<String, Pick>, place: &Place) {
+    let heading = &clues.tables[place.file].headings[place.column];
+    let taken = |p: &Pick| (p.file, p.column) == (place.file, place.column);
+    let Some((to, unit)) = meant(heading).filter(|_| !columns.values().any(taken)) else { return };
+    if !columns.contains_key(to) {
+        let because = format!("the heading \"{}\" says {}", heading.text, unit.word());
+        columns.insert(to.to_owned(), clues.pick(place, unit, because));
     }
 }
 

@@ -1,0 +1,158 @@
+//! Where a fit begins, and what it says where it begins badly: levels mounted anyhow, cameras
+//! of a poor guess, seats in one place, lengths with something added to them, labels mistyped.
+
+use std::path::Path;
+
+use crate::judged::{cell, read, robot};
+use nalgebra::{Rotation3, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use truearm_host::diagnose::{DiagnoseOptions, Verdict, diagnose};
+use truearm_host::identify::{Identification, Options, identify};
+use truearm_host::model::{Form, Measurements, Robot};
+use truearm_simulate::instruments::Cell;
+
+fn found(robot: &Robot, data: &Measurements) -> Identification {
+    identify(robot, data, &Options::default(), &|_, _| ()).unwrap()
+}
+
+fn stated(robot: &Robot, text: &str, book: &str) -> Measurements {
+    Measurements::parse_with(Path::new("m.csv"), text, robot, book).unwrap()
+}
+
+/// However a level is mounted, and nobody says so, beside other kinds and with up known.
+#[test]
+fn a_level_is_mounted_anyhow() {
+    let robot = robot();
+    let turns = [[0.0, 0.0, 0.8], [0.0, 0.0, 1.6], [0.0, 0.0, -1.6], [3.1, 0.0, 0.2], [1.2, -1.9, 0.7]];
+    for (seed, turn) in turns.into_iter().enumerate() {
+        let mut rng = ChaCha8Rng::seed_from_u64(700 + seed as u64);
+        let turn = Rotation3::from_scaled_axis(Vector3::from(turn));
+        let cell = Cell { turn, ..cell(&robot, &mut rng) };
+        let up = cell.up;
+        for (beside, book) in [
+            (&[("distance", 90)][..], String::new()),
+            (&[("distance", 60), ("plate", 30)], cell.stated(false)),
+            (&[("closure", 60), ("distance", 20)], format!("up = [{}, {}, {}]", up.x, up.y, up.z)),
+        ] {
+            let kinds = [&[("inclination", 40)][..], beside].concat();
+            let data = stated(&robot, &cell.file(&kinds, &mut rng), &book);
+            let found = found(&robot, &data);
+            for kind in &found.figures.kinds {
+                let scale = kind.noise_scale;
+                assert!((0.6..1.6).contains(&scale), "{turn} {kinds:?}: {} {scale}", kind.kind);
+            }
+            assert!(found.model.orientation_identified, "{turn} {kinds:?}");
+        }
+    }
+}
+
+/// A camera whose guess is turned about where it looks: the same fit, and the same error bars.
+#[test]
+fn error_bars_do_not_hang_on_the_guess_of_a_camera() {
+    let robot = robot();
+    let mut rng = ChaCha8Rng::seed_from_u64(720);
+    let cell = cell(&robot, &mut rng);
+    let text = cell.file(&[("pixel", 16)], &mut rng);
+    let free = format!("{}intrinsics = \"free\"\n", cell.stated(false));
+    let of = |roll: &str| {
+        let book = free.replace("rpy_deg = [0.0, 0.0, 0.0]", &format!("rpy_deg = [0, 0, {roll}]"));
+        let figures = found(&robot, &stated(&robot, &text, &book)).figures;
+        (figures.kinds[0].identified_rms.unwrap(), figures.uncertainty.tool_point.rms_mm)
+    };
+    let (left, bars) = of("0");
+    for roll in ["90", "-60", "180"] {
+        let other = of(roll);
+        assert!((other.0 / left - 1.0).abs() < 1e-3, "{roll}: {} {left} px", other.0);
+        assert!((other.1 / bars - 1.0).abs() < 0.01, "{roll}: {} {bars} mm", other.1);
+    }
+}
+
+/// Points in one place, or on a line, say nothing of a turn about it: the frame stays nominal.
+#[test]
+fn seats_in_one_place_do_not_turn_the_base() {
+    let robot = robot();
+    let mut rng = ChaCha8Rng::seed_from_u64(730);
+    let own = cell(&robot, &mut rng);
+    let at = |places: [[f64; 3]; 3]| Cell {
+        anchors: places.map(|p| Vector3::from(p) * 2.0).to_vec(),
+        ..own.clone()
+    };
+    let a = [0.6, 0.3, 0.2];
+    for (places, told) in [
+        ([a, a, a], false),
+        ([a, [0.4, -0.4, 0.3], a], false),
+        ([a, [0.5, -0.05, 0.25], [0.4, -0.4, 0.3]], false),
+        ([a, [-0.5, 0.5, 0.0], [0.4, -0.4, 0.3]], true),
+    ] {
+        let cell = at(places);
+        let data = read(&robot, &cell, &cell.file(&[("closure", 60)], &mut rng));
+        let model = found(&robot, &data).model;
+        let (shift, turn) = (model.frame_translation.norm(), model.frame_rotation.norm());
+        assert_eq!(shift + turn > 0.0, told, "{places:?}: {shift} m, {turn} rad");
+        assert!(shift < 0.01 && turn < 0.01, "{places:?}: {shift} m, {turn} rad");
+    }
+}
+
+/// What a draw wire adds to its lengths, with one anchor and with three: said, found where it
+/// may be, and named as no effect of the arm. Nothing is said where nothing is added.
+#[test]
+fn lengths_with_a_zero() {
+    let robot = robot();
+    for (seed, anchors, added) in
+        [(740, 3, 1.0), (741, 3, -0.3), (742, 1, 1.0), (743, 1, 5.0), (744, 3, 0.0), (745, 1, 0.0)]
+    {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut cell = cell(&robot, &mut rng);
+        cell.anchors.truncate(anchors);
+        let text = cell.file(&[("distance", 150)], &mut rng);
+        let text = longer(&text, added);
+        let data = stated(&robot, &text, "");
+        let warned = found(&robot, &data).figures.warnings;
+        let said = warned.iter().filter(|w| w.contains("the zero of the instrument")).count();
+        assert!(if added == 0.0 { said == 0 } else { said > 0 }, "{seed}: {warned:?}");
+
+        let of = |k: usize| format!("[[anchors]]\nlabel = \"A{k}\"\nzero = \"free\"\n");
+        let book: String = (0..anchors).map(of).collect();
+        let freed = found(&robot, &stated(&robot, &text, &book));
+        let zeros = freed.model.instruments.iter().filter(|i| i.form == Form::Zero);
+        let zeros: Vec<f64> = zeros.map(|zero| zero.numbers[0] * 1e3).collect();
+        assert_eq!(zeros.len(), anchors);
+        assert!(zeros.iter().all(|zero| (zero - added).abs() < 0.3), "{seed}: {zeros:?}");
+
+        let options = DiagnoseOptions::default();
+        let outcome = diagnose(&robot, &data, None, &options, &|_| ()).unwrap().outcome;
+        let names: Vec<&str> = outcome.effects.iter().map(|e| e.name).collect();
+        assert!(names.is_empty(), "{seed}: {names:?}");
+        assert_eq!(outcome.verdict, Verdict::Clean, "{seed}: {:?}", outcome.unnamed);
+    }
+}
+
+/// A file of lengths with so much added to each, mm.
+fn longer(text: &str, added: f64) -> String {
+    let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let place = header.iter().position(|name| *name == "distance_mm").unwrap();
+    let cell = |(k, cell): (usize, &str)| match (k == place, cell.parse::<f64>()) {
+        (true, Ok(length)) => (length + added).to_string(),
+        _ => cell.to_owned(),
+    };
+    let line = |line: &str| line.split(',').enumerate().map(cell).collect::<Vec<_>>().join(",");
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// A label that one row has, and one that instruments.toml writes otherwise.
+#[test]
+fn labels_that_are_mistyped() {
+    let robot = robot();
+    let mut rng = ChaCha8Rng::seed_from_u64(750);
+    let cell = cell(&robot, &mut rng);
+    let text = cell.file(&[("distance", 120)], &mut rng);
+    let warned = |text: &str, book: &str| found(&robot, &stated(&robot, text, book)).figures.warnings;
+    assert!(warned(&text, "").is_empty());
+    let typo = warned(&text.replacen(",A1,", ",A11,", 1), "");
+    assert!(typo.iter().any(|w| w.contains("\"A11\" has 1 row, first in line")), "{typo:?}");
+    let book = "[[anchors]]\nlabel = \"a-1\"\nxyz_mm = [-700, 1500, 100]\n";
+    let other = warned(&text, book);
+    assert!(other.iter().any(|w| w.contains("\"a-1\", which no row refers to")), "{other:?}");
+    assert!(warned(&text, &book.replace("a-1", "A1")).is_empty());
+}
