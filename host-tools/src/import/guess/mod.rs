@@ -31,12 +31,9 @@ pub(super) fn guess(clues: &Clues, warnings: &mut Vec<String>) -> Result<Config>
     };
     let complete = clues.tables.len() > 1 && given.is_empty() && named::all_complete(clues);
     let (join, join_because) = join::decide(clues.tables, &clues.options.join, complete, warnings)?;
-    let rows = join::rows(
-        clues.tables,
-        &join,
-        found.point.first().map_or(0, |place| place.file),
-        warnings,
-    )?;
+    let of_kinds = || clues.tables.iter().position(|t| t.headings.iter().any(|h| h.text == "kind"));
+    let base = found.point.first().map(|place| place.file).or_else(of_kinds).unwrap_or(0);
+    let rows = join::rows(clues.tables, &join, base, warnings)?;
     let mut columns = BTreeMap::new();
     let (joints, point) = units::decide(clues, &found, &rows, warnings)?;
     for (i, (place, (unit, because))) in found.joints.iter().zip(joints).enumerate() {
