@@ -61,6 +61,9 @@ pub struct Described {
 /// Sine of the angle below which axes count as almost parallel: 5 degrees. No
 /// drawing has such a twist, and no assembly error is as large.
 const ALMOST_PARALLEL: f64 = 0.087;
+/// Sine of the angle up to which an axis can be told by where it crosses the plane of the
+/// frame before.
+const ACROSS: f64 = 0.7;
 /// Sine of the angle below which no normal can be computed.
 const PARALLEL: f64 = 1e-9;
 /// A common normal that meets the axis farther away than this is not used, m:
@@ -138,9 +141,11 @@ fn step(on_axis: &Pose<f64>, next: &Axis, convention: Convention) -> Step {
     // From the next joint to where the normal meets its axis: what follows, the
     // tip too, is told from there, and must stay within the lengths of files.
     let on_next = d * u.z - p.dot(&u);
-    let (far, far_on_next) = (d.abs() > FARTHEST, on_next.abs() > 0.5 * FARTHEST);
+    let far = d.abs() > FARTHEST;
+    // Hayati's way is for axes that cross the plane of the frame, none that lie in it.
+    let crosses = sine < ACROSS && (far || on_next.abs() > 0.5 * FARTHEST);
     match convention {
-        Convention::Hayati if sine < ALMOST_PARALLEL || far || far_on_next => hayati(&foot, &u),
+        Convention::Hayati if sine < ALMOST_PARALLEL || crosses => hayati(&foot, &u),
         Convention::Dh if sine < PARALLEL || far => Step {
             straightened: if sine < PARALLEL { 0.0 } else { sine.asin() },
             ..hayati(&(p - Vector3::z() * p.z), &Vector3::new(0.0, 0.0, u.z.signum()))

@@ -102,15 +102,15 @@ pub fn diagnose(
     if let Some(held) = holdout {
         same_torques(robot, data, held)?;
     }
-    let zeros = zeros::found(robot, data);
-    let freed = zeros.as_ref().map(|zeros| {
-        let mut freed = zeros.freed(data);
-        let taken = |words: &String| format!("{words}; here it is an unknown");
-        freed.warnings.extend(zeros.words.iter().map(taken));
-        freed
-    });
-    let held = zeros.as_ref().zip(holdout).map(|(zeros, held)| zeros.freed(held));
-    let (data, holdout) = (freed.as_ref().unwrap_or(data), held.as_ref().or(holdout));
+    // An effect of the arm and a wrong zero of an instrument look like each other.
+    let few = Options { allow_few_poses: options.allow_few_poses, ..Options::default() };
+    let affordable = |freed: &Measurements| {
+        enough(&Problem::new(freed, robot, Scaling::Prior), &few).is_ok()
+    };
+    let freed = zeros::freed(data).filter(affordable);
+    let with_zeros = |held| freed.as_ref().map(|freed| zeros::as_found(held, &freed.instruments));
+    let held = holdout.and_then(with_zeros);
+    let (data, holdout) = (freed.as_ref().unwrap_or(data), held.as_deref().or(holdout));
     let with =
         |crowd, mounting| diagnosed(robot, data, holdout, options, (crowd, mounting), progress);
     let mounted = |mounting| match with(Crowd::Refused, mounting) {
@@ -231,8 +231,8 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         false => show.beside_curves(&root, best, &nominal, &weighed.stages)?,
     };
     let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
-    let (whereabouts, chance) = tell::sentences(show.rigid, &root, show.question.flags.lambda);
-    let goes_with = whereabouts.first().filter(|_| chance < POLICY.beyond_chance);
+    let (whereabouts, least) = tell::sentences(show.rigid, &root, show.question.flags.lambda);
+    let goes_with = least.filter(|(p, _)| *p < POLICY.beyond_chance).map(|(_, words)| words);
     let (verdict, unnamed) = verdict::verdict(problem, &weighed, &best, &gap, goes_with);
     let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
     let (alternatives, rivals): (_, Vec<State>) = alternatives.into_iter().unzip();
@@ -248,6 +248,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
     identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
+    identified.figures.warnings.extend(zeros::found(&identified.model.instruments));
     let kinds = &mut identified.figures.kinds;
     kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
     let noise_scale = weighed.scale * problem.noise.middle(problem.data);

@@ -20,7 +20,7 @@ pub fn verdict(
     weighed: &Weighed,
     best: &Node,
     gap: &[GapRow],
-    goes_with: Option<&String>,
+    goes_with: Option<String>,
 ) -> (Verdict, Vec<String>) {
     let nameless = weighed.nameless.iter().filter(|(_, p)| *p >= POLICY.worth_saying);
     let mut left: Vec<String> =
@@ -47,7 +47,7 @@ pub fn verdict(
     }
     // What geometry alone leaves, where nothing was added to it.
     let alone = best.added.is_empty() && weighed.curves.is_empty();
-    left.extend(goes_with.filter(|_| alone && noise > POLICY.beyond_stated).cloned());
+    left.extend(goes_with.filter(|_| alone && noise > POLICY.beyond_stated));
     if weighed.no_room > 0 && best.added.is_empty() {
         left.push(format!("{} effects that --most-terms has no room for", weighed.no_room));
     }

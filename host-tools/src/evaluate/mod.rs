@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::identify::noise_estimate::{KindScore, scores};
+use crate::identify::start::zeros;
 use crate::identify::{Conditions, Predictor, State, View};
 use crate::model::{Measurements, Model};
 use crate::observations::Residual;
@@ -80,6 +81,7 @@ const MARGIN: f64 = 0.01;
 pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Result<Validation> {
     model.loaded(data)?;
     model.timed(data)?;
+    let data = &*zeros::as_found(data, &model.instruments);
     let conditions = Conditions::of_model(data, model);
     let rigid = Conditions::new(data, &model.robot);
     let state = state_on(model, data, frames)?;

@@ -9,6 +9,7 @@ use super::source::Source;
 use crate::error::{Error, Result, listed};
 use crate::model::near::Reach;
 use crate::model::{Measurements, Robot, Row, find_sessions};
+use crate::observations::refer_to_zeros;
 
 /// Rows whose joints agree within this are one pose, rad (0.01 degrees).
 const SAME_ANGLE: f64 = 0.01 * std::f64::consts::PI / 180.0;
@@ -192,6 +193,16 @@ impl Measurements {
                 (i.form, &i.label) == (instrument.form, &instrument.label)
             };
             let place = self.instruments.iter().position(same);
+            let known = place.map(|place| &self.instruments[place]);
+            if known.is_some_and(|known| known.stated && instrument.stated && *known != instrument) {
+                self.warnings.push(format!(
+                    "{}: {} \"{}\" is stated otherwise than for {}, and that counts",
+                    other.path.display(),
+                    instrument.form.name(),
+                    instrument.label,
+                    self.path.display()
+                ));
+            }
             instruments.push(place.unwrap_or_else(|| {
                 self.instruments.push(instrument);
                 self.instruments.len() - 1
@@ -207,6 +218,7 @@ impl Measurements {
             row.extra.clear();
             self.rows.push(row);
         }
+        refer_to_zeros(&mut self);
         self.directions_from_order |= other.directions_from_order;
         // An instruments.toml beside several files is remarked upon once.
         let new = other.warnings.into_iter().filter(|text| !self.warnings.contains(text));

@@ -119,7 +119,7 @@ pub fn identify(
     };
 
     let found = estimated(&problem, rule, &rows, &start).map_err(|e| blamed(&problem, e))?;
-    noise_estimate::none_is_lost(&problem, &rows, &found.robust.outliers)?;
+    noise_estimate::none_is_lost(data, &rows, &found.robust.outliers)?;
     tick();
     let held_out = cross_validate(&problem, rule, &folds, &found, &tick)?;
     let blocked = match &blocks {
@@ -127,7 +127,7 @@ pub fn identify(
         None => None,
     };
     let nominal = nominal_state(&problem, &found.robust.kept, &start)?;
-    Ok(Findings {
+    let identified = Findings {
         rule,
         robot,
         problem: &problem,
@@ -139,7 +139,9 @@ pub fn identify(
         blocked,
         cross_validation: folds_in_words(folds.len(), data.poses),
     }
-    .summarise())
+    .summarise();
+    noise_estimate::none_is_given_up(&problem, &identified.figures.kinds)?;
+    Ok(identified)
 }
 
 /// The estimate; where it fails, or leaves more than the nominal links do, once more from

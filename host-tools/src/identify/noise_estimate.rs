@@ -161,28 +161,45 @@ const MOST_LOST: f64 = 0.5;
 /// So few rows of a kind may all be gross errors.
 const FEW: usize = 3;
 
-/// That no kind is lost, as noise beyond bounds or row by row.
+/// What to do where rows contradict the rest.
+const NO_GROSS_ERRORS: &str = "so many are no gross errors: check the units and coordinates in \
+                               instruments.toml (inches are 25.4 mm), and the labels of the rows";
+
+/// That no kind is as far off as before it was fitted, its noise being as large as is
+/// believed at most: a kind whose sigma alone is wrong is described all the same.
 ///
 /// # Errors
 /// [`ErrorKind::Contradiction`], naming the kind.
-pub fn none_is_lost(problem: &Problem, rows: &[usize], outliers: &[Outlier]) -> Result<()> {
+pub fn none_is_given_up(problem: &Problem, kinds: &[KindFigures]) -> Result<()> {
     /// Rounding.
     const NEARLY: f64 = 0.999;
-    let (data, help) = (
-        problem.data,
-        "so many are no gross errors: check the units and coordinates in instruments.toml (inches \
-         are 25.4 mm), and the labels of the rows",
-    );
-    let beyond = |g: &Group| problem.noise.of(g.kind, g.measure) > NEARLY * BOUNDS[1];
-    if let Some(group) = groups(data).into_iter().find(beyond) {
-        let message = format!(
-            "{}: the rows of kind {} contradict the rest: they are {:.0} times as far off as stated, or more",
-            data.path.display(),
-            KINDS[usize::from(group.kind.0)].name(),
-            BOUNDS[1]
-        );
-        return Err(Error::data(ErrorKind::Contradiction, message, help));
+    /// Of what it was off.
+    const DESCRIBED: f64 = 0.5;
+    let given_up = |k: &&KindFigures| {
+        let [before, after] = [k.nominal_rms, k.identified_rms].map(|rms| rms.unwrap_or(0.0));
+        k.noise_scale > NEARLY * BOUNDS[1] && after > DESCRIBED * before
+    };
+    match kinds.iter().find(given_up) {
+        None => Ok(()),
+        Some(kind) => Err(Error::data(
+            ErrorKind::Contradiction,
+            format!(
+                "{}: the rows of kind {} contradict the rest: {:.3} {} are left of them",
+                problem.data.path.display(),
+                kind.kind,
+                kind.identified_rms.unwrap_or(0.0),
+                kind.unit
+            ),
+            NO_GROSS_ERRORS,
+        )),
     }
+}
+
+/// That no kind is lost row by row.
+///
+/// # Errors
+/// [`ErrorKind::Contradiction`], naming the kind.
+pub fn none_is_lost(data: &Measurements, rows: &[usize], outliers: &[Outlier]) -> Result<()> {
     for (known, id) in KINDS.iter().zip(0..).map(|(known, id)| (known, KindId(id))) {
         let of = |row: usize| data.rows[row].kind == id;
         let all = rows.iter().filter(|row| of(**row)).count();
@@ -195,7 +212,7 @@ pub fn none_is_lost(problem: &Problem, rows: &[usize], outliers: &[Outlier]) -> 
                     data.path.display(),
                     known.name()
                 ),
-                help,
+                NO_GROSS_ERRORS,
             ));
         }
     }
@@ -260,8 +277,7 @@ mod tests {
             };
             let outliers: Vec<Outlier> = (0..lost).map(outlier).collect();
             let rows: Vec<usize> = (0..data.rows.len()).collect();
-            let problem = Problem::new(&data, &robot, Scaling::Prior);
-            let said = none_is_lost(&problem, &rows, &outliers);
+            let said = none_is_lost(&data, &rows, &outliers);
             assert_eq!(said.is_ok(), fine, "{lost} of {touches}: {said:?}");
         }
     }

@@ -40,10 +40,9 @@ pub fn of(robot: &Robot, problem: &Problem, scale: f64) -> Vec<String> {
     warnings.extend(noisy(problem, scale));
     warnings.extend(of_two_stations(problem));
     warnings.extend(of_few_rows(problem));
-    if let Some(zeros) = zeros::found(robot, data) {
-        let advice = "zero = \"free\" in its [[anchors]] of instruments.toml finds it with the arm";
-        warnings.extend(zeros.words.iter().map(|words| format!("{words}; {advice}")));
-    }
+    let advice = "zero = \"free\" in its [[anchors]] of instruments.toml finds it with the arm";
+    let doubtful = zeros::doubtful(robot, data);
+    warnings.extend(doubtful.iter().map(|words| format!("{words}; {advice}")));
     warnings
 }
 

@@ -28,7 +28,7 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use truearm::Pose;
 
-use crate::model::{Instrument, KindId, Measurements, Row, Values};
+use crate::model::{Form, Instrument, KindId, Measurements, Row, Values};
 pub use column::{Column, Measure};
 pub use partials::{ArmPart, Body, Partials};
 pub use range::ray_of;
@@ -216,6 +216,21 @@ pub trait Kind: Sync {
 pub fn columns_of_kinds() -> (Vec<&'static str>, Vec<&'static str>) {
     let numbers = KINDS.iter().flat_map(|kind| kind.columns()).map(|column| column.name);
     (numbers.collect(), KINDS.iter().flat_map(|kind| kind.labels()).copied().collect())
+}
+
+/// Lets rows that lengths are measured in refer to what is added to these, where the
+/// measurements have it: other rows of the same anchor do.
+pub fn refer_to_zeros(data: &mut Measurements) {
+    let zero_of = |anchor: usize| {
+        let label = &data.instruments[anchor].label;
+        data.instruments.iter().position(|i| i.form == Form::Zero && i.label == *label)
+    };
+    let zeros: Vec<Option<usize>> = (0..data.instruments.len()).map(zero_of).collect();
+    for row in data.rows.iter_mut().filter(|row| of(row.kind).has_zero()) {
+        if let [anchor] = row.refers[..] {
+            row.refers.extend(zeros[anchor]);
+        }
+    }
 }
 
 /// The kind of a row.

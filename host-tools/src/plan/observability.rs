@@ -62,7 +62,9 @@ mod tests {
         let (o, told) = Observability::of(&jacobian, 4);
         assert_eq!(told, 3);
         // A place that nothing was measured at takes nothing away.
-        let (beside, told) = Observability::of(&jacobian.clone().insert_column(1, 0.0), 4);
+        let beside = jacobian.clone().insert_column(1, 0.0).insert_rows(3, 2, 0.0);
+        assert_eq!(beside.singular_values().len(), 4);
+        let (beside, told) = Observability::of(&beside, 4);
         assert_eq!(told, 3);
         assert!((beside.o1 - o.o1).abs() < 1e-12 && (beside.o5 - o.o5).abs() < 1e-12);
         let expected = [32_f64.cbrt() / 2.0, 1.0 / 8.0, 1.0, 1.0 / 8.0, 1.0 / 1.375];

@@ -244,6 +244,18 @@ fn almost_parallel_axes() {
     }
 }
 
+/// Axes across each other have their common normal wherever it is, far out as well.
+#[test]
+fn far_out_across() {
+    let (z, y) = ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
+    for (kind, place) in [(0, [0.0, 4.6, 0.0]), (2, [0.0, -7.0, 0.0]), (0, [0.5, 6.0, 8.0])] {
+        let joints = [(0, z, [0.0; 3], [0.0; 3]), (kind, y, place, [0.0; 3])];
+        any_chain_holds(&joints).unwrap();
+        let slides = [(2, z, [0.0; 3], [0.0; 3]), (kind, y, place, [0.0; 3]), (0, z, [0.1; 3], [0.0; 3])];
+        any_chain_holds(&slides).unwrap();
+    }
+}
+
 /// A robot of one joint with this in it.
 fn with(element: &str, joint: &str) -> String {
     format!(

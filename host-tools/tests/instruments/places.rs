@@ -8,8 +8,9 @@ use nalgebra::{Rotation3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use truearm_host::diagnose::{DiagnoseOptions, Verdict, diagnose};
+use truearm_host::evaluate::{Reregister, evaluate};
 use truearm_host::identify::{Identification, Options, identify};
-use truearm_host::model::{Form, Measurements, Robot};
+use truearm_host::model::{Form, Measurements, Model, Robot};
 use truearm_simulate::instruments::Cell;
 
 fn found(robot: &Robot, data: &Measurements) -> Identification {
@@ -120,12 +121,79 @@ fn lengths_with_a_zero() {
         assert_eq!(zeros.len(), anchors);
         assert!(zeros.iter().all(|zero| (zero - added).abs() < 0.3), "{seed}: {zeros:?}");
 
-        let options = DiagnoseOptions::default();
-        let outcome = diagnose(&robot, &data, None, &options, &|_| ()).unwrap().outcome;
-        let names: Vec<&str> = outcome.effects.iter().map(|e| e.name).collect();
+        let (names, verdict, said, left) = diagnosed(&robot, &data);
         assert!(names.is_empty(), "{seed}: {names:?}");
-        assert_eq!(outcome.verdict, Verdict::Clean, "{seed}: {:?}", outcome.unnamed);
+        assert_eq!(verdict, Verdict::Clean, "{seed}");
+        assert!(if added == 0.0 { said == 0 } else { said > 0 }, "{seed}");
+        assert!(left < 0.03, "{seed}: {left} mm");
     }
+}
+
+/// An eccentricity beside it: geometry alone does not tell the zero, and both are found.
+#[test]
+fn a_zero_beside_an_effect() {
+    let robot = robot();
+    for (seed, anchors, added) in [(760, 3, 0.5), (761, 3, -1.0), (762, 1, 1.0)] {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut cell = cell(&robot, &mut rng);
+        cell.anchors.truncate(anchors);
+        let text = eccentric(&longer(&cell.file(&[("distance", 180)], &mut rng), added), 2e-3);
+        let (names, _, said, left) = diagnosed(&robot, &stated(&robot, &text, ""));
+        assert_eq!(names, ["encoder-eccentricity"], "{seed}");
+        assert!(said > 0 && left < 0.03, "{seed}: {said} zeros said, {left} mm");
+    }
+}
+
+/// Names, the verdict, zeros that are said, and what the model leaves of the same rows, mm.
+fn diagnosed(robot: &Robot, data: &Measurements) -> (Vec<&'static str>, Verdict, usize, f64) {
+    let found = diagnose(robot, data, None, &DiagnoseOptions::default(), &|_| ()).unwrap();
+    let outcome = found.outcome;
+    let names = outcome.effects.iter().map(|e| e.name).collect();
+    let said = outcome.figures.warnings.iter().filter(|w| w.contains("the zero of the instrument"));
+    // Read again, of a file that says nothing of a zero.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.toml");
+    std::fs::write(&path, found.model.to_toml()).unwrap();
+    let model = Model::read(&path).unwrap();
+    let left = evaluate(&model, data, Reregister::Nothing).unwrap().kinds[0].rms.unwrap();
+    (names, outcome.verdict, said.count(), left)
+}
+
+/// A file whose joint 1, which no weight is on, reads what its encoder's eccentricity makes of it, rad.
+fn eccentric(text: &str, by: f64) -> String {
+    let cell = |(k, cell): (usize, &str)| match (k, cell.parse::<f64>()) {
+        (0, Ok(q)) => (q - by.to_degrees() * q.to_radians().sin()).to_string(),
+        _ => cell.to_owned(),
+    };
+    let line = |line: &str| line.split(',').enumerate().map(cell).collect::<Vec<_>>().join(",");
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Two files of which one says something of a zero, or both something else: what the first
+/// says counts for all rows of the anchor, and that is said.
+#[test]
+fn two_files_of_one_anchor() {
+    let robot = robot();
+    let mut rng = ChaCha8Rng::seed_from_u64(770);
+    let cell = cell(&robot, &mut rng);
+    let files = [0, 1].map(|_| longer(&cell.file(&[("distance", 60)], &mut rng), 1.0));
+    let book = |zero: &str| -> String {
+        let of = |k: usize| format!("[[anchors]]\nlabel = \"A{k}\"\n{zero}\n");
+        if zero.is_empty() { String::new() } else { (0..3).map(of).collect() }
+    };
+    let joined = |zeros: [&str; 2]| {
+        let [a, b] = [0, 1].map(|k| stated(&robot, &files[k], &book(zeros[k])));
+        a.joined(b, &robot)
+    };
+    let left = |data: &Measurements| found(&robot, data).figures.kinds[0].identified_rms.unwrap();
+    for zeros in [["zero_mm = 1", ""], ["", "zero_mm = 1"], ["zero = \"free\"", ""]] {
+        let data = joined(zeros);
+        assert!(data.rows.iter().all(|row| row.refers.len() == 2), "{zeros:?}");
+        assert!(left(&data) < 0.025, "{zeros:?}");
+    }
+    let data = joined(["zero_mm = 1", "zero_mm = 7"]);
+    assert!(data.warnings.iter().any(|w| w.contains("is stated otherwise")), "{:?}", data.warnings);
+    assert!(left(&data) < 0.025);
 }
 
 /// A file of lengths with so much added to each, mm.
@@ -138,6 +206,37 @@ fn longer(text: &str, added: f64) -> String {
     };
     let line = |line: &str| line.split(',').enumerate().map(cell).collect::<Vec<_>>().join(",");
     text.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Half a place is none, and a plane has no radius; each is said with its line.
+#[test]
+fn what_is_stated_by_half() {
+    let robot = robot();
+    let row = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,kind,anchor,distance_mm\n\
+               0,10,20,30,40,50,distance,A,500\n";
+    let holes = "[plates.holes]\nH = [0, 0, 0]";
+    let camera = "[[cameras]]\nlabel = \"c\"\nfocal_px = [9, 9]\ncentre_px = [9, 9]";
+    for (book, says) in [
+        (format!("[[plates]]\nlabel = \"p\"\nxyz_mm = [1, 2, 3]\n{holes}"), "lacks rpy_deg"),
+        (format!("[[plates]]\nlabel = \"p\"\nrpy_deg = [1, 2, 3]\n{holes}"), "lacks xyz_mm"),
+        (format!("{camera}\nxyz_mm = [1, 2, 3]"), "lacks rpy_deg"),
+        ("[[surfaces]]\nlabel = \"s\"\nradius_mm = 3".to_owned(), "a plane has no radius"),
+        ("[[anchors]]\nlabel = \"A\"".to_owned(), "nothing is said of anchor \"A\""),
+        ("[[anchors]]\nlabel = \"A\"\nzero = \"open\"".to_owned(), "zero = \"open\""),
+        ("[[anchors]]\nlabel = \"A\"\nzero_mm = nan".to_owned(), "NaN"),
+    ] {
+        let read = Measurements::parse_with(Path::new("m.csv"), row, &robot, &book);
+        let error = read.unwrap_err();
+        assert!(error.to_string().contains(says), "{book}: {error}");
+        assert!(!error.help().is_empty());
+    }
+    for book in [
+        format!("[[plates]]\nlabel = \"p\"\nguess = true\nxyz_mm = [1, 2, 3]\n{holes}"),
+        "[[anchors]]\nlabel = \"A\"\nzero_mm = 0.5\nzero = \"known\"".to_owned(),
+        "[[anchors]]\nlabel = \"A\"\nzero = \"known\"".to_owned(),
+    ] {
+        Measurements::parse_with(Path::new("m.csv"), row, &robot, &book).unwrap();
+    }
 }
 
 /// A label that one row has, and one that instruments.toml writes otherwise.

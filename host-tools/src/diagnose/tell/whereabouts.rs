@@ -13,9 +13,13 @@ use crate::model::{KindId, Values};
 use crate::observations::kind;
 
 /// Sentences for what is significant, a joint that slipped first, then strongest
-/// first, and the p value of the least probable chance. `lambda` is that of the fit.
+/// first, and the one that is least a chance, with its p value. `lambda` is that of the fit.
 #[must_use]
-pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> (Vec<String>, f64) {
+pub fn sentences(
+    problem: &Problem,
+    root: &Node,
+    lambda: f64,
+) -> (Vec<String>, Option<(f64, String)>) {
     let at = problem.linearise(&root.fit.fit.state);
     // Where many rows are flagged, the flags are what is to be placed.
     let all: Vec<usize> = (0..problem.data.rows.len()).collect();
@@ -65,7 +69,7 @@ pub fn sentences(problem: &Problem, root: &Node, lambda: f64) -> (Vec<String>, f
     });
     let slips = if crowded { contradiction(problem, root) } else { step(problem, root, lambda) };
     let found = significant(&residuals, tests);
-    let least = found.iter().map(|(p, _)| *p).fold(1.0, f64::min);
+    let least = found.iter().min_by(|a, b| a.0.total_cmp(&b.0)).cloned();
     (slips.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect(), least)
 }
 

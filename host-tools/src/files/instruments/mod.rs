@@ -100,8 +100,12 @@ impl Gathered {
             }
         }
         for (stated, _) in self.list.iter().zip(&places).filter(|(_, used)| used.is_none()) {
+            let is_surface = |form| matches!(form, Form::Plane | Form::Sphere | Form::Cylinder);
             let like = |other: &&Instrument| {
-                !other.stated && plain(&other.label) == plain(&stated.label)
+                let same = other.form == stated.form
+                    || is_surface(other.form) && is_surface(stated.form);
+                let label = plain(&stated.label);
+                same && !other.stated && !label.is_empty() && plain(&other.label) == label
             };
             if let Some(used) = data.instruments.iter().find(like) {
                 data.warnings.push(format!(

@@ -183,6 +183,27 @@ impl Reader<'_> {
         Ok((xyz.is_some() || rpy.is_some()).then(|| placement.pose()))
     }
 
+    /// A known place has both its point and its turn; half of one is a guess at most.
+    pub(super) fn whole(
+        &self,
+        label: &str,
+        xyz: Option<&Triple>,
+        rpy: Option<&Triple>,
+        guess: bool,
+    ) -> Result<()> {
+        let (given, lacks) = match (xyz, rpy) {
+            (Some(xyz), None) => (xyz, "rpy_deg"),
+            (None, Some(rpy)) => (rpy, "xyz_mm"),
+            _ => return Ok(()),
+        };
+        if guess {
+            return Ok(());
+        }
+        let message = format!("the place of \"{label}\" lacks {lacks}");
+        let help = "give xyz_mm and rpy_deg, or guess = true where they are a first guess";
+        Err(self.source.at(given.span(), message, help))
+    }
+
     pub(super) fn on_flange(&self, mounted: Option<&Spanned<String>>, usual: bool) -> Result<bool> {
         match mounted.map(|m| (m, m.get_ref().as_str())) {
             None => Ok(usual),
@@ -200,9 +221,9 @@ impl Reader<'_> {
         let free = match file.zero.as_ref().map(|z| (z, z.get_ref().as_str())) {
             None => false,
             Some((_, "free")) => true,
-            Some((_, "known")) if file.zero_mm.is_some() => false,
+            Some((_, "known")) => false,
             Some((key, other)) => {
-                let help = "write zero = \"free\", or zero_mm = what is added to every length";
+                let help = "write \"free\", or \"known\" where zero_mm is what is added to every length, or nothing is";
                 return Err(self.source.at(key.span(), format!("zero = \"{other}\""), help));
             }
         };
@@ -235,6 +256,10 @@ impl Reader<'_> {
         if let (Some(translation), true) = (point, turned) {
             out = stated(out, Pose { rotation, translation }, file.guess);
         }
+        if let (Some(radius), false) = (&file.radius_mm, form.has_lengths()) {
+            let help = "leave radius_mm out, or give shape = \"sphere\" or \"cylinder\"";
+            return Err(self.source.at(radius.span(), "a plane has no radius", help));
+        }
         if let (Some(radius), true) = (&file.radius_mm, form.has_lengths()) {
             // Less than nothing: touched from inside.
             self.finite(radius.span(), &[*radius.get_ref()])?;
@@ -248,6 +273,7 @@ impl Reader<'_> {
         let mut plate = Instrument::unknown(Form::Plate, &file.label);
         plate.on_flange = self.on_flange(file.mounted.as_ref(), false)?;
         if let Some(place) = self.place(file.xyz_mm.as_ref(), file.rpy_deg.as_ref())? {
+            self.whole(&file.label, file.xyz_mm.as_ref(), file.rpy_deg.as_ref(), file.guess)?;
             plate = stated(plate, place, file.guess);
         }
         book.list.push(plate);

@@ -13,6 +13,7 @@ impl Reader<'_> {
         let mut camera = Instrument::unknown(Form::Camera, &file.label);
         camera.on_flange = self.on_flange(file.mounted.as_ref(), true)?;
         if let Some(place) = self.place(file.xyz_mm.as_ref(), file.rpy_deg.as_ref())? {
+            self.whole(&file.label, file.xyz_mm.as_ref(), file.rpy_deg.as_ref(), file.guess)?;
             camera = stated(camera, place, file.guess);
         }
         let [focal, centre] = [&file.focal_px, &file.centre_px];

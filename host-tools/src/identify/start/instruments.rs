@@ -140,8 +140,9 @@ fn level(sights: &[Sight]) -> Option<Pose<f64>> {
         sights.iter().filter_map(|s| Some((s, kind(s.row).lean(s.row)?))).collect();
     let sines = DMatrix::from_fn(leaning.len(), 2, |k, c| leaning[k].1[c].sin());
     let solved = |a: DMatrix<f64>| {
+        let unknowns = a.ncols();
         let svd = a.svd(true, true);
-        let seen = svd.rank(SEEN * svd.singular_values.max()) == svd.v_t.as_ref()?.nrows();
+        let seen = svd.rank(SEEN * svd.singular_values.max()) == unknowns;
         seen.then(|| svd.solve(&sines, 0.0).ok()).flatten()
     };
     let stated = leaning.first()?.0.up;

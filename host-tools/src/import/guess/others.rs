@@ -121,10 +121,6 @@ fn ours(clues: &Clues, columns: &mut BTreeMap<String, Pick>) {
     for (file, table) in clues.tables.iter().enumerate() {
         let kinds = table.headings.iter().any(|heading| heading.text == "kind");
         for (column, heading) in table.headings.iter().enumerate() {
-            if kinds && table.numeric(column) && own(&heading.text).is_none() {
-                measured(clues, columns, &Place { file, column, because: String::new() });
-                continue;
-            }
             let to = &heading.text;
             let of_any = ["torque", "force", "sigma_"].iter().any(|begin| to.starts_with(begin))
                 && own(to) == Some(Own::Number)
@@ -137,6 +133,11 @@ fn ours(clues: &Clues, columns: &mut BTreeMap<String, Pick>) {
             let because = "measurements.csv calls it so".to_owned();
             let place = Place { file, column, because: because.clone() };
             columns.insert(to.clone(), clues.pick(&place, Unit::Plain, because));
+        }
+        let others = (0..table.headings.len())
+            .filter(|c| kinds && table.numeric(*c) && own(&table.headings[*c].text).is_none());
+        for column in others {
+            measured(clues, columns, &Place { file, column, because: String::new() });
         }
     }
 }
