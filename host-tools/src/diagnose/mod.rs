@@ -104,9 +104,8 @@ pub fn diagnose(
     }
     // An effect of the arm and a wrong zero of an instrument look like each other.
     let few = Options { allow_few_poses: options.allow_few_poses, ..Options::default() };
-    let affordable = |freed: &Measurements| {
-        enough(&Problem::new(freed, robot, Scaling::Prior), &few).is_ok()
-    };
+    let affordable =
+        |freed: &Measurements| enough(&Problem::new(freed, robot, Scaling::Prior), &few).is_ok();
     let freed = zeros::freed(data).filter(affordable);
     let with_zeros = |held| freed.as_ref().map(|freed| zeros::as_found(held, &freed.instruments));
     let held = holdout.and_then(with_zeros);

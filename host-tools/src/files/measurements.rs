@@ -194,7 +194,8 @@ impl Measurements {
             };
             let place = self.instruments.iter().position(same);
             let known = place.map(|place| &self.instruments[place]);
-            if known.is_some_and(|known| known.stated && instrument.stated && *known != instrument) {
+            if known.is_some_and(|known| known.stated && instrument.stated && *known != instrument)
+            {
                 self.warnings.push(format!(
                     "{}: {} \"{}\" is stated otherwise than for {}, and that counts",
                     other.path.display(),

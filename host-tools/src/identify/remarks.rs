@@ -55,7 +55,8 @@ fn of_few_rows(problem: &Problem) -> Vec<String> {
         let rows: Vec<&Row> = data.rows.iter().filter(|row| row.refers.contains(&i)).collect();
         let equations: usize = rows.iter().map(|row| equations_of(row)).sum();
         let first = rows.first().filter(|_| open > 0 && equations <= open)?;
-        let count = if rows.len() == 1 { "1 row".to_owned() } else { format!("{} rows", rows.len()) };
+        let count =
+            if rows.len() == 1 { "1 row".to_owned() } else { format!("{} rows", rows.len()) };
         Some(format!(
             "{}: {} \"{}\" has {count}, first in line {}, which do no more than find it: give more, \
              state where it is, or check the label",

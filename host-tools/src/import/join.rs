@@ -134,8 +134,7 @@ fn keyed_rows(
                     "label \"{}\" stands there twice",
                     tables[file].text(row, columns[file])
                 );
-                let help =
-                    "a key must be unique in all files but that of what was measured; mend the labels";
+                let help = "a key must be unique in all files but that of what was measured; mend the labels";
                 return Err(tables[file].fail(row, columns[file], message, help));
             }
         }

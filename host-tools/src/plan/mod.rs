@@ -137,8 +137,7 @@ pub fn plan(
     let is_open = open > COUNTS * all.0;
     let measurements: Vec<Candidate> = chosen.iter().map(|k| candidates[*k].clone()).collect();
     let undetermined = undetermined::words(robot, options, &measurements, is_open)?;
-    let (observability, parameters) =
-        Observability::of(&design.jacobian(&chosen), chosen.len());
+    let (observability, parameters) = Observability::of(&design.jacobian(&chosen), chosen.len());
     let bound = robot.sigma * (design.parameters() as f64 / chosen.len() as f64).sqrt();
     Ok(PosePlan {
         poses: kinds::poses(&measurements),

@@ -238,8 +238,7 @@ fn almost_parallel_axes() {
         ([0.1, FRAC_PI_2, 0.0], [0.0, 1.0, 1.0]),
         ([0.1, -FRAC_PI_2, 0.0], [-1.0, 0.95, 1.0]),
     ] {
-        let joints =
-            [(0, along_x, [0.5, 0.0, 0.0], [0.0; 3]), (0, [0.0, 0.0, 1.0], place, turn)];
+        let joints = [(0, along_x, [0.5, 0.0, 0.0], [0.0; 3]), (0, [0.0, 0.0, 1.0], place, turn)];
         any_chain_holds(&joints).unwrap();
     }
 }
@@ -251,7 +250,8 @@ fn far_out_across() {
     for (kind, place) in [(0, [0.0, 4.6, 0.0]), (2, [0.0, -7.0, 0.0]), (0, [0.5, 6.0, 8.0])] {
         let joints = [(0, z, [0.0; 3], [0.0; 3]), (kind, y, place, [0.0; 3])];
         any_chain_holds(&joints).unwrap();
-        let slides = [(2, z, [0.0; 3], [0.0; 3]), (kind, y, place, [0.0; 3]), (0, z, [0.1; 3], [0.0; 3])];
+        let slides =
+            [(2, z, [0.0; 3], [0.0; 3]), (kind, y, place, [0.0; 3]), (0, z, [0.1; 3], [0.0; 3])];
         any_chain_holds(&slides).unwrap();
     }
 }

@@ -115,8 +115,10 @@ fn lengths_in_other_units() {
 /// Joints in one file, corners of the images taken there in another.
 #[test]
 fn joints_beside_corners() {
-    let (mut joints, mut corners) =
-        ("Image,J1,J2,J3,J4,J5,J6\n".to_owned(), "image,kind,camera,plate,hole,u_px,v_px\n".to_owned());
+    let (mut joints, mut corners) = (
+        "Image,J1,J2,J3,J4,J5,J6\n".to_owned(),
+        "image,kind,camera,plate,hole,u_px,v_px\n".to_owned(),
+    );
     for (i, row) in rows().iter().enumerate() {
         let own: Vec<String> = row[..6].iter().map(f64::to_string).collect();
         joints += &format!("im{i},{}\n", own.join(","));

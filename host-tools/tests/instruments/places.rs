@@ -25,7 +25,8 @@ fn stated(robot: &Robot, text: &str, book: &str) -> Measurements {
 #[test]
 fn a_level_is_mounted_anyhow() {
     let robot = robot();
-    let turns = [[0.0, 0.0, 0.8], [0.0, 0.0, 1.6], [0.0, 0.0, -1.6], [3.1, 0.0, 0.2], [1.2, -1.9, 0.7]];
+    let turns =
+        [[0.0, 0.0, 0.8], [0.0, 0.0, 1.6], [0.0, 0.0, -1.6], [3.1, 0.0, 0.2], [1.2, -1.9, 0.7]];
     for (seed, turn) in turns.into_iter().enumerate() {
         let mut rng = ChaCha8Rng::seed_from_u64(700 + seed as u64);
         let turn = Rotation3::from_scaled_axis(Vector3::from(turn));
@@ -246,7 +247,8 @@ fn labels_that_are_mistyped() {
     let mut rng = ChaCha8Rng::seed_from_u64(750);
     let cell = cell(&robot, &mut rng);
     let text = cell.file(&[("distance", 120)], &mut rng);
-    let warned = |text: &str, book: &str| found(&robot, &stated(&robot, text, book)).figures.warnings;
+    let warned =
+        |text: &str, book: &str| found(&robot, &stated(&robot, text, book)).figures.warnings;
     assert!(warned(&text, "").is_empty());
     let typo = warned(&text.replacen(",A1,", ",A11,", 1), "");
     assert!(typo.iter().any(|w| w.contains("\"A11\" has 1 row, first in line")), "{typo:?}");

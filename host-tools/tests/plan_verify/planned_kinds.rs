@@ -329,7 +329,9 @@ fn what_cannot_be_measured_is_said() {
         ("plate", format!("[[plates]]\nlabel = \"p\"\n{holes}\n"), "has no place", "xyz_mm"),
         (
             "plate",
-            format!("[[plates]]\nlabel = \"p\"\nxyz_mm = [9000, 0, 0]\nrpy_deg = [0, 0, 0]\n{holes}\n"),
+            format!(
+                "[[plates]]\nlabel = \"p\"\nxyz_mm = [9000, 0, 0]\nrpy_deg = [0, 0, 0]\n{holes}\n"
+            ),
             "leads to hole \"A\" of plate \"p\"",
             "--limits",
         ),

@@ -1,6 +1,7 @@
 //! What rows refer to beside the arm, as it is gathered from instruments.toml
 //! and from the labels of the rows.
 
+mod anchors;
 mod keys;
 mod read;
 mod sight;
@@ -102,8 +103,8 @@ impl Gathered {
         for (stated, _) in self.list.iter().zip(&places).filter(|(_, used)| used.is_none()) {
             let is_surface = |form| matches!(form, Form::Plane | Form::Sphere | Form::Cylinder);
             let like = |other: &&Instrument| {
-                let same = other.form == stated.form
-                    || is_surface(other.form) && is_surface(stated.form);
+                let same =
+                    other.form == stated.form || is_surface(other.form) && is_surface(stated.form);
                 let label = plain(&stated.label);
                 same && !other.stated && !label.is_empty() && plain(&other.label) == label
             };

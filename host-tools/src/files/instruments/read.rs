@@ -5,7 +5,7 @@ use toml::Spanned;
 use truearm::Pose;
 
 use super::Gathered;
-use super::keys::{AnchorFile, InstrumentsFile, MarkerFile, PlateFile, RayFile, SurfaceFile};
+use super::keys::{InstrumentsFile, MarkerFile, PlateFile, RayFile, SurfaceFile};
 use crate::error::Result;
 use crate::files::source::Source;
 use crate::model::{Form, Instrument, Placement, Robot};
@@ -60,20 +60,7 @@ impl Gathered {
         reader.once("ray", &file.rays, |r| &r.marker)?;
         reader.once("marker", &file.markers, |m| &m.marker)?;
         for anchor in &file.anchors {
-            let a = anchor.get_ref();
-            if a.xyz_mm.is_none() && a.zero.is_none() && a.zero_mm.is_none() {
-                let message = format!("nothing is said of anchor \"{}\"", a.label);
-                let help = "give xyz_mm, where it is, or zero, what is added to its lengths";
-                return Err(reader.source.at(anchor.span(), message, help));
-            }
-            if let Some(xyz) = &a.xyz_mm {
-                let place = Pose { translation: reader.point(xyz)?, ..Pose::identity() };
-                let found = stated(Instrument::unknown(Form::Anchor, &a.label), place, a.guess);
-                book.list.push(found);
-            }
-            book.list.extend(reader.zero(a)?);
-            let reach = reader.reach(a.reach_mm.as_ref())?;
-            book.ranges.extend(reach.map(|reach| (Form::Anchor, a.label.clone(), reach)));
+            reader.anchor(anchor, &mut book)?;
         }
         for surface in &file.surfaces {
             book.list.push(reader.surface(surface.get_ref())?);
@@ -119,7 +106,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn point(&self, file: &Triple) -> Result<Vector3<f64>> {
+    pub(super) fn point(&self, file: &Triple) -> Result<Vector3<f64>> {
         self.finite(file.span(), file.get_ref())?;
         Ok(point_from_mm(*file.get_ref()))
     }
@@ -214,28 +201,6 @@ impl Reader<'_> {
                 Err(self.source.at(key.span(), format!("mounted = \"{other}\""), help))
             }
         }
-    }
-
-    /// What is added to every length to an anchor, where something is said of it.
-    fn zero(&self, file: &AnchorFile) -> Result<Option<Instrument>> {
-        let free = match file.zero.as_ref().map(|z| (z, z.get_ref().as_str())) {
-            None => false,
-            Some((_, "free")) => true,
-            Some((_, "known")) => false,
-            Some((key, other)) => {
-                let help = "write \"free\", or \"known\" where zero_mm is what is added to every length, or nothing is";
-                return Err(self.source.at(key.span(), format!("zero = \"{other}\""), help));
-            }
-        };
-        if file.zero.is_none() && file.zero_mm.is_none() {
-            return Ok(None);
-        }
-        let mut zero = Instrument::unknown(Form::Zero, &file.label);
-        if let Some(added) = &file.zero_mm {
-            self.finite(added.span(), &[*added.get_ref()])?;
-            zero.numbers[0] = from_mm(*added.get_ref());
-        }
-        Ok(Some(stated(zero, Pose::identity(), free)))
     }
 
     fn surface(&self, file: &SurfaceFile) -> Result<Instrument> {

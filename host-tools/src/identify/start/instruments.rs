@@ -85,7 +85,9 @@ fn sights<'a>(data: &'a Measurements, state: &'a State, index: usize) -> Vec<Sig
 
 fn guess(instrument: &Instrument, sights: &[Sight]) -> Option<Instrument> {
     match instrument.form {
-        Form::Turn => turn(sights).or_else(|| level(sights)).map(|place| Instrument { place, ..instrument.clone() }),
+        Form::Turn => turn(sights)
+            .or_else(|| level(sights))
+            .map(|place| Instrument { place, ..instrument.clone() }),
         Form::Anchor => anchor(sights).map(|point| at(instrument, point, Matrix3::identity())),
         Form::Plane => plane(sights).map(|(point, turn)| at(instrument, point, turn)),
         Form::Sphere => {

@@ -35,11 +35,8 @@ const NEAR_A_LINE: f64 = 0.05;
 pub fn frame_between(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Pose<f64> {
     let mut pairs = Pairs::default();
     from.iter().zip(to).for_each(|(from, to)| pairs.add(*from, *to));
-    let found = if pairs.on_a_line() {
-        None
-    } else {
-        rigid_transform(from, to, &vec![1.0; from.len()])
-    };
+    let found =
+        if pairs.on_a_line() { None } else { rigid_transform(from, to, &vec![1.0; from.len()]) };
     found.unwrap_or_else(Pose::identity)
 }
 
