@@ -257,6 +257,35 @@ mod tests {
         assert!((0.99..1.01).contains(&of_none_free), "{of_none_free}");
     }
 
+    /// A sigma in metres is a wrong sigma of rows that are described; coordinates in inches
+    /// describe nothing.
+    #[test]
+    fn a_kind_is_given_up_where_it_is_as_far_off_as_before() {
+        let joint = "[[joints]]\nalpha_deg = 0.0\na_mm = 0.0\ntheta_offset_deg = 0.0\nd_mm = 0.0\n";
+        let robot = Robot::parse(Path::new("robot.toml"), joint).unwrap();
+        let text = "q1_deg,x_mm,y_mm,z_mm\n0,1,0,0\n90,0,1,0\n";
+        let data = Measurements::parse(Path::new("m.csv"), text, &robot).unwrap();
+        let problem = Problem::new(&data, &robot, Scaling::Prior);
+        for (noise_scale, before, after, fine) in [
+            (1000.0, 3.0, 0.02, true),
+            (1000.0, 170.0, 170.2, false),
+            (400.0, 170.0, 170.2, true),
+            (1.0, 0.02, 0.02, true),
+        ] {
+            let kind = KindFigures {
+                kind: "point",
+                unit: "mm",
+                rows: 2,
+                nominal_rms: Some(before),
+                identified_rms: Some(after),
+                cross_validated_rms: None,
+                noise_scale,
+            };
+            let said = none_is_given_up(&problem, &[kind]);
+            assert_eq!(said.is_ok(), fine, "{noise_scale} {before} {after}: {said:?}");
+        }
+    }
+
     /// Three rows of a kind may all be gross errors, of four no more than two.
     #[test]
     fn few_rows_may_all_be_lost() {

@@ -112,6 +112,23 @@ fn lengths_in_other_units() {
     }
 }
 
+/// Of two columns of one thing the one that is called as in measurements.csv counts.
+#[test]
+fn its_own_name_comes_first() {
+    for headings in ["distance_m,distance_mm", "distance_mm,distance_m"] {
+        let mut table = format!("J1,J2,J3,J4,J5,J6,kind,{headings},anchor\n");
+        for row in rows() {
+            let joints: Vec<String> = row[..6].iter().map(f64::to_string).collect();
+            let lengths = if headings.starts_with("distance_mm") { "500,1" } else { "1,500" };
+            table += &format!("{},distance,{lengths},A\n", joints.join(","));
+        }
+        let files = vec![("m.csv", table.into())];
+        let found = imported(&files, Some(&robot()), &ImportOptions::default());
+        let at = found.csv.lines().next().unwrap().split(',').position(|n| n == "distance_mm");
+        assert_eq!(found.csv.lines().nth(1).unwrap().split(',').nth(at.unwrap()), Some("500"));
+    }
+}
+
 /// Joints in one file, corners of the images taken there in another.
 #[test]
 fn joints_beside_corners() {

@@ -209,6 +209,51 @@ fn longer(text: &str, added: f64) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
+/// A level whose scale is off by two in a thousand: what it leaves goes with the pose, and
+/// no arm is clean that has it. What is named is nothing to be relied on.
+#[test]
+fn what_goes_with_the_pose_is_not_clean() {
+    let robot = robot();
+    let options = DiagnoseOptions::default();
+    for seed in 785..789 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let cell = cell(&robot, &mut rng);
+        let mut data = stated(&robot, &cell.file(&[("inclination", 120)], &mut rng), "");
+        let clean = diagnose(&robot, &data, None, &options, &|_| ()).unwrap().outcome;
+        assert_eq!(clean.verdict, Verdict::Clean, "{seed}: {:?}", clean.unnamed);
+        for row in &mut data.rows {
+            row.measured = row.measured.iter().map(|lean| lean * 1.002).collect();
+        }
+        let outcome = diagnose(&robot, &data, None, &options, &|_| ()).unwrap().outcome;
+        let names: Vec<&str> = outcome.effects.iter().map(|e| e.name).collect();
+        println!("{seed}: {:?} {names:?} {:?}", outcome.verdict, outcome.unnamed);
+        assert_ne!(outcome.verdict, Verdict::Clean, "{seed}: {:?}", outcome.whereabouts);
+    }
+}
+
+/// A tool that is known no better than before is not packed.
+#[test]
+fn a_tool_that_is_not_known_is_not_packed() {
+    let robot = robot();
+    let mut rng = ChaCha8Rng::seed_from_u64(790);
+    let cell = cell(&robot, &mut rng);
+    let mut model =
+        found(&robot, &read(&robot, &cell, &cell.file(&[("point", 40)], &mut rng))).model;
+    let folder = tempfile::tempdir().unwrap();
+    for (known, packed) in
+        [(Some(0.02), true), (None, true), (Some(19.0), true), (Some(62.0), false)]
+    {
+        model.provenance.tool_point_mm = known;
+        std::fs::write(folder.path().join("model.toml"), model.to_toml()).unwrap();
+        let mut pack = std::process::Command::new(env!("CARGO_BIN_EXE_truearm"));
+        pack.current_dir(&folder).args(["pack", "model.toml", "--out", "p.bin", "--force"]);
+        let said = pack.output().unwrap();
+        let error = String::from_utf8_lossy(&said.stderr).into_owned();
+        assert_eq!(said.status.success(), packed, "{known:?}: {error}");
+        assert!(packed || error.contains("unknown to +-62 mm"), "{error}");
+    }
+}
+
 /// Half a place is none, and a plane has no radius; each is said with its line.
 #[test]
 fn what_is_stated_by_half() {
