@@ -240,7 +240,9 @@ fn remarks(model: &Model) -> Vec<String> {
         model.frame_translation.z * 1e3
     ));
     if !model.orientation_identified {
-        lines.push("flange orientation: not identified, points only; it stays nominal".to_owned());
+        lines.push(
+            "flange orientation: not identified by what was measured; it stays nominal".to_owned(),
+        );
     }
     lines.extend(tool(model));
     if !model.unidentifiable.is_empty() {

@@ -49,24 +49,26 @@ fn a_level_is_mounted_anyhow() {
     }
 }
 
-/// A camera whose guess is turned about where it looks: the same fit, and the same error bars.
+/// A camera whose guess is turned about where it looks: the same fit, and the same error bars,
+/// where the search for gross errors gets stuck on its way as well (bars 50 to 190 times as
+/// wide in these three, before what it left was judged anew).
 #[test]
 fn error_bars_do_not_hang_on_the_guess_of_a_camera() {
     let robot = robot();
-    let mut rng = ChaCha8Rng::seed_from_u64(720);
-    let cell = cell(&robot, &mut rng);
-    let text = cell.file(&[("pixel", 16)], &mut rng);
-    let free = format!("{}intrinsics = \"free\"\n", cell.stated(false));
-    let of = |roll: &str| {
-        let book = free.replace("rpy_deg = [0.0, 0.0, 0.0]", &format!("rpy_deg = [0, 0, {roll}]"));
-        let figures = found(&robot, &stated(&robot, &text, &book)).figures;
-        (figures.kinds[0].identified_rms.unwrap(), figures.uncertainty.tool_point.rms_mm)
-    };
-    let (left, bars) = of("0");
-    for roll in ["90", "-60", "180"] {
-        let other = of(roll);
-        assert!((other.0 / left - 1.0).abs() < 1e-3, "{roll}: {} {left} px", other.0);
-        assert!((other.1 / bars - 1.0).abs() < 0.01, "{roll}: {} {bars} mm", other.1);
+    for (seed, images, roll) in [(724, 12, "90"), (731, 10, "120"), (739, 9, "-60")] {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let cell = cell(&robot, &mut rng);
+        let text = cell.file(&[("pixel", images)], &mut rng);
+        let free = format!("{}intrinsics = \"free\"\n", cell.stated(false));
+        let of = |roll: &str| {
+            let turned = format!("rpy_deg = [0, 0, {roll}]");
+            let book = free.replace("rpy_deg = [0.0, 0.0, 0.0]", &turned);
+            let figures = found(&robot, &stated(&robot, &text, &book)).figures;
+            (figures.kinds[0].identified_rms.unwrap(), figures.uncertainty.tool_point.rms_mm)
+        };
+        let ((left, bars), other) = (of("0"), of(roll));
+        assert!((other.0 / left - 1.0).abs() < 1e-3, "{seed} {roll}: {} {left} px", other.0);
+        assert!((other.1 / bars - 1.0).abs() < 0.01, "{seed} {roll}: {} {bars} mm", other.1);
     }
 }
 
