@@ -42,6 +42,9 @@ impl Arm {
             if let (DefectKind::ToolRemount { direction }, true) = (&defect.kind, moment.later) {
                 target += direction * defect.size;
             }
+            if let DefectKind::Outside(outside) = &defect.kind {
+                target += outside.carried(defect.size, moment);
+            }
         }
         let frames = self.frames(&shape);
         let mut seen = apply(&self.station, &apply(&frames[frames.len() - 1], &target));
@@ -56,6 +59,11 @@ impl Arm {
             };
             let way = defect.size * way;
             seen = Rotation3::from_scaled_axis(turn * (way / 6.0)) * seen + shift * way;
+        }
+        for defect in &self.defects {
+            if let DefectKind::Outside(outside) = &defect.kind {
+                seen = outside.seen(defect.size, seen);
+            }
         }
         seen
     }

@@ -2,11 +2,11 @@
 
 use truearm_host::diagnose::Verdict;
 use truearm_study::dirty::score::{Worth, judged};
-use truearm_study::dirty::set::DirtySet;
+use truearm_study::dirty::set::{DirtySet, Sort};
 
 /// Names of a set that are true.
 fn named(seed: u64) -> Vec<String> {
-    let judged = judged(&DirtySet::draw(seed, false)).unwrap();
+    let judged = judged(&DirtySet::draw(seed, Sort::Session)).unwrap();
     judged.truths.into_iter().filter(|t| t.named).map(|t| t.place.0).collect()
 }
 
@@ -33,7 +33,7 @@ fn what_is_in_one_half_of_the_time_only_is_named() {
 /// another, between which nothing moves.
 #[test]
 fn readings_of_a_pose_are_one_stand() {
-    let judged = judged(&DirtySet::draw(620_000_151, false)).unwrap();
+    let judged = judged(&DirtySet::draw(620_000_151, Sort::Session)).unwrap();
     assert_eq!(judged.verdict, Verdict::Unexplained);
     let wrong = judged.claims.iter().filter(|c| c.named && c.worth == Worth::False);
     assert_eq!(wrong.count(), 0, "{:#?}", judged.claims);

@@ -21,7 +21,7 @@ pub struct Hidden {
 }
 
 /// Log-uniform.
-fn size(low: f64, high: f64, rng: &mut ChaCha8Rng) -> f64 {
+pub(super) fn size(low: f64, high: f64, rng: &mut ChaCha8Rng) -> f64 {
     low * (high / low).powf(rng.random_range(0.0..1.0))
 }
 
@@ -44,13 +44,13 @@ pub fn draw(arm: &Arm, columns: &Columns, masses: bool, rng: &mut ChaCha8Rng) ->
 }
 
 /// Whether two are one effect at one place.
-fn same_place(a: &DefectKind, b: &DefectKind) -> bool {
+pub(super) fn same_place(a: &DefectKind, b: &DefectKind) -> bool {
     let periodic = |k: &DefectKind| matches!(k, DefectKind::JointPeriodicError { .. });
     // A joint may have several lines, and a measurement one drift only.
     a.name() == b.name() && a.joints() == b.joints() && !(periodic(a) && periodic(b))
 }
 
-fn listed(arm: &Arm, columns: &Columns, masses: bool, rng: &mut ChaCha8Rng) -> Defect {
+pub(super) fn listed(arm: &Arm, columns: &Columns, masses: bool, rng: &mut ChaCha8Rng) -> Defect {
     let n = arm.kinds.len();
     let revolute: Vec<usize> = (0..n).filter(|j| arm.kinds[*j] == JointKind::Revolute).collect();
     loop {

@@ -3,6 +3,7 @@
 
 pub mod effects;
 pub mod noise;
+pub mod outside;
 pub mod poses;
 
 use rand::RngExt;

@@ -3,11 +3,13 @@
 //! the approach takes up. Nothing here is linear in a coefficient by definition.
 
 mod drawn;
+mod outside;
 
 use nalgebra::Vector3;
 
 use crate::body::{Body, Moment, Shape};
 pub use drawn::drawn;
+pub use outside::Outside;
 
 /// An effect and how large it is, in the unit of its kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,6 +62,8 @@ pub enum DefectKind {
     LinkBending { joint: usize, axis: usize },
     /// Unlisted: the joint creeps back to where it last stood: rad per rad.
     Memory { joint: usize },
+    /// Unlisted: a part goes with what has nothing to do with it.
+    Outside(Outside),
 }
 
 impl DefectKind {
@@ -84,6 +88,12 @@ impl DefectKind {
             Self::BearingWobble { .. } => "bearing wobble",
             Self::LinkBending { .. } => "quadratic link bending",
             Self::Memory { .. } => "memory of the last pose",
+            Self::Outside(Outside::Hose { .. }) => "hose from joint to joint",
+            Self::Outside(Outside::Pedestal { .. }) => "leaning pedestal",
+            Self::Outside(Outside::Holder { .. }) => "yielding target holder",
+            Self::Outside(Outside::Azimuth { .. }) => "tracker's azimuth",
+            Self::Outside(Outside::Distance { .. }) => "tracker's distance",
+            Self::Outside(Outside::Warm { .. }) => "warm encoder",
         }
     }
 
@@ -137,7 +147,7 @@ impl DefectKind {
             | Self::MeasurementSettling { .. } => 2e-3,
             Self::Outliers => 3.0,
             Self::LinkBending { .. } => 1e-4,
-            Self::Memory { .. } => 2e-3,
+            Self::Memory { .. } | Self::Outside(_) => 2e-3,
         }
     }
 }
@@ -182,6 +192,7 @@ impl Defect {
             DefectKind::Memory { joint } => {
                 shape.joints[joint] += size * (moment.before[joint] - q(joint))
             }
+            DefectKind::Outside(outside) => outside.displace(size, shape, moment),
             _ => {}
         }
     }
@@ -211,7 +222,7 @@ impl Defect {
             }
             DefectKind::BaseCompliance { ratio } => {
                 for (axis, size) in [size, size * ratio].into_iter().enumerate() {
-                    next.tilt[axis] = size * body.load(now, moment.payload, |s| &mut s.tilt[axis]);
+                    next.tilt[axis] += size * body.load(now, moment.payload, |s| &mut s.tilt[axis]);
                 }
             }
             DefectKind::Backlash { joint, friction } => {

@@ -15,13 +15,26 @@ use truearm_simulate::arm::Arm;
 use truearm_simulate::body::{Body, Moment};
 use truearm_simulate::dirty::effects::{Hidden, draw};
 use truearm_simulate::dirty::noise::Noise;
-use truearm_simulate::dirty::{Columns, moments};
+use truearm_simulate::dirty::{Columns, moments, outside};
 use truearm_simulate::{normal, rigid, robots, vector};
 
 use crate::simulated::{parse, robot, stated};
 
 /// Fewest and most rows; log-uniform between.
 pub const ROWS: [f64; 2] = [20.0, 5000.0];
+/// The same where one thing has no name.
+const ROWS_OUTSIDE: [f64; 2] = [100.0, 2000.0];
+
+/// What is wrong with an arm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sort {
+    /// Several effects at once.
+    Session,
+    /// Nothing but geometry.
+    Clean,
+    /// A few effects and one thing outside the repertoire, of six kinds in turn.
+    Outside,
+}
 
 /// What a user would have.
 pub struct DirtySet {
@@ -48,22 +61,26 @@ pub struct Secret {
 const HELD_OUT: usize = 200;
 
 impl DirtySet {
-    /// The set of a seed; no effects and no curve in it where `clean`.
-    pub fn draw(seed: u64, clean: bool) -> Self {
+    /// The set of a seed.
+    pub fn draw(seed: u64, sort: Sort) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let masses = rng.random_bool(0.7);
         let noise = Noise::draw(&mut rng);
         let text = file(masses, &noise, &mut rng);
         let nominal = robot(&text);
         let mut arm = real(&nominal, &mut rng);
-        let columns = Columns::draw(&mut rng);
-        let rows = ROWS[0] * (ROWS[1] / ROWS[0]).powf(rng.random_range(0.0..1.0));
+        let mut columns = Columns::draw(&mut rng);
+        let (kind, apart) = (seed as usize % outside::KINDS, sort == Sort::Outside);
+        columns.temperature |= apart && outside::needs_temperature(kind);
+        let [fewest, most] = if apart { ROWS_OUTSIDE } else { ROWS };
+        let rows = fewest * (most / fewest).powf(rng.random_range(0.0..1.0));
         let repeats = if rng.random_bool(0.2) { rng.random_range(2..=5) } else { 1 };
         let rows = rows as usize + HELD_OUT * repeats;
         let moments = moments(&stated(&nominal), &columns, rows, repeats, &mut rng);
-        let hidden = match clean {
-            true => Hidden::default(),
-            false => draw(&arm, &columns, masses, &mut rng),
+        let hidden = match sort {
+            Sort::Clean => Hidden::default(),
+            Sort::Session => draw(&arm, &columns, masses, &mut rng),
+            Sort::Outside => outside::draw(&arm, &columns, masses, kind, &mut rng),
         };
         let unlisted = hidden.unlisted.iter().flat_map(|u| u.1.iter());
         arm.defects = hidden.listed.iter().chain(unlisted).cloned().collect();
@@ -224,7 +241,7 @@ mod tests {
     #[test]
     fn a_seed_is_a_set() {
         for seed in 0..12 {
-            let (a, b) = (DirtySet::draw(seed, false), DirtySet::draw(seed, false));
+            let (a, b) = (DirtySet::draw(seed, Sort::Session), DirtySet::draw(seed, Sort::Session));
             assert!(a.robot == b.robot && a.measurements == b.measurements, "{seed}");
             let (_, [data, holdout]) = a.read();
             assert_eq!(data.rows.len(), a.open().moments.len());

@@ -196,6 +196,7 @@ impl Columns {
 
 #[cfg(test)]
 mod tests {
+    use super::super::set::Sort;
     use super::super::truth::floors;
     use super::*;
 
@@ -203,7 +204,7 @@ mod tests {
     /// one coefficient describes, the distance from nothing is the size in noise floors.
     #[test]
     fn distance_is_size() {
-        let set = DirtySet::draw(2_010_000_001, false);
+        let set = DirtySet::draw(2_010_000_001, Sort::Session);
         let equations = 3.0 * set.open().moments.len() as f64;
         let distances = alone(&set).unwrap();
         for (alone, floors) in distances.iter().zip(floors(&set)) {

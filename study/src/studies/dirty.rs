@@ -13,7 +13,7 @@ use truearm_host::diagnose::{Doubt, Verdict};
 use super::Result;
 use crate::dirty::reliability::{Bin, bins, expected_error};
 use crate::dirty::score::{Claimed, Judged, Truth, Worth, claims, judged};
-use crate::dirty::set::DirtySet;
+use crate::dirty::set::{DirtySet, Sort};
 use crate::dirty::tables::tables;
 
 #[derive(Args)]
@@ -47,7 +47,7 @@ const SIZES: [f64; 8] = [0.0, 0.1, 0.2, 0.4, 0.8, 1.5, 3.0, f64::INFINITY];
 
 pub fn run(options: &Options) -> Result {
     if let Some(seed) = options.only {
-        let set = DirtySet::draw(seed, is_clean(seed));
+        let set = DirtySet::draw(seed, sort(seed));
         if let Some(folder) = &options.out {
             set.write(folder)?;
         }
@@ -72,6 +72,10 @@ pub fn run(options: &Options) -> Result {
     Ok(())
 }
 
+fn sort(seed: u64) -> Sort {
+    if is_clean(seed) { Sort::Clean } else { Sort::Session }
+}
+
 fn is_clean(seed: u64) -> bool {
     seed % A_STUDY >= CLEAN
 }
@@ -82,7 +86,7 @@ fn answers(seeds: &[u64]) -> Result<Vec<Answer>> {
     let style = "{bar:40} {pos}/{len}  {elapsed_precise}, {eta} left";
     let bar = ProgressBar::new(seeds.len() as u64).with_style(ProgressStyle::with_template(style)?);
     let answer = |seed: &u64| {
-        let answer = judged(&DirtySet::draw(*seed, is_clean(*seed)));
+        let answer = judged(&DirtySet::draw(*seed, sort(*seed)));
         bar.inc(1);
         answer
     };
