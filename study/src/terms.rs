@@ -2,7 +2,7 @@
 
 use truearm::effects::Effect;
 use truearm_host::effects::{Offer, lag};
-use truearm_host::model::{Course, ModelTerm};
+use truearm_host::model::{Clock, ModelTerm};
 use truearm_simulate::effects::DefectKind;
 
 /// Terms of a hidden effect, coefficients zero; none of gross errors, `None` of
@@ -13,7 +13,8 @@ pub fn terms(kind: &DefectKind, gear_ratios: &[f64]) -> Option<Vec<ModelTerm>> {
         return Some(Offer::of_arm(effect, &joints, &kind.orders(gear_ratios), 1).terms);
     }
     let remount = |axis| ModelTerm::Remount { series: "B".into(), axis, coefficient: 0.0 };
-    let drift = |component| ModelTerm::Drift { component, course: Course::Time, coefficient: 0.0 };
+    let drift =
+        |component| ModelTerm::Drift { component, course: Clock::Time.goes_on(), coefficient: 0.0 };
     Some(match kind {
         DefectKind::ToolRemount { .. } => (0..3).map(remount).collect(),
         DefectKind::MeasurementDrift { .. } => (0..6).map(drift).collect(),

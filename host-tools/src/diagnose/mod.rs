@@ -7,6 +7,7 @@
 pub mod candidates;
 mod chi_square;
 mod crowd;
+mod described;
 mod kind_noise;
 pub mod moments;
 mod mounting;
@@ -24,6 +25,7 @@ mod verdict;
 pub mod weigh;
 mod white;
 
+pub use described::Described;
 pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Verdict, said};
 pub use tell::{instead, late, otherwise, place};
 pub use weigh::Doubt;
@@ -232,7 +234,9 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
     let (whereabouts, least) = tell::sentences(show.rigid, &root, show.question.flags.lambda);
     let goes_with = least.filter(|(p, _)| *p < POLICY.beyond_chance).map(|(_, words)| words);
-    let (verdict, unnamed) = verdict::verdict(problem, &weighed, &best, &gap, goes_with);
+    let described = described::described(problem, &weighed);
+    let judged = (&weighed, &described[..]);
+    let (verdict, unnamed) = verdict::verdict(problem, judged, &best, &gap, goes_with);
     let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
     let (alternatives, rivals): (_, Vec<State>) = alternatives.into_iter().unzip();
     // What was assumed and moves nothing is in no model.
@@ -258,6 +262,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         effects,
         suspected,
         unnamed,
+        described,
         noise_scale,
         beyond_repeats: remarks::over_repeats(problem, &best),
         nested_rms_mm: nested(&weighed, &best),

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::described::Described;
 use super::policy::POLICY;
 use super::weigh::Doubt;
 use crate::identify::Figures;
@@ -245,6 +246,8 @@ pub struct Outcome {
     pub suspected: Vec<Effect>,
     /// Structure without a name that is left, in words, strongest first.
     pub unnamed: Vec<String>,
+    /// What of it is a part of the cell that errs with something recorded, surest first.
+    pub described: Vec<Described>,
     /// Noise over the stated standard deviation; of several kinds the middle of theirs,
     /// each counted by its equations: the geometric mean of `noise_scale` of `kinds`.
     pub noise_scale: f64,

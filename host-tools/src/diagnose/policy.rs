@@ -44,6 +44,8 @@ pub struct Policy {
     pub lines_a_joint: usize,
     /// Wobbles of an axis that are looked for, up to so many times a turn.
     pub wobbles: usize,
+    /// Parts with a covariate, of all that a scan rates, that are weighed with everything else.
+    pub screened: usize,
     /// Probability from which on a name is worth a word.
     pub worth_a_word: f64,
     /// Odds of another explanation to the best from which on it is told.
@@ -122,6 +124,7 @@ pub const POLICY: Policy = Policy {
     stated_centres: 0.03,
     assumed_moments: 10.0,
     lines_a_joint: 5,
+    screened: 8,
     wobbles: 4,
     worth_a_word: 0.02,
     odds: 0.01,

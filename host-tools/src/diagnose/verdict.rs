@@ -1,8 +1,9 @@
 //! Whether anything but noise is left.
 
 use super::crowd::crowded;
+use super::described::Described;
 use super::node::Node;
-use super::outcome::{GapRow, Verdict, said};
+use super::outcome::{GapRow, Verdict};
 use super::policy::POLICY;
 use super::remarks::{self, over_repeats};
 use super::weigh::Weighed;
@@ -17,14 +18,12 @@ use crate::identify::Problem;
 #[must_use]
 pub fn verdict(
     problem: &Problem,
-    weighed: &Weighed,
+    (weighed, described): (&Weighed, &[Described]),
     best: &Node,
     gap: &[GapRow],
     goes_with: Option<String>,
 ) -> (Verdict, Vec<String>) {
-    let nameless = weighed.nameless.iter().filter(|(_, p)| *p >= POLICY.worth_saying);
-    let mut left: Vec<String> =
-        nameless.map(|(what, p)| format!("{} (probability {})", what.words(), said(*p))).collect();
+    let mut left: Vec<String> = described.iter().map(|d| d.words.clone()).collect();
     let alike = white::left(problem, best).filter(|a| a.deviations > POLICY.white);
     left.extend(alike.map(|a| a.words()));
     let noise = weighed.scale * problem.noise.middle(problem.data);

@@ -1,9 +1,9 @@
-//! The tracker moves against the robot, with time, settling, or with the order of rows. Never flashed.
+//! The tracker moves against the robot, with time or the order of rows, on and on or settling. Never flashed.
 
 use std::iter::once;
 
 use super::{Family, Offer};
-use crate::model::{Course, ModelTerm};
+use crate::model::{Clock, Course, ModelTerm};
 
 pub(super) const FAMILY: Family = Family {
     name: "measurement-drift",
@@ -11,7 +11,7 @@ pub(super) const FAMILY: Family = Family {
         let conditions = data.conditions;
         match (conditions.time, conditions.ordered) {
             (true, _) => Ok(offers(courses())),
-            (false, true) => Ok(offers(once(Course::Rows))),
+            (false, true) => Ok(offers(of(Clock::Rows, ROWS))),
             (false, false) => Err("a column time_s or order"),
         }
     },
@@ -23,9 +23,16 @@ pub(super) const FAMILY: Family = Family {
 /// its place, hours after the hall was heated.
 const SETTLING: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 
+/// The same in thousands of rows, where nobody wrote the time down.
+const ROWS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
+
 /// How what goes with time may go.
 pub fn courses() -> impl Iterator<Item = Course> + Clone {
-    once(Course::Time).chain(SETTLING.map(Course::Settling))
+    of(Clock::Time, SETTLING)
+}
+
+fn of(clock: Clock, settling: [f64; 4]) -> impl Iterator<Item = Course> + Clone {
+    once(clock.goes_on()).chain(settling.map(|settling| clock.settles(settling)))
 }
 
 fn offers(courses: impl Iterator<Item = Course> + Clone) -> Vec<Offer> {

@@ -1,5 +1,7 @@
 //! What the data say of a subset's coefficients, their sizes and the noise.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::prior::SIZES;
 use super::subset::{Subset, Subsets};
 
@@ -35,6 +37,26 @@ impl Subsets {
             own
         });
         each.collect()
+    }
+
+    /// Coefficients of the `k`-th member of a subset and their covariance, in the caller's
+    /// units; of a column that is nothing in all rows both are nothing.
+    #[must_use]
+    pub fn block(&self, subset: &Subset, k: usize) -> (DVector<f64>, DMatrix<f64>) {
+        let counts = subset.members.iter().map(|g| self.columns[*g].len());
+        let first: usize = counts.take(k).sum();
+        let columns = self.columns[subset.members[k]].clone();
+        let per = |i: usize| {
+            let unit = self.unit[columns.start + i];
+            if unit > 0.0 { 1.0 / unit } else { 0.0 }
+        };
+        let noise = (self.scale_of(subset) / self.scale).powi(2);
+        let count = columns.len();
+        let mean = DVector::from_fn(count, |i, _| subset.mean[first + i] * per(i));
+        let covariance = DMatrix::from_fn(count, count, |i, j| {
+            noise * subset.inverse[(first + i, first + j)] * per(i) * per(j)
+        });
+        (mean, covariance)
     }
 
     /// Size of each member's effect, in noise floors over all equations: its

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use truearm::JointKind;
 use truearm::effects::{ActsOn, Effect, Order, Term};
 
-use crate::model::{Course, DRIFT, ModelTerm, XYZ, friction_unit};
+use crate::model::{Clock, Course, DRIFT, ModelTerm, XYZ, friction_unit};
 
 /// Time constants that a blob can hold, s.
 const LONGEST: RangeInclusive<f64> = 0.5..=61_439.0;
@@ -51,6 +51,9 @@ pub(super) struct MeasurementTermFile {
     /// Hours in which a drift settles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     settling_h: Option<f64>,
+    /// Rows in which one settles that goes with them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    settling_rows: Option<f64>,
     /// What a drift goes with if not with time: `rows`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     with: Option<String>,
@@ -93,11 +96,9 @@ pub(super) fn to_file(
             series,
             joints: term.joints(),
             component,
-            settling_h: match term.course() {
-                Some(Course::Settling(hours)) => Some(hours),
-                _ => None,
-            },
-            with: (term.course() == Some(Course::Rows)).then(|| ROWS.to_owned()),
+            settling_h: settling(&term, Clock::Time),
+            settling_rows: settling(&term, Clock::Rows).map(|thousands| thousands * 1e3),
+            with: term.course().filter(|c| c.clock == Clock::Rows).map(|_| ROWS.to_owned()),
             coefficient,
             unit,
         });
@@ -202,13 +203,25 @@ pub(super) fn measurement_term(
 
 /// What a drift goes with.
 fn course(file: &MeasurementTermFile) -> Result<Course, String> {
-    match (file.settling_h, file.with.as_deref()) {
-        (None, None) => Ok(Course::Time),
-        (None, Some(ROWS)) => Ok(Course::Rows),
-        (Some(hours), None) if hours > 0.0 && hours.is_finite() => Ok(Course::Settling(hours)),
-        (Some(_), None) => Err("settling_h must be hours above 0".to_owned()),
-        _ => Err("a drift has settling_h, or with = \"rows\", or neither".to_owned()),
+    let positive = |x: f64| x > 0.0 && x.is_finite();
+    match (file.settling_h, file.settling_rows, file.with.as_deref()) {
+        (None, None, None) => Ok(Clock::Time.goes_on()),
+        (None, None, Some(ROWS)) => Ok(Clock::Rows.goes_on()),
+        (Some(hours), None, None) if positive(hours) => Ok(Clock::Time.settles(hours)),
+        (Some(_), None, None) => Err("settling_h must be hours above 0".to_owned()),
+        (None, Some(rows), Some(ROWS)) if positive(rows) => Ok(Clock::Rows.settles(rows / 1e3)),
+        (None, Some(_), Some(ROWS)) => Err("settling_rows must be rows above 0".to_owned()),
+        _ => {
+            Err("a drift has settling_h, or with = \"rows\" and perhaps settling_rows, or none of \
+                  these"
+                .to_owned())
+        }
     }
+}
+
+/// How fast a drift settles by a clock, in its unit.
+fn settling(term: &ModelTerm, clock: Clock) -> Option<f64> {
+    term.course().filter(|course| course.clock == clock)?.settling
 }
 
 /// The one revolute joint of a list counted from 1, counted from 0.
@@ -258,7 +271,12 @@ mod tests {
             }
         }
         for component in 0..6 {
-            for course in [Course::Time, Course::Settling(0.25), Course::Rows] {
+            for course in [
+                Clock::Time.goes_on(),
+                Clock::Time.settles(0.25),
+                Clock::Rows.goes_on(),
+                Clock::Rows.settles(0.125),
+            ] {
                 terms.push(ModelTerm::Drift { component, course, coefficient: 1e-4 });
             }
         }

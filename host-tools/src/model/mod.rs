@@ -28,7 +28,7 @@ pub use path::{Coordinates, Path, Target};
 pub use planned::PlannedRow;
 pub use prior::LinkPrior;
 pub use robot::{Joint, LinkMass, Mounting, Placement, Robot};
-pub use term::{Course, ModelTerm, friction, friction_unit, part};
+pub use term::{Clock, Course, ModelTerm, friction, friction_unit, part};
 pub(crate) use term::{DRIFT, XYZ};
 pub use values::Values;
 pub use warming::{Warming, find_sessions};

@@ -8,25 +8,56 @@ use super::measurements::Row;
 
 /// What a drift goes with.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Course {
+pub struct Course {
+    /// What passes.
+    pub clock: Clock,
+    /// Settles as `1 - exp(-passed / settling)`, in the clock's unit; else it goes on.
+    pub settling: Option<f64>,
+}
+
+/// What passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clock {
     /// `time_s`, in hours.
     Time,
-    /// `time_s`, as `1 - exp(-t / settling)`, `settling` in hours.
-    Settling(f64),
     /// The number in `order`, in thousands of rows.
     Rows,
 }
 
-impl Course {
-    /// How far it has come at a row; 0 where nothing is known of it.
+impl Clock {
+    /// How much has passed at a row; 0 where nothing is known of it.
     #[must_use]
-    pub fn at(&self, row: &Row) -> f64 {
-        let hours = row.time.unwrap_or(0.0) / 3600.0;
+    pub fn at(self, row: &Row) -> f64 {
         match self {
-            Self::Time => hours,
-            Self::Settling(settling) => -(-hours / settling).exp_m1(),
+            Self::Time => row.time.unwrap_or(0.0) / 3600.0,
             Self::Rows => row.order.unwrap_or(0.0) / 1000.0,
         }
+    }
+
+    /// A drift that goes on with it.
+    #[must_use]
+    pub const fn goes_on(self) -> Course {
+        Course { clock: self, settling: None }
+    }
+
+    /// One that settles.
+    #[must_use]
+    pub const fn settles(self, settling: f64) -> Course {
+        Course { clock: self, settling: Some(settling) }
+    }
+}
+
+impl Course {
+    /// How far it has come at a row.
+    #[must_use]
+    pub fn at(&self, row: &Row) -> f64 {
+        self.after(self.clock.at(row))
+    }
+
+    /// How far it has come when so much has passed.
+    #[must_use]
+    pub fn after(&self, passed: f64) -> f64 {
+        self.settling.map_or(passed, |settling| -(-passed / settling).exp_m1())
     }
 }
 
@@ -162,14 +193,16 @@ impl ModelTerm {
     pub fn unit(&self, kinds: &[JointKind]) -> &'static str {
         match self {
             Self::Arm(term) => term.unit(kinds),
-            Self::Drift { component, course, .. } => match (course, *component < 3) {
-                (Course::Time, true) => "rad/h",
-                (Course::Time, false) => "m/h",
-                (Course::Settling(_), true) => "rad",
-                (Course::Settling(_), false) => "m",
-                (Course::Rows, true) => "rad/1000 rows",
-                (Course::Rows, false) => "m/1000 rows",
-            },
+            Self::Drift { component, course, .. } => {
+                match (course.settling, course.clock, *component < 3) {
+                    (Some(_), _, true) => "rad",
+                    (Some(_), _, false) => "m",
+                    (None, Clock::Time, true) => "rad/h",
+                    (None, Clock::Time, false) => "m/h",
+                    (None, Clock::Rows, true) => "rad/1000 rows",
+                    (None, Clock::Rows, false) => "m/1000 rows",
+                }
+            }
             Self::Lag { .. } => "rad",
             Self::Remount { .. } => "m",
         }

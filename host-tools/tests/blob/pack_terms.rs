@@ -8,7 +8,7 @@ use truearm::effects::{Effect, Term};
 use truearm_host::blob::describe;
 use truearm_host::blob::{notes, pack};
 use truearm_host::identify::{Options, identify};
-use truearm_host::model::{Course, Measurements, Model, ModelTerm, Robot};
+use truearm_host::model::{Clock, Measurements, Model, ModelTerm, Robot};
 
 fn term(effect: Effect, joint: u8, order: f64) -> ModelTerm {
     let coefficient = 1.5e-5;
@@ -26,7 +26,7 @@ fn model() -> Model {
     model.robot.reference_temperature = 22.5;
     model.terms = vec![
         term(Effect::JointCompliance, 1, 0.0),
-        ModelTerm::Drift { component: 4, course: Course::Time, coefficient: 1e-4 },
+        ModelTerm::Drift { component: 4, course: Clock::Time.goes_on(), coefficient: 1e-4 },
         term(Effect::JointPeriodicError, 2, 3.15),
         term(Effect::Backlash, 0, 2.5),
         ModelTerm::Remount { series: "2".into(), axis: 0, coefficient: 1e-4 },

@@ -1,6 +1,7 @@
 //! Dirty sets: several effects at once, noise misstated, poses as people choose
 //! them.
 
+pub mod outside;
 pub mod reliability;
 pub mod score;
 pub mod set;

@@ -8,6 +8,7 @@ mod fleet;
 mod instruments;
 mod lambda;
 mod lines;
+mod outside;
 mod planning;
 mod power;
 mod reproduce;
@@ -45,6 +46,8 @@ pub enum Study {
     Fleet(fleet::Options),
     /// Lines of unknown order at any number of rows: are there others than the true ones?
     Lines(lines::Options),
+    /// Effects outside the repertoire: is it said what errs, and with what?
+    Outside(outside::Options),
     /// Rules for lambda: how much worse than the best one?
     Lambda(lambda::Options),
     /// Two effects look alike: is it said, and do the proposed poses tell?
@@ -66,6 +69,7 @@ pub fn run(study: &Study) -> Result {
         Study::Planning(options) => planning::run(options),
         Study::Fleet(options) => fleet::run(options),
         Study::Lines(options) => lines::run(options),
+        Study::Outside(options) => outside::run(options),
         Study::Lambda(options) => lambda::run(options),
         Study::Ties(options) => ties::run(options),
         Study::Warming(options) => warming::run(options),

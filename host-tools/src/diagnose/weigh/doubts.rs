@@ -6,6 +6,7 @@ use serde::Serialize;
 use truearm::effects::Effect;
 
 use super::nameless::Nameless;
+use super::weighed::Unnamed;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::Moments;
 use crate::diagnose::question::Question;
@@ -59,7 +60,7 @@ pub fn of(
     q: &Question,
     rows: &[usize],
     candidate: &Candidate,
-    nameless: &[(Nameless, f64)],
+    nameless: &[Unnamed],
 ) -> Option<Doubt> {
     let problem = q.problem;
     let [joint] = candidate.joints()[..] else { return None };
@@ -73,8 +74,7 @@ pub fn of(
     let lag = matches!(candidate.terms[..], [ModelTerm::Lag { .. }]);
     let of_a_move = [Effect::Backlash, Effect::JointGain].map(|effect| effect.name());
     if lag || of_a_move.contains(&candidate.name()) {
-        let own =
-            |(what, p): &(Nameless, f64)| *what == Nameless::Memory { joint } && *p >= BELIEVED;
+        let own = |u: &Unnamed| u.what == Nameless::Memory { joint } && u.probability >= BELIEVED;
         return nameless.iter().any(own).then_some(Doubt::Memory);
     }
     let highest = candidate.terms.iter().filter_map(|t| t.order()).fold(0.0, f64::max);

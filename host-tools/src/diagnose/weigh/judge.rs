@@ -4,12 +4,11 @@ use rayon::prelude::*;
 
 use super::doubts::{self, Doubt};
 use super::halves;
-use super::nameless::Nameless;
 use super::partial_fits::{Explained, FOLD};
-use super::possible::{NAMELESS, Possible, What, listed};
+use super::possible::{NAMELESS, What, listed};
 use super::row_parts::{Parts, joined};
 use super::sheet::ByCurves;
-use super::weighed::{Named, Weighed};
+use super::weighed::{Named, Unnamed, Weighed};
 use crate::diagnose::candidates::{Candidate, arm_terms};
 use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;
@@ -30,14 +29,24 @@ pub fn answer(
     let claims = found.posterior.claims();
     let halves = halves::all(of, found.scale, parts, grams);
     let mut names = Vec::new();
-    let mut nameless: Vec<(Nameless, f64)> = Vec::new();
+    let mut nameless: Vec<Unnamed> = Vec::new();
+    let geometry = joined(grams.iter(), of.sheet.size());
+    let whole = of.part(geometry, found.scale);
     for (claim, probability) in claims {
         if probability < POLICY.worth_a_word {
             continue;
         }
-        let claimed = |p: &&Possible| Claim::from(&p.entry) == claim;
-        match of.possible.iter().find(claimed).map(|p| &p.what) {
-            Some(What::Nameless(what)) => nameless.push((*what, probability)),
+        let holds = |m: &usize| Claim::from(&of.possible[*m].entry) == claim;
+        // Of several ways to be there, the one of the most probable model.
+        let models = found.posterior.models.iter();
+        let member = models.flat_map(|(members, _)| members).copied().find(holds);
+        match member.map(|m| &of.possible[m].what) {
+            Some(What::Nameless(what)) => {
+                let (half_gain, _) = halves::of_claim(of, claim, found, &halves);
+                let own = found.best.members.iter().position(|m| Some(*m) == member);
+                let coefficients = own.map(|k| whole.block(&found.best, k));
+                nameless.push(Unnamed { what: *what, probability, half_gain, coefficients });
+            }
             Some(What::Effect(candidate)) => {
                 let (half_gain, replicated) = halves::of_claim(of, claim, found, &halves);
                 let named = Named {

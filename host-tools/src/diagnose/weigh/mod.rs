@@ -16,6 +16,7 @@ mod rescan;
 mod row_parts;
 pub mod scan;
 mod scattering;
+mod screen;
 mod search_result;
 mod settled;
 mod settling;
@@ -41,6 +42,7 @@ use lines::Held;
 pub use nameless::Nameless;
 use partial_fits::{EFFORT, Explained, FIRST};
 use possible::{Numbers, Possible, listed, revolute};
+pub use screen::Follows;
 use search_result::Searched;
 use settled::{With, settled};
 use sheet::Sheet;
@@ -48,7 +50,7 @@ pub use sheet::Weights;
 use start::Start;
 pub use start::with_curves;
 use unweighed_springs::sprung;
-pub use weighed::{Curved, Named, Stage, Weighed};
+pub use weighed::{Curved, Named, Stage, Unnamed, Weighed};
 pub use weights::scatter;
 
 /// Rounds of linearising and weighing.
@@ -252,6 +254,7 @@ fn candidates(
         &mut numbers,
     ));
     out.extend(slips::offered(q.problem, rows, &columns, &mut numbers));
+    out.extend(screen::offered(q.problem, rows, &columns, &mut numbers));
     let joints = revolute(q.problem);
     for (nameless, tried) in Nameless::all(q.problem, &joints, POLICY.wobbles) {
         out.push(numbers.nameless(nameless, tried));

@@ -6,6 +6,7 @@
 use nalgebra::Vector3;
 use truearm::effects::Term;
 
+use super::screen::Follows;
 use crate::effects::{Offer, courses, growing};
 use crate::identify::Problem;
 use crate::model::arm::{Derivatives, RowInputs};
@@ -63,6 +64,8 @@ pub enum Nameless {
         /// First row after it, counted from 0.
         row: usize,
     },
+    /// A part errs as something recorded goes.
+    Follows(Follows),
 }
 
 impl Nameless {
@@ -114,6 +117,7 @@ impl Nameless {
             | Self::Slip { joint, .. } => Some(*joint),
             Self::Growth { grown, .. } => grown.own_joint().map(usize::from),
             Self::Reseated { .. } | Self::Shifted { .. } => None,
+            Self::Follows(follows) => follows.part.joint(),
         }
     }
 
@@ -129,6 +133,7 @@ impl Nameless {
             Self::Reseated { .. } => 5,
             Self::Shifted { .. } => 6,
             Self::Growth { .. } => 7,
+            Self::Follows(follows) => 8 + follows.number(),
         }
     }
 
@@ -146,6 +151,7 @@ impl Nameless {
             Self::Memory { .. } | Self::Creep { .. } | Self::Slip { .. } | Self::Growth { .. } => 1,
             Self::Reseated { .. } => 3,
             Self::Shifted { .. } => 6,
+            Self::Follows(follows) => follows.count(),
         }
     }
 
@@ -160,7 +166,7 @@ impl Nameless {
 
     /// What it says.
     #[must_use]
-    pub fn words(&self) -> String {
+    pub fn words(&self, problem: &Problem) -> String {
         let joint = self.joint().map_or(0, |joint| joint + 1);
         match self {
             Self::Wobble { times, .. } => {
@@ -187,6 +193,7 @@ impl Nameless {
             Self::Shifted { row } => {
                 format!("the arm, or what measures it, stands elsewhere from row {} on", row + 1)
             }
+            Self::Follows(follows) => follows.words(problem),
         }
     }
 
@@ -219,6 +226,7 @@ impl Nameless {
             Self::Reseated { row } => d.tool.iter().map(|way| way * after(row)).collect(),
             Self::Shifted { row } => d.base.iter().map(|way| way * after(row)).collect(),
             Self::Creep { joint, course } => vec![moved(joint) * course.at(row)],
+            Self::Follows(follows) => follows.columns(problem, index, d),
             Self::Growth { grown, course } => {
                 let warm = RowInputs { warmth: course.at(row), ..RowInputs::default() };
                 vec![d.column(&grown, &warm, &row.q, &problem.nominal)]

@@ -1,6 +1,6 @@
 //! What candidates explain with coefficients fitted to any part of the rows.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::possible::{Possible, columns_of};
 use super::sheet::{Sheet, Solution};
@@ -37,6 +37,14 @@ pub struct Part {
     gram: Gram,
     geometry: Geometry,
     subsets: Subsets,
+}
+
+impl Part {
+    /// Coefficients of the `k`-th member of a subset and their covariance, in SI.
+    #[must_use]
+    pub fn block(&self, subset: &Subset, k: usize) -> (DVector<f64>, DMatrix<f64>) {
+        self.subsets.block(subset, k)
+    }
 }
 
 impl Explained<'_, '_> {

@@ -1,8 +1,9 @@
 //! What geometry leaves of each column: ready for lines and steps of unknown place.
 
-use nalgebra::Vector3;
+use nalgebra::{DVector, Vector3};
 
 use super::possible::revolute;
+use super::screen::Part;
 use super::sheet::{Sheet, Weights};
 use crate::evidence::lines::JointColumn;
 use crate::identify::{Problem, State};
@@ -17,7 +18,29 @@ pub struct Columns {
     pub target: Vec<JointColumn>,
     /// The base about and along its axes, without joint values.
     pub base: Vec<JointColumn>,
+    /// The parts that may err with a covariate and are none of these, way after way.
+    parts: Vec<(Part, Vec<JointColumn>)>,
 }
+
+impl Columns {
+    /// Each way of a part; none of a joint that does not turn.
+    #[must_use]
+    pub fn of(&self, part: Part) -> Vec<&JointColumn> {
+        match part {
+            Part::Joint(joint) => {
+                self.joints.iter().filter(|(j, _)| *j == joint).map(|(_, c)| c).collect()
+            }
+            Part::Shift => self.base[3..].iter().collect(),
+            Part::Target => self.target.iter().collect(),
+            other => {
+                self.parts.iter().filter(|(p, _)| *p == other).flat_map(|(_, ways)| ways).collect()
+            }
+        }
+    }
+}
+
+/// Parts whose ways are scanned for nothing else.
+const PARTS: [Part; 4] = [Part::Lean, Part::Azimuth, Part::Elevation, Part::Distance];
 
 /// All at the rows. A noise scale of 0 is not known yet.
 #[must_use]
@@ -36,10 +59,15 @@ pub fn columns(
     let joints = revolute(problem);
     let ways = |d: &Derivatives| -> Vec<Vector3<f64>> {
         let turned = |j: &usize| *d.links[*j].joint(problem.nominal[*j].kind);
-        joints.iter().map(turned).chain(d.tool).chain(d.base).collect()
+        let parts = PARTS.iter().flat_map(|part| part.moves(problem, d));
+        joints.iter().map(turned).chain(d.tool).chain(d.base).chain(parts).collect()
     };
-    let count = joints.len() + TARGET + BASE;
-    let mut all = bare.along(rows, (count, &ways), &geometry, scale);
+    let own = joints.len() + TARGET + BASE;
+    let count = own + PARTS.iter().map(|part| part.ways()).sum::<usize>();
+    let mean = geometry.mean(&gram, &DVector::zeros(0));
+    let mut all = bare.along(rows, (count, &ways), (&geometry, &mean), scale);
+    let mut rest = all.split_off(own).into_iter();
+    let parts = PARTS.map(|part| (part, rest.by_ref().take(part.ways()).collect())).into();
     let base = all.split_off(joints.len() + TARGET);
     let target = all.split_off(joints.len());
     let data = &problem.data.rows;
@@ -48,7 +76,7 @@ pub fn columns(
         (joint, JointColumn { q: stood.iter().map(|r| data[*r].q[joint]).collect(), ..column })
     };
     let joints = joints.into_iter().zip(all).map(with_values).collect();
-    Columns { joints, target, base }
+    Columns { joints, target, base, parts }
 }
 
 /// Axes that the target moves along.

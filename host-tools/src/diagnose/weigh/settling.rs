@@ -10,15 +10,17 @@ const BESIDE: [f64; 5] = [0.7, 0.84, 1.0, 1.19, 1.43];
 /// The drifts of a fitted model and those with other times, but for what is offered anyway.
 pub fn near(added: &[Candidate], offered: &[Candidate]) -> impl Iterator<Item = Candidate> {
     let drifts = added.iter().filter_map(|candidate| match candidate.terms.first() {
-        Some(ModelTerm::Drift { course: Course::Settling(hours), .. }) => Some((candidate, *hours)),
+        Some(ModelTerm::Drift { course: Course { clock, settling: Some(settling) }, .. }) => {
+            Some((candidate, *clock, *settling))
+        }
         _ => None,
     });
-    let all = drifts.flat_map(|(candidate, hours)| {
+    let all = drifts.flat_map(|(candidate, clock, settling)| {
         BESIDE.map(|times| {
             let mut other = candidate.clone();
             for term in &mut other.terms {
                 if let ModelTerm::Drift { course, .. } = term {
-                    *course = Course::Settling(hours * times);
+                    *course = clock.settles(settling * times);
                 }
                 *term.coefficient_mut() = 0.0;
             }

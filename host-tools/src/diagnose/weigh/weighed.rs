@@ -1,5 +1,7 @@
 //! What weighing says.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::doubts::Doubt;
 use super::nameless::Nameless;
 use super::sheet::ByCurves;
@@ -25,14 +27,28 @@ pub struct Named {
     pub doubt: Option<Doubt>,
 }
 
+/// Structure without a name, and what speaks for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unnamed {
+    /// What it is.
+    pub what: Nameless,
+    /// That it is there.
+    pub probability: f64,
+    /// As of [`Named`].
+    pub half_gain: [f64; 2],
+    /// Coefficients in the most probable model and their covariance, SI; none where it is
+    /// not in that.
+    pub coefficients: Option<(DVector<f64>, DMatrix<f64>)>,
+}
+
 /// The answer.
 pub struct Weighed {
     /// The most probable model, fitted.
     pub best: Node,
     /// Its names, and others that have some probability.
     pub names: Vec<Named>,
-    /// Structure without a name, with probability.
-    pub nameless: Vec<(Nameless, f64)>,
+    /// Structure without a name.
+    pub nameless: Vec<Unnamed>,
     /// The most probable models that make other claims, with their odds to the
     /// best one.
     pub rivals: Vec<(Vec<Candidate>, f64)>,

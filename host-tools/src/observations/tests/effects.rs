@@ -12,7 +12,7 @@ use truearm_simulate::robots::ALL;
 use super::super::measuring;
 use super::{cell, read, start};
 use crate::identify::{Problem, Scaling, State};
-use crate::model::{Course, Form, Measurements, ModelTerm, Robot};
+use crate::model::{Clock, Form, Measurements, ModelTerm, Robot};
 
 /// Six and seven joints, with weight.
 fn arms() -> [Robot; 2] {
@@ -54,7 +54,7 @@ fn terms(joints: u8, rng: &mut ChaCha8Rng) -> Vec<ModelTerm> {
             out.push(ModelTerm::Arm(term));
         }
     }
-    let course = Course::Settling(0.5);
+    let course = Clock::Time.settles(0.5);
     let drift = |component| ModelTerm::Drift { component, course, coefficient: 0.0 };
     out.extend((0..6).map(drift));
     let remount = |axis| ModelTerm::Remount { series: "b".to_owned(), axis, coefficient: 0.0 };
@@ -183,7 +183,7 @@ fn columns_beside_what_already_moves() {
         let mut state = start(&problem, &robot);
         let drift = |component, coefficient| ModelTerm::Drift {
             component,
-            course: Course::Time,
+            course: Clock::Time.goes_on(),
             coefficient,
         };
         let lag = ModelTerm::Lag { joint: 3, coefficient: 4e-4 };

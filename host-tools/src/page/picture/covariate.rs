@@ -6,7 +6,7 @@ use truearm::effects::{ActsOn, Order, Term, time_constant};
 use super::super::numbers::period;
 use super::Seen;
 use crate::model::arm::RowInputs;
-use crate::model::{Course, ModelTerm};
+use crate::model::{Clock, ModelTerm};
 use crate::units::{duration, joint_from_file, joint_to_file, joint_unit};
 
 /// Cycles a turn above which one cycle is shown in place of a turn.
@@ -32,7 +32,7 @@ pub enum Covariate {
     /// Side from which a joint came to rest.
     Arrival(usize),
     /// How far the session has come, in what a drift goes with.
-    Session(Course),
+    Session(Clock),
     /// Series of measurements.
     Series,
 }
@@ -42,7 +42,7 @@ impl Covariate {
     pub fn of(term: &ModelTerm) -> Self {
         let term = match term {
             ModelTerm::Arm(term) => term,
-            ModelTerm::Drift { course, .. } => return Self::Session(*course),
+            ModelTerm::Drift { course, .. } => return Self::Session(course.clock),
             ModelTerm::Lag { joint, .. } => return Self::Arrival(*joint),
             ModelTerm::Remount { .. } => return Self::Series,
         };
@@ -83,8 +83,8 @@ impl Covariate {
             }
             Self::Side(t) => format!("side of its gap on which joint {} rests", t.joint + 1),
             Self::Arrival(j) => format!("side that joint {} came to rest moving to", j + 1),
-            Self::Session(Course::Rows) => "number in the session, thousands of rows".to_owned(),
-            Self::Session(_) => "time, hours".to_owned(),
+            Self::Session(Clock::Rows) => "number in the session, thousands of rows".to_owned(),
+            Self::Session(Clock::Time) => "time, hours".to_owned(),
             Self::Series => String::new(),
         }
     }
@@ -103,8 +103,7 @@ impl Covariate {
             Self::Side(term) => place(inputs.basis(&of.q, term)),
             Self::Arrival(j) => of.directions.get(*j).map_or(f64::NAN, |d| place(f64::from(*d))),
             // A base that settles is shown against time, as one that drifts.
-            Self::Session(Course::Rows) => Course::Rows.at(of),
-            Self::Session(_) => Course::Time.at(of),
+            Self::Session(clock) => clock.at(of),
             Self::Series => {
                 let place =
                     seen.conditions.series.iter().position(|s| Some(s) == of.series.as_ref());
@@ -117,10 +116,7 @@ impl Covariate {
     pub fn basis(&self, term: &ModelTerm, x: f64, seen: &Seen) -> f64 {
         match term {
             ModelTerm::Arm(term) => self.basis_of_arm(term, x, seen),
-            ModelTerm::Drift { course, .. } => match course {
-                Course::Settling(settling) => -(-x / settling).exp_m1(),
-                Course::Time | Course::Rows => x,
-            },
+            ModelTerm::Drift { course, .. } => course.after(x),
             ModelTerm::Lag { .. } => side(x),
             ModelTerm::Remount { series, .. } => {
                 let place = seen.conditions.series.iter().position(|s| s == series);

@@ -9,7 +9,7 @@ use super::super::numbers::{cycles, period};
 use super::{Seen, covariate::Covariate};
 use crate::diagnose::Effect;
 use crate::identify::measurement_column;
-use crate::model::{CURVE, Course, JointTables, ModelTerm};
+use crate::model::{CURVE, Clock, JointTables, ModelTerm};
 use crate::statistics::median;
 use crate::units::{MICRO, MILLI};
 
@@ -130,7 +130,7 @@ fn action(seen: &Seen, term: &ModelTerm) -> Vec<Vector3<f64>> {
         ModelTerm::Drift { component, .. } => {
             let row = &seen.on.data.rows[seen.kept[k]];
             let hour = crate::model::Row { time: Some(3600.0), ..row.clone() };
-            let (component, course) = (*component, Course::Time);
+            let (component, course) = (*component, Clock::Time.goes_on());
             let whole = ModelTerm::Drift { component, course, coefficient: 1.0 };
             measurement_column(&whole, &hour, d)
         }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use super::Seen;
 use super::covariate::Covariate;
-use crate::model::Course;
+use crate::model::Clock;
 use crate::statistics::median;
 use crate::units::MILLI;
 
@@ -90,9 +90,9 @@ fn covariates(seen: &Seen, joints: usize) -> Vec<Covariate> {
         covariates.extend((0..joints).map(Covariate::Torque));
     }
     if seen.conditions.time {
-        covariates.push(Covariate::Session(Course::Time));
+        covariates.push(Covariate::Session(Clock::Time));
     } else if seen.conditions.ordered {
-        covariates.push(Covariate::Session(Course::Rows));
+        covariates.push(Covariate::Session(Clock::Rows));
     }
     if seen.conditions.temperature {
         covariates.push(Covariate::Warmth(0.0));

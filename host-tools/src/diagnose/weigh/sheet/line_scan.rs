@@ -1,11 +1,12 @@
 //! What a scan for lines and steps needs.
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
 use super::{Sheet, counted};
 use crate::evidence;
 use crate::evidence::lines::JointColumn;
+use crate::model::Values;
 use crate::model::arm::Derivatives;
 use crate::observations::postures;
 
@@ -14,7 +15,9 @@ pub type Ways<'w> = dyn Fn(&Derivatives) -> Vec<Vector3<f64>> + Sync + 'w;
 
 impl Sheet<'_> {
     /// How the target moves along each of `count` ways wherever the arm stood, in the order
-    /// of [`postures`], and the residual along it; without joint values. All ways in one
+    /// of [`postures`], and along it what the most probable geometry, `mean`, leaves (rows may
+    /// have other weights than in the last fit, and what geometry imitates must be nothing
+    /// by these); without joint values. All ways in one
     /// pass of the rows, whose equations cost more than the ways. What both ends of a pair
     /// have in common is left to the evidence: of many it is nothing on the average. Readings
     /// of a pose count as in the Gram matrix that `geometry` is of.
@@ -23,7 +26,7 @@ impl Sheet<'_> {
         &self,
         rows: &[usize],
         (count, ways): (usize, &Ways),
-        geometry: &evidence::Geometry,
+        (geometry, mean): (&evidence::Geometry, &DVector<f64>),
         scale: f64,
     ) -> Vec<JointColumn> {
         let p = self.problem.unknowns.list().len();
@@ -40,7 +43,8 @@ impl Sheet<'_> {
                 ways.chain(self.scattered(*index, i, d)).collect()
             };
             let e = self.at.equations_beside(*index, &beside);
-            let residual = e.scaled_residual();
+            let explained = e.block.columns(0, p) * mean;
+            let residual = Values::from_fn(e.rhs.len(), |c| e.rhs[c] - explained[c]);
             let (block, residual) = self.beside_scatter(e.block, residual, ends.len());
             let weight = (self.weights.rows[*index] * counts).sqrt();
             let moved = block.columns(p, ends.len() * count) * (weight / scale);

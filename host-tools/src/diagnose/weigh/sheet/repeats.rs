@@ -1,7 +1,7 @@
 //! Rows that are readings of one target in one pose from one station.
 
 use crate::identify::Problem;
-use crate::model::{Course, ModelTerm};
+use crate::model::ModelTerm;
 use crate::observations::Reading;
 
 /// Places of rows that are readings of one pose, a list each.
@@ -23,7 +23,7 @@ pub fn differs(term: &ModelTerm) -> bool {
             let state = effect.needs_approach() || effect.needs_warmth() || term.needs_torque();
             state && term.order == 0.0
         }
-        ModelTerm::Drift { course, .. } => matches!(course, Course::Time | Course::Rows),
+        ModelTerm::Drift { course, .. } => course.settling.is_none(),
         ModelTerm::Lag { .. } | ModelTerm::Remount { .. } => true,
     }
 }

@@ -1,0 +1,127 @@
+//! A part of the cell that may err, and how the target then moves.
+
+use nalgebra::Vector3;
+
+use crate::identify::Problem;
+use crate::model::arm::Derivatives;
+
+/// A part; joints are counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The value of a joint is off.
+    Joint(usize),
+    /// The base leans about its x and y.
+    Lean,
+    /// The base shifts.
+    Shift,
+    /// The target moves on the flange.
+    Target,
+    /// The azimuth of the instrument, about the z axis of the frame it measures in.
+    Azimuth,
+    /// Its elevation.
+    Elevation,
+    /// Its distance.
+    Distance,
+}
+
+impl Part {
+    /// All of an arm whose points an instrument sees, or not.
+    pub fn all(joints: usize, seen: bool) -> impl Iterator<Item = Self> {
+        let instrument = [Self::Azimuth, Self::Elevation, Self::Distance];
+        let instrument = instrument.into_iter().filter(move |_| seen);
+        (0..joints)
+            .map(Self::Joint)
+            .chain([Self::Lean, Self::Shift, Self::Target])
+            .chain(instrument)
+    }
+
+    /// Number of the kind.
+    #[must_use]
+    pub fn number(self) -> usize {
+        match self {
+            Self::Joint(_) => 0,
+            Self::Lean => 1,
+            Self::Shift => 2,
+            Self::Target => 3,
+            Self::Azimuth => 4,
+            Self::Elevation => 5,
+            Self::Distance => 6,
+        }
+    }
+
+    /// Its joint, counted from 0.
+    #[must_use]
+    pub fn joint(self) -> Option<usize> {
+        if let Self::Joint(joint) = self { Some(joint) } else { None }
+    }
+
+    /// How many ways it can go.
+    #[must_use]
+    pub fn ways(self) -> usize {
+        match self {
+            Self::Lean => 2,
+            Self::Shift | Self::Target => 3,
+            _ => 1,
+        }
+    }
+
+    /// How the target moves along each, m per rad or m.
+    #[must_use]
+    pub fn moves(self, problem: &Problem, d: &Derivatives) -> Vec<Vector3<f64>> {
+        let p = d.point;
+        let flat = Vector3::new(p.x, p.y, 0.0);
+        match self {
+            Self::Joint(joint) => vec![*d.links[joint].joint(problem.nominal[joint].kind)],
+            Self::Lean => d.about[..2].to_vec(),
+            Self::Shift => d.base[3..].to_vec(),
+            Self::Target => d.tool.to_vec(),
+            Self::Azimuth => vec![Vector3::new(-p.y, p.x, 0.0)],
+            // Right above the instrument no direction is up.
+            Self::Elevation => {
+                let out = flat.try_normalize(0.0).unwrap_or_default();
+                vec![Vector3::z() * flat.norm() - out * p.z]
+            }
+            Self::Distance => vec![p.try_normalize(0.0).unwrap_or_default()],
+        }
+    }
+
+    /// As in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Joint(_) => "joint",
+            Self::Lean => "base tilt",
+            Self::Shift => "base",
+            Self::Target => "target",
+            Self::Azimuth => "azimuth",
+            Self::Elevation => "elevation",
+            Self::Distance => "distance",
+        }
+    }
+
+    /// What it does, in a sentence.
+    #[must_use]
+    pub fn words(self) -> String {
+        match self {
+            Self::Joint(joint) => format!("joint {} is off", joint + 1),
+            Self::Lean => "the base leans".to_owned(),
+            Self::Shift => "the base shifts".to_owned(),
+            Self::Target => "the target moves on the flange".to_owned(),
+            Self::Azimuth => "the azimuth of the instrument errs".to_owned(),
+            Self::Elevation => "the elevation of the instrument errs".to_owned(),
+            Self::Distance => "the distance of the instrument errs".to_owned(),
+        }
+    }
+
+    /// The axis of each way, and its unit in reports with what SI is multiplied by.
+    #[must_use]
+    pub fn axes(self, slides: bool) -> (&'static [&'static str], f64, &'static str) {
+        match self {
+            Self::Joint(_) if slides => (&[""], 1e3, "mm"),
+            Self::Joint(_) | Self::Azimuth | Self::Elevation => (&[""], 1e3, "mrad"),
+            Self::Lean => (&["x", "y"], 1e3, "mrad"),
+            Self::Shift | Self::Target => (&["x", "y", "z"], 1e3, "mm"),
+            Self::Distance => (&[""], 1e3, "mm"),
+        }
+    }
+}
