@@ -25,7 +25,7 @@ mod verdict;
 pub mod weigh;
 mod white;
 
-pub use described::Described;
+pub use described::{Described, ErrorCourse};
 pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Verdict, said};
 pub use tell::{instead, late, otherwise, place};
 pub use weigh::Doubt;

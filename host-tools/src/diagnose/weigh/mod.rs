@@ -150,7 +150,7 @@ fn replicated(
 /// Rounds of linearising, weighing and fitting until nothing changes.
 fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Result<Searched> {
     let Start { mut node, curves, mut bent, mut scale, mut refused, lines, .. } = start;
-    let Start { closed, scattering, even, .. } = start;
+    let Start { closed, scattering, even, mut nameless, .. } = start;
     let lambda = q.flags.lambda;
     let mut held = [lines::of(&node.added), lines].concat();
     let mut round = 0;
@@ -159,7 +159,8 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let problem = bent.problem(q.problem);
         let asked = Question { problem: &problem, ..*q };
         let (state, rows) = (node.fit.fit.state.clone(), node.fit.kept.clone());
-        let mut weights = weights::after(&problem, &node, &scattering);
+        let mut weights =
+            weights::after(&nameless::without(&problem, &state, &nameless), &node, &scattering);
         if even && round == 1 {
             weights.rows.fill(1.0);
         }
@@ -179,7 +180,12 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         progress();
         scale = found.scale;
         let added = cloned(&possible, &found.best.members);
-        let same = are(&added, &node.added);
+        let without_name = possible::nameless(&possible, &found);
+        let same = are(&added, &node.added) && possible::same(&without_name, &nameless);
+        nameless = without_name;
+        // What has a name is fitted without it, and rows that it moves far are no tails.
+        let apart = nameless::without(q.problem, &state, &nameless);
+        let apart = Question { problem: &apart, ..*q };
         held = lines::of(&added);
         let geometry = whole.geometry(&precision, scale);
         let all = Explained { q, possible: &possible, sheet: &sheet, precision: &precision };
@@ -193,13 +199,13 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         bent = before.towards(&next, if still { 0.0 } else { 1.0 });
         if still {
             let with = With { weights: &weights, scale };
-            (node, bent) = settled(q, &added, &state, bent, with)?;
+            (node, bent) = settled(&apart, &added, &state, bent, with)?;
         } else if !same || !curves.is_empty() {
-            let problem = bent.problem(q.problem);
+            let problem = bent.problem(apart.problem);
             node = fitted(&Question { problem: &problem, ..*q }, added, &state)?;
         }
         let moved = bent.moved_from(&before);
-        let problem = bent.problem(q.problem);
+        let problem = bent.problem(apart.problem);
         let asked = Question { problem: &problem, ..*q };
         let bad = node.implausible(&problem.conditions);
         let again = !bad.is_empty() && round < ROUNDS + REFUSALS;

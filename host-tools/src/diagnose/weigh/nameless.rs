@@ -3,14 +3,17 @@
 //! the evidence so that no listed name is forced on it, and it is what a report
 //! describes.
 
-use nalgebra::Vector3;
+use std::sync::Arc;
+
+use nalgebra::{DVector, Vector3};
+use rayon::prelude::*;
 use truearm::effects::Term;
 
 use super::screen::Follows;
 use crate::effects::{Offer, courses, growing};
-use crate::identify::Problem;
+use crate::identify::{Problem, State};
 use crate::model::arm::{Derivatives, RowInputs};
-use crate::model::{Course, ModelTerm};
+use crate::model::{Course, ModelTerm, Values};
 
 /// An action of a joint and what it goes with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -233,6 +236,35 @@ impl Nameless {
             }
         }
     }
+}
+
+/// With its coefficients, SI.
+pub type Held = (Nameless, DVector<f64>);
+
+/// How the target of a row is moved by all of it.
+#[must_use]
+pub fn moved(held: &[Held], problem: &Problem, index: usize, d: &Derivatives) -> Vector3<f64> {
+    let of = |(what, by): &Held| {
+        let columns = what.columns(problem, index, d);
+        columns.iter().zip(by.iter()).map(|(column, c)| column * *c).sum::<Vector3<f64>>()
+    };
+    held.iter().map(of).sum()
+}
+
+/// The problem without it: what it does to rows at a state is set aside.
+#[must_use]
+pub fn without<'a>(problem: &Problem<'a>, state: &State, held: &[Held]) -> Problem<'a> {
+    if held.is_empty() {
+        return problem.clone();
+    }
+    let at = problem.linearise(state);
+    let of_row = |row: usize| {
+        let e = at.equations_beside(row, &|i, d| vec![moved(held, problem, i, d)]);
+        let last = e.block.ncols() - 1;
+        Values::from_fn(e.scale.len(), |c| e.block[(c, last)] * e.scale[c])
+    };
+    let rows = (0..problem.data.rows.len()).into_par_iter().map(of_row).collect();
+    Problem { aside: Arc::new(rows), ..problem.clone() }
 }
 
 /// How the target moves when the link behind a joint bends about its x and y: with the

@@ -3,15 +3,15 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Vector3;
+use nalgebra::{DVector, Vector3};
 use truearm::JointKind;
 
 use super::joint_curves::Curve;
-use super::nameless::Nameless;
+use super::nameless::{self, Nameless};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments;
 use crate::evidence::lines::Line;
-use crate::evidence::{self, lines, prior};
+use crate::evidence::{self, Coefficient, Explanation, lines, prior};
 use crate::identify::{Problem, measurement_column};
 use crate::model::ModelTerm;
 use crate::model::arm::Derivatives;
@@ -209,6 +209,27 @@ pub fn listed<'p>(possible: &'p [Possible], members: &[usize]) -> Vec<&'p Candid
         What::Nameless(_) => None,
     };
     members.iter().filter_map(of).collect()
+}
+
+/// What the most probable model has that has no name.
+#[must_use]
+pub fn nameless(possible: &[Possible], found: &Explanation) -> Vec<nameless::Held> {
+    let each = found.best.members.iter().zip(&found.coefficients);
+    let of = |(m, coefficients): (&usize, &Vec<Coefficient>)| match &possible[*m].what {
+        What::Nameless(what) => {
+            let values = coefficients.iter().map(|c| c.value);
+            Some((*what, DVector::from_iterator(coefficients.len(), values)))
+        }
+        What::Effect(_) => None,
+    };
+    each.filter_map(of).collect()
+}
+
+/// Whether both are of the same kinds at the same places.
+#[must_use]
+pub fn same(a: &[nameless::Held], b: &[nameless::Held]) -> bool {
+    let place = |(what, _): &nameless::Held| (what.kind(), what.joint(), what.part());
+    a.len() == b.len() && a.iter().all(|own| b.iter().any(|other| place(own) == place(other)))
 }
 
 /// Columns of all candidates together.

@@ -39,7 +39,7 @@ fn fitted_to_scatter(candidate: &candidates::Candidate) -> bool {
 #[must_use]
 pub fn next(q: &Question, found: &Searched) -> Option<usize> {
     let known: Vec<usize> = found.weights.scattering.iter().map(|s| s.0).collect();
-    let problem = found.bent.problem(q.problem);
+    let problem = found.problem(q);
     let members = members_of(&found.possible, &found.best);
     let compared = Compared { q, found, problem: &problem };
     let plain = weights::after(&problem, &found.best, &known);

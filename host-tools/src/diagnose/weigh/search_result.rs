@@ -3,8 +3,9 @@
 use super::joint_curves::Curve;
 use super::joint_curves::worth;
 use super::judge;
+use super::nameless;
 use super::partial_fits::Explained;
-use super::possible::Possible;
+use super::possible::{self, Possible};
 use super::row_parts::{Parts, joined};
 use super::sheet::{Scattered, Sheet, Weights};
 use super::start::{Bent, Start};
@@ -15,7 +16,7 @@ use crate::diagnose::question::Question;
 use crate::diagnose::weigh::joint_curves::choice::{self, Chosen};
 use crate::error::Result;
 use crate::evidence::Explanation;
-use crate::identify::State;
+use crate::identify::{Problem, State};
 
 /// Where it ends: what was weighed in the last round, and the fit of what it found.
 pub struct Searched {
@@ -47,7 +48,19 @@ impl Searched {
             closed: self.closed.clone(),
             scattering: self.weights.scattering.iter().map(|s| s.0).collect(),
             even: false,
+            nameless: self.nameless(),
         }
+    }
+
+    /// The problem of what was found, without what has no name.
+    pub fn problem<'a>(&self, q: &Question<'a>) -> Problem<'a> {
+        let problem = self.bent.problem(q.problem);
+        nameless::without(&problem, &self.best.fit.fit.state, &self.nameless())
+    }
+
+    /// What its model has that has no name.
+    pub fn nameless(&self) -> Vec<nameless::Held> {
+        possible::nameless(&self.possible, &self.found)
     }
 
     /// What joints are off by beside what was found: curves, and lines in their place.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::joint_curves::Curve;
 use super::lines::Held;
+use super::nameless;
 use super::sheet::{Sheet, Solution};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::{Bending, Moments};
@@ -31,6 +32,8 @@ pub struct Start {
     pub scattering: Vec<usize>,
     /// Rows count alike in the first round, whatever tails the fit leaves.
     pub even: bool,
+    /// What has no name, as far as it is known: rows that it moves far are no tails.
+    pub nameless: Vec<nameless::Held>,
 }
 
 impl Start {
@@ -46,6 +49,7 @@ impl Start {
             closed: Vec::new(),
             scattering: Vec::new(),
             even: false,
+            nameless: Vec::new(),
         }
     }
 }

@@ -84,10 +84,21 @@ impl<'a> Linearised<'a> {
         Motion { problem: &self.problem, model: &self.model, units: &self.units, beside }
     }
 
-    /// Measured minus modelled of a row, SI.
+    /// Measured minus modelled of a row, and minus what was set aside, SI.
     #[must_use]
     pub fn residual(&self, row: usize) -> Residual {
-        Residual::of(row, &self.view())
+        let residual = Residual::of(row, &self.view());
+        if self.problem.aside.is_empty() {
+            return residual;
+        }
+        residual.with(self.beside_aside(row, *residual.values()))
+    }
+
+    fn beside_aside(&self, row: usize, residual: Values) -> Values {
+        match self.problem.aside.get(row) {
+            Some(aside) => residual.zip_map(aside, |r, aside| r - aside),
+            None => residual,
+        }
     }
 
     /// The same in units of the row's equations.
@@ -108,6 +119,7 @@ impl<'a> Linearised<'a> {
         let row = &self.problem.data.rows[index];
         let motion = self.motion(beside);
         let (residual, mut block) = kind(row).linearised(index, &motion);
+        let residual = self.beside_aside(index, residual);
         let scale = self.problem.scale(index);
         for mut column in block.column_iter_mut() {
             column.iter_mut().zip(scale.iter()).for_each(|(value, scale)| *value /= scale);
@@ -172,6 +184,7 @@ impl<'a> Linearised<'a> {
         for index in rows {
             let row = &self.problem.data.rows[*index];
             let (residual, block) = kind(row).linearised(*index, &motion);
+            let residual = self.beside_aside(*index, residual);
             let scale = self.problem.scale(*index);
             for (c, column) in (0..scale.len()).zip(&mut columns) {
                 let root = weights.map_or(1.0, |weights| weights[*index][c].sqrt());

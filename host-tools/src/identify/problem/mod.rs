@@ -59,6 +59,9 @@ pub struct Problem<'a> {
     pub scattering: Vec<(usize, f64)>,
     /// Where the targets sit by registration, and how firmly; empty where nothing holds them.
     pub targets: Vec<Target>,
+    /// What each row is off by for a reason that no unknown stands for, SI; empty where there
+    /// is none.
+    pub aside: Arc<Vec<Values>>,
 }
 
 impl<'a> Problem<'a> {
@@ -81,7 +84,19 @@ impl<'a> Problem<'a> {
         let unknowns = Unknowns::of(&Layout::of(data), 0, nominal.len());
         let (noise, scattering, targets) = (Noise::default(), Vec::new(), Vec::new());
         let priors = robot.joints.iter().map(|joint| joint.prior).collect();
-        Self { data, conditions, nominal, priors, unknowns, scaling, noise, scattering, targets }
+        let aside = Arc::default();
+        Self {
+            data,
+            conditions,
+            nominal,
+            priors,
+            unknowns,
+            scaling,
+            noise,
+            scattering,
+            targets,
+            aside,
+        }
     }
 
     /// The same with targets about where a state has them.

@@ -1,5 +1,9 @@
 use super::super::picture::{Part, Unexplained};
+use crate::diagnose::ErrorCourse;
 use crate::plot::{Axis, Ink, Mark, Panel, Series};
+
+/// Standard deviations on either side of 95 % of a normal distribution.
+const WIDE: f64 = 1.96;
 
 /// An effect against what it goes with: rows, fitted curve and its band.
 #[must_use]
@@ -32,6 +36,24 @@ pub fn part(part: &Part) -> Panel {
         series.insert(1, means);
     }
     Panel::new(part.title.clone(), x, Axis::signed(part.y_label.clone()), series)
+}
+
+/// How a part of the cell errs with something recorded, with its band: one axis.
+#[must_use]
+pub fn described(course: &ErrorCourse, (part, with): (&str, &str)) -> Panel {
+    let of = |y: &dyn Fn(&[f64; 3]) -> f64| course.points.iter().map(|p| (p[0], y(p))).collect();
+    let line: Vec<(f64, f64)> = of(&|p| p[1]);
+    let ends = course.points.iter().map(|[_, y, sd]| (y - WIDE * sd, y + WIDE * sd));
+    let ends: Vec<(f64, f64)> = ends.collect();
+    let series = vec![
+        Series::new("its 95 % band", line.clone(), Mark::Band).ends(ends).ink(Ink::MODEL),
+        Series::new("what it is off by", line, Mark::Line).ink(Ink::MODEL),
+    ];
+    let along = if course.axis.is_empty() { "" } else { " along " };
+    let y = format!("error of {part}{along}{}, {}", course.axis, course.unit);
+    let x = Axis::linear(format!("{with}, {}", course.at_unit));
+    let title = format!("{part}{along}{} against {with}", course.axis);
+    Panel::new(title, x, Axis::signed(y), series)
 }
 
 /// What is left against something recorded: means of bins with their intervals.

@@ -9,7 +9,7 @@ mod projections;
 mod staircase;
 
 pub use covered::covered;
-pub use curve::{free_curve, part};
+pub use curve::{described, free_curve, part};
 pub use errors::{before_and_after, method_errors, method_sizes, shares};
 pub use intervals::corrections;
 pub use l_curve::l_curve;

@@ -1,11 +1,16 @@
 use super::list;
-use crate::page::charts::free_curve;
+use crate::diagnose::Described;
+use crate::page::charts::{described, free_curve};
 use crate::page::document::{Figure, Section};
 use crate::page::numbers::mm;
 use crate::page::picture::Unexplained;
 
 /// What is left that goes with something recorded, and what was said of it.
-pub fn unexplained(curves: &[Unexplained], words: &[String], of: &str) -> Option<Section> {
+pub fn unexplained(
+    curves: &[Unexplained],
+    (words, described): (&[String], &[Described]),
+    of: &str,
+) -> Option<Section> {
     if curves.is_empty() && words.is_empty() {
         return None;
     }
@@ -33,5 +38,24 @@ pub fn unexplained(curves: &[Unexplained], words: &[String], of: &str) -> Option
         );
         Figure::new(format!("left-{}", k + 1), caption, vec![free_curve(left)])
     };
-    Some(section.figures(curves.iter().enumerate().map(figure)))
+    let told = described.iter().filter(|d| !d.curves.is_empty()).enumerate().map(told);
+    Some(section.figures(told).figures(curves.iter().enumerate().map(figure)))
+}
+
+/// What errs, as the thing goes that it errs with.
+fn told((k, what): (usize, &Described)) -> Figure {
+    let of = |name: &str, joint: Option<usize>| match joint {
+        Some(joint) if name == "joint" => format!("joint {joint}"),
+        _ => name.to_owned(),
+    };
+    let (part, with) = (of(what.part, what.joint), of(what.with, what.with_joint));
+    let [one, other] = what.half_gain.map(|gain| 100.0 * gain);
+    let caption = format!(
+        "{}. Fitted to one half of the poses it lowers the error of the other by {one:.0} and \
+         {other:.0} %. It is in no model: what it is, and whether a controller may know of it, is \
+         for you to say.",
+        what.words
+    );
+    let panels = what.curves.iter().map(|course| described(course, (&part, &with)));
+    Figure::new(format!("described-{}", k + 1), caption, panels.collect())
 }

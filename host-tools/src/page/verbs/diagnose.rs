@@ -31,7 +31,7 @@ pub fn diagnosed(report: &DiagnoseReport, on: &Measured, next: &next::Next) -> R
         sections::effects(&r.effects, &r.suspected, &parts(&seen, &effects), clean),
     ];
     let curves = if r.verdict == Verdict::Unexplained { unexplained(&seen) } else { Vec::new() };
-    all.extend(sections::unexplained(&curves, &r.unnamed, "the model"));
+    all.extend(sections::unexplained(&curves, (&r.unnamed, &r.described), "the model"));
     let names = ["before, nominal", "after, final model"];
     all.extend(sections::workspace(&on.in_robot_frame(), names, "row"));
     all.extend(next::poses(r));

@@ -40,7 +40,7 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
     }
     let names = ["before, nominal", "after, identified"];
     all.extend(sections::workspace(&on.in_robot_frame(), names, "row"));
-    all.extend(sections::unexplained(&unexplained(&seen), &[], "the geometry"));
+    all.extend(sections::unexplained(&unexplained(&seen), (&[], &[]), "the geometry"));
     all.extend(of_figures(f, &[]));
     all.push(next::steps(None, &commands(lacking, next)));
     all.extend(sections::remarks(&f.warnings));
