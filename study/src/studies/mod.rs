@@ -13,6 +13,7 @@ mod planning;
 mod power;
 mod reproduce;
 mod ties;
+mod transfer;
 mod warming;
 
 use clap::Subcommand;
@@ -50,6 +51,8 @@ pub enum Study {
     Outside(outside::Options),
     /// Rules for lambda: how much worse than the best one?
     Lambda(lambda::Options),
+    /// A model of one half of the poses on the other half
+    Transfer(transfer::Options),
     /// Two effects look alike: is it said, and do the proposed poses tell?
     Ties(ties::Options),
     /// Links that follow the temperature late: is it said, and how late?
@@ -71,6 +74,7 @@ pub fn run(study: &Study) -> Result {
         Study::Lines(options) => lines::run(options),
         Study::Outside(options) => outside::run(options),
         Study::Lambda(options) => lambda::run(options),
+        Study::Transfer(options) => transfer::run(options),
         Study::Ties(options) => ties::run(options),
         Study::Warming(options) => warming::run(options),
         Study::Reproduce(options) => reproduce::run(options),

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::doubts::{self, Doubt};
 use super::halves;
+use super::nameless::Nameless;
 use super::partial_fits::{Explained, FOLD};
 use super::possible::{NAMELESS, What, listed};
 use super::row_parts::{Parts, joined};
@@ -43,6 +44,12 @@ pub fn answer(
         match member.map(|m| &of.possible[m].what) {
             Some(What::Nameless(what)) => {
                 let (half_gain, _) = halves::of_claim(of, claim, found, &halves);
+                // Smooth functions fit whatever a few rows say: what one half tells must help
+                // to predict the other.
+                let helps = half_gain[0] + half_gain[1] > 0.0;
+                if matches!(what, Nameless::Follows(_)) && !helps {
+                    continue;
+                }
                 let own = found.best.members.iter().position(|m| Some(*m) == member);
                 let coefficients = own.map(|k| whole.block(&found.best, k));
                 nameless.push(Unnamed { what: *what, probability, half_gain, coefficients });

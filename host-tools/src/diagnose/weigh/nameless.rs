@@ -14,6 +14,7 @@ use crate::effects::{Offer, courses, growing};
 use crate::identify::{Problem, State};
 use crate::model::arm::{Derivatives, RowInputs};
 use crate::model::{Course, ModelTerm, Values};
+use crate::observations::equations_of;
 
 /// An action of a joint and what it goes with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -259,6 +260,10 @@ pub fn without<'a>(problem: &Problem<'a>, state: &State, held: &[Held]) -> Probl
     }
     let at = problem.linearise(state);
     let of_row = |row: usize| {
+        // The first row of a pair has no equations.
+        if equations_of(&problem.data.rows[row]) == 0 {
+            return Values::default();
+        }
         let e = at.equations_beside(row, &|i, d| vec![moved(held, problem, i, d)]);
         let last = e.block.ncols() - 1;
         Values::from_fn(e.scale.len(), |c| e.block[(c, last)] * e.scale[c])

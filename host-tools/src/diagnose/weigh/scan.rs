@@ -23,11 +23,11 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Each way of a part; none of a joint that does not turn.
+    /// Each way of a part.
     #[must_use]
     pub fn of(&self, part: Part) -> Vec<&JointColumn> {
         match part {
-            Part::Joint(joint) => {
+            Part::Joint(joint) if self.joints.iter().any(|(j, _)| *j == joint) => {
                 self.joints.iter().filter(|(j, _)| *j == joint).map(|(_, c)| c).collect()
             }
             Part::Shift => self.base[3..].iter().collect(),
@@ -39,7 +39,7 @@ impl Columns {
     }
 }
 
-/// Parts whose ways are scanned for nothing else.
+/// Parts whose ways are scanned for nothing else, beside joints that slide.
 const PARTS: [Part; 4] = [Part::Lean, Part::Azimuth, Part::Elevation, Part::Distance];
 
 /// All at the rows. A noise scale of 0 is not known yet.
@@ -57,17 +57,20 @@ pub fn columns(
     let scale = if scale > 0.0 { scale } else { gram.scale_of_geometry(&precision) };
     let geometry = gram.geometry(&precision, scale);
     let joints = revolute(problem);
+    let slides = (0..problem.nominal.len()).filter(|j| !joints.contains(j)).map(Part::Joint);
+    let others: Vec<Part> = slides.chain(PARTS).collect();
     let ways = |d: &Derivatives| -> Vec<Vector3<f64>> {
         let turned = |j: &usize| *d.links[*j].joint(problem.nominal[*j].kind);
-        let parts = PARTS.iter().flat_map(|part| part.moves(problem, d));
+        let parts = others.iter().flat_map(|part| part.moves(problem, d));
         joints.iter().map(turned).chain(d.tool).chain(d.base).chain(parts).collect()
     };
     let own = joints.len() + TARGET + BASE;
-    let count = own + PARTS.iter().map(|part| part.ways()).sum::<usize>();
+    let count = own + others.iter().map(|part| part.ways()).sum::<usize>();
     let mean = geometry.mean(&gram, &DVector::zeros(0));
     let mut all = bare.along(rows, (count, &ways), (&geometry, &mean), scale);
     let mut rest = all.split_off(own).into_iter();
-    let parts = PARTS.map(|part| (part, rest.by_ref().take(part.ways()).collect())).into();
+    let parts =
+        others.iter().map(|part| (*part, rest.by_ref().take(part.ways()).collect())).collect();
     let base = all.split_off(joints.len() + TARGET);
     let target = all.split_off(joints.len());
     let data = &problem.data.rows;

@@ -96,8 +96,10 @@ impl<'a> Linearised<'a> {
 
     fn beside_aside(&self, row: usize, residual: Values) -> Values {
         match self.problem.aside.get(row) {
-            Some(aside) => residual.zip_map(aside, |r, aside| r - aside),
-            None => residual,
+            Some(aside) if aside.len() == residual.len() => {
+                residual.zip_map(aside, |r, aside| r - aside)
+            }
+            _ => residual,
         }
     }
 

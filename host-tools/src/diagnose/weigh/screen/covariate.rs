@@ -1,5 +1,7 @@
 //! What a row has recorded that a part of the cell may err with.
 
+use std::f64::consts::TAU;
+
 use truearm::JointKind;
 
 use crate::identify::Problem;
@@ -26,13 +28,25 @@ pub enum Covariate {
     Distance,
 }
 
+/// Points from which on an instrument is looked at.
+const POINTS: usize = 20;
+
+/// Share of the rows that have what is looked at: what others are off by is nothing then.
+const MOST: f64 = 0.95;
+
 impl Covariate {
-    /// All that every row of the data has.
+    /// All that nearly every row of the data has.
     #[must_use]
     pub fn recorded(problem: &Problem) -> Vec<Self> {
-        let timed = problem.conditions.time;
+        let rows = problem.data.rows.len();
+        let has = |c: &Self| (0..rows).filter(|row| c.at(problem, *row).is_some()).count();
+        // Of other kinds of measurements the instrument is another.
+        let enough = |c: &Self| match c {
+            Self::Azimuth | Self::Elevation | Self::Distance => has(c) >= POINTS,
+            _ => has(c) as f64 >= MOST * rows as f64,
+        };
         let rest = [
-            if timed { Self::Time } else { Self::Order },
+            if enough(&Self::Time) { Self::Time } else { Self::Order },
             Self::Temperature,
             Self::Payload,
             Self::Azimuth,
@@ -40,8 +54,14 @@ impl Covariate {
             Self::Distance,
         ];
         let joints = (0..problem.nominal.len()).map(Self::Joint);
-        let has = |c: &Self| (0..problem.data.rows.len()).all(|row| c.at(problem, row).is_some());
-        joints.chain(rest).filter(has).collect()
+        joints.chain(rest).filter(enough).collect()
+    }
+
+    /// Of a row, within a turn from the begin of its range where it comes round.
+    #[must_use]
+    pub fn within(self, problem: &Problem, index: usize, [low, _]: [f64; 2]) -> Option<f64> {
+        let value = self.at(problem, index)?;
+        Some(if self == Self::Azimuth { low + (value - low).rem_euclid(TAU) } else { value })
     }
 
     /// Of a row.

@@ -5,6 +5,8 @@
 mod covariate;
 mod part;
 mod smooth;
+#[cfg(test)]
+mod tests;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
@@ -16,7 +18,7 @@ use crate::diagnose::policy::POLICY;
 use crate::evidence::lines::JointColumn;
 use crate::identify::Problem;
 use crate::model::arm::Derivatives;
-use crate::observations::{kind, postures};
+use crate::observations::postures;
 pub use covariate::Covariate;
 pub use part::Part;
 pub use smooth::{Shape, Smooth};
@@ -39,8 +41,8 @@ impl Follows {
     /// How the target of a row moves with each coefficient, SI: way after way.
     #[must_use]
     pub fn columns(&self, problem: &Problem, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
-        // Of rows that have none, nothing: all have it, or it is not looked at.
-        let at = self.with.at(problem, index).map(|value| self.how.at(value));
+        // Of rows that have none, nothing: nearly all have it, or it is not looked at.
+        let at = self.with.within(problem, index, self.how.range).map(|value| self.how.at(value));
         let at = at.unwrap_or_else(|| vec![0.0; self.how.shape.count()]);
         let moves = self.part.moves(problem, d);
         moves.iter().flat_map(|way| at.iter().map(move |f| way * *f)).collect()
@@ -67,16 +69,22 @@ impl Follows {
 
 /// Whether the repertoire has what a part does with a covariate, or geometry and something
 /// else together do.
-fn has_name(part: Part, with: Covariate) -> bool {
+fn has_name(problem: &Problem, part: Part, with: Covariate, shape: Shape) -> bool {
+    let straight = shape == Shape::Bow(1);
     match (part, with) {
-        // Curves, lines, and of a joint that slides its gain.
-        (Part::Joint(joint), Covariate::Joint(other)) => joint == other,
+        // Curves, lines, and of a joint that slides its gain; a share is a coupling.
+        (Part::Joint(joint), Covariate::Joint(other)) => joint == other || straight,
+        // It creeps.
+        (Part::Joint(_), Covariate::Time) => straight,
         // Where the joints stand is where the target is.
-        (Part::Joint(_), Covariate::Azimuth | Covariate::Elevation | Covariate::Distance) => true,
         (
-            Part::Lean | Part::Shift | Part::Target,
+            Part::Joint(_) | Part::Lean | Part::Shift | Part::Target,
             Covariate::Azimuth | Covariate::Elevation | Covariate::Distance,
         ) => true,
+        // The axis of the first joint tilts.
+        (Part::Lean, Covariate::Joint(0)) => with.turns(problem),
+        // A drift.
+        (Part::Lean | Part::Shift, Covariate::Time | Covariate::Order) => straight,
         // Springs.
         (Part::Lean | Part::Shift, Covariate::Payload) => true,
         (Part::Azimuth | Part::Elevation | Part::Distance, Covariate::Joint(_)) => true,
@@ -88,38 +96,32 @@ fn has_name(part: Part, with: Covariate) -> bool {
 /// All pairs that the rows can tell, with how many of the part there are.
 #[must_use]
 pub fn pairs(problem: &Problem, rows: &[usize]) -> Vec<(Follows, usize)> {
-    let data = &problem.data.rows;
-    let seen = data.iter().all(|row| kind(row).point(row).is_some());
     let recorded = Covariate::recorded(problem).into_iter().filter_map(|with| {
         let mut values: Vec<f64> = rows.iter().filter_map(|r| with.at(problem, *r)).collect();
-        values.sort_by(f64::total_cmp);
-        let range = [*values.first()?, *values.last()?];
+        let range = smooth::range(&mut values, with == Covariate::Azimuth)?;
         let near = (range[1] - range[0]) * LEVEL;
         values.dedup_by(|a, b| *a - *b <= near);
-        Some((with, range, Shape::all(with.turns(problem), range, values.len())))
+        // Of two payloads each is told by many rows.
+        let levels = values.len() + usize::from(with == Covariate::Payload);
+        Some((with, range, Shape::all(with.turns(problem), range, levels)))
     });
     let recorded: Vec<_> = recorded.collect();
     let of_part = |part: Part| {
-        let with = recorded.iter().filter(move |(with, ..)| !has_name(part, *with));
-        with.flat_map(move |(with, range, shapes)| {
+        let of = move |(with, range, shapes): &(Covariate, [f64; 2], Vec<Shape>)| {
+            let shapes = shapes.iter().filter(|s| !has_name(problem, part, *with, **s));
             let how = |shape: &Shape| Smooth { range: *range, shape: *shape };
-            shapes.iter().map(move |s| Follows { part, with: *with, how: how(s) })
-        })
+            shapes.map(|s| Follows { part, with: *with, how: how(s) }).collect::<Vec<_>>()
+        };
+        recorded.iter().flat_map(of)
     };
-    let all: Vec<Follows> =
-        Part::all(problem.nominal.len(), seen).flat_map(of_part).filter(is_offered).collect();
+    let seen = recorded.iter().any(|(with, ..)| *with == Covariate::Distance);
+    let all: Vec<Follows> = Part::all(problem.nominal.len(), seen).flat_map(of_part).collect();
     let tried = |f: &Follows| all.iter().filter(|o| o.part.number() == f.part.number()).count();
     all.iter().map(|f| (*f, tried(f))).collect()
 }
 
 /// Values nearer to each other than this share of the range are one.
 const LEVEL: f64 = 1e-3;
-
-/// A share of another joint's angle has a name.
-fn is_offered(f: &Follows) -> bool {
-    let coupled = matches!((f.part, f.with), (Part::Joint(_), Covariate::Joint(_)));
-    !(coupled && f.how.shape == Shape::Bow(1))
-}
 
 /// Those that explain most alone, as candidates.
 pub fn offered(
@@ -131,26 +133,53 @@ pub fn offered(
     let postures = postures(&problem.data.rows, rows);
     // To rank pairs, some thousands say as much as all.
     let every = postures.len().div_ceil(LOOKS).max(1);
+    let looked: Vec<usize> = (0..postures.len()).step_by(every).collect();
+    let pairs = pairs(problem, rows);
+    // The same functions of every part: with the columns of ways only products are left.
+    let mut courses: Vec<(Covariate, Smooth)> = pairs.iter().map(|p| (p.0.with, p.0.how)).collect();
+    let number = |c: &(Covariate, Smooth)| (c.0.number(), c.1.shape.number());
+    courses.sort_by_key(number);
+    courses.dedup_by_key(|c| number(c));
+    let at = |(with, how): &(Covariate, Smooth)| {
+        let count = how.shape.count();
+        let mut functions = DMatrix::zeros(looked.len(), count);
+        for (mut row, k) in functions.row_iter_mut().zip(&looked) {
+            if let Some(value) = with.within(problem, postures[*k], how.range) {
+                row.copy_from_slice(&how.at(value));
+            }
+        }
+        functions
+    };
+    let functions: Vec<DMatrix<f64>> = courses.par_iter().map(at).collect();
+    let of_looked = |part: Part| -> Vec<JointColumn> {
+        let some = |all: &[f64]| looked.iter().map(|k| all[*k]).collect();
+        let of_way = |way: &&JointColumn| JointColumn {
+            q: Vec::new(),
+            square: some(&way.square),
+            right: some(&way.right),
+            imitated: way.imitated.select_columns(&looked),
+        };
+        columns.of(part).iter().map(of_way).collect()
+    };
+    let parts: Vec<(Part, Vec<JointColumn>)> =
+        Part::all(problem.nominal.len(), true).map(|part| (part, of_looked(part))).collect();
     let rate = |(follows, tried): &(Follows, usize)| {
-        let value = |k: usize| follows.with.at(problem, postures[k]);
-        let functions: Option<Vec<(usize, Vec<f64>)>> = (0..postures.len())
-            .step_by(every)
-            .map(|k| Some((k, follows.how.at(value(k)?))))
-            .collect();
-        let functions = functions?;
-        let ways = columns.of(follows.part);
-        let gain: f64 = ways.iter().map(|way| explained(way, &functions, every as f64)).sum();
+        let own = courses.iter().position(|c| number(c) == number(&(follows.with, follows.how)))?;
+        let (_, ways) = parts.iter().find(|(part, _)| *part == follows.part)?;
+        let gain: f64 = ways.iter().map(|way| explained(way, &functions[own], every as f64)).sum();
         let odds = log_odds(gain, follows.count() as f64) - (*tried as f64).ln();
         Some((odds, *follows, *tried))
     };
-    let pairs = pairs(problem, rows);
     let mut rated: Vec<_> = pairs.par_iter().filter_map(rate).collect();
     rated.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut out: Vec<(Follows, usize)> = Vec::new();
+    let mut room = COLUMNS;
     for (odds, follows, tried) in rated {
         let same =
             |o: &&(Follows, usize)| o.0.number() == follows.number() && o.0.part == follows.part;
-        if odds > 0.0 && out.iter().filter(same).count() < OF_A_PAIR {
+        let fits = odds > 0.0 && follows.count() <= room;
+        if fits && out.iter().filter(same).count() < OF_A_PAIR {
+            room -= follows.count();
             out.push((follows, tried));
         }
         if out.len() == POLICY.screened {
@@ -160,8 +189,12 @@ pub fn offered(
     out.into_iter().map(|(f, tried)| numbers.nameless(Nameless::Follows(f), tried)).collect()
 }
 
-/// Postures that pairs are ranked by, at least.
+/// Postures that pairs are ranked by, at most.
 const LOOKS: usize = 3000;
+
+/// Columns that are weighed with everything else, at most: every one of them costs a product
+/// with all others a row.
+const COLUMNS: usize = 60;
 
 /// Share of a column's square that geometry must not imitate.
 const SEEN: f64 = 1e-4;
@@ -169,17 +202,16 @@ const SEEN: f64 = 1e-4;
 /// Courses of one pair that are weighed.
 const OF_A_PAIR: usize = 2;
 
-/// Fall of the weighted sum of squares by functions along a way, geometry projected off.
-fn explained(way: &JointColumn, functions: &[(usize, Vec<f64>)], every: f64) -> f64 {
-    let (p, c) = (way.imitated.nrows(), functions.first().map_or(0, |f| f.1.len()));
-    let (mut square, mut right) = (DMatrix::zeros(c, c), DVector::zeros(c));
-    let mut imitated = DMatrix::zeros(p, c);
-    for (k, f) in functions {
-        let f = DVector::from_column_slice(f);
-        square.ger(way.square[*k] * every, &f, &f, 1.0);
-        right.axpy(way.right[*k] * every, &f, 1.0);
-        imitated.ger(every, &way.imitated.column(*k), &f, 1.0);
+/// Fall of the weighted sum of squares by functions along a way, a row a posture, each of
+/// which stands for so many; geometry projected off.
+fn explained(way: &JointColumn, functions: &DMatrix<f64>, every: f64) -> f64 {
+    let mut weighted = functions.clone();
+    for (mut row, square) in weighted.row_iter_mut().zip(&way.square) {
+        row *= square * every;
     }
+    let square = functions.tr_mul(&weighted);
+    let right = functions.tr_mul(&DVector::from_column_slice(&way.right)) * every;
+    let imitated = &way.imitated * functions * every;
     // What geometry imitates is held.
     let held = DMatrix::from_diagonal(&square.diagonal()) * SEEN;
     let left = square - imitated.tr_mul(&imitated) + held;

@@ -24,6 +24,23 @@ pub enum Part {
     Distance,
 }
 
+/// How everything moves that turns about an axis through the origin of the frame it is
+/// measured in, as the base turns and shifts: linear in the derivatives, so that it holds of
+/// orientations, too.
+fn turned(d: &Derivatives, axis: &Vector3<f64>) -> Vector3<f64> {
+    let [rx, ry, rz, ..] = d.base;
+    // From the base's origin, about which it turns, to the target: x * r = (0, -z, y).
+    let from_base = Vector3::new(-ry.z, rx.z, -rx.y);
+    let base = d.point - from_base;
+    rx * axis.x + ry * axis.y + rz * axis.z + shifted(d, &axis.cross(&base))
+}
+
+/// The same of what shifts.
+fn shifted(d: &Derivatives, way: &Vector3<f64>) -> Vector3<f64> {
+    let [.., x, y, z] = d.base;
+    x * way.x + y * way.y + z * way.z
+}
+
 impl Part {
     /// All of an arm whose points an instrument sees, or not.
     pub fn all(joints: usize, seen: bool) -> impl Iterator<Item = Self> {
@@ -70,18 +87,16 @@ impl Part {
     pub fn moves(self, problem: &Problem, d: &Derivatives) -> Vec<Vector3<f64>> {
         let p = d.point;
         let flat = Vector3::new(p.x, p.y, 0.0);
+        let out = flat.try_normalize(0.0).unwrap_or_default();
         match self {
             Self::Joint(joint) => vec![*d.links[joint].joint(problem.nominal[joint].kind)],
             Self::Lean => d.about[..2].to_vec(),
             Self::Shift => d.base[3..].to_vec(),
             Self::Target => d.tool.to_vec(),
-            Self::Azimuth => vec![Vector3::new(-p.y, p.x, 0.0)],
+            Self::Azimuth => vec![turned(d, &Vector3::z())],
             // Right above the instrument no direction is up.
-            Self::Elevation => {
-                let out = flat.try_normalize(0.0).unwrap_or_default();
-                vec![Vector3::z() * flat.norm() - out * p.z]
-            }
-            Self::Distance => vec![p.try_normalize(0.0).unwrap_or_default()],
+            Self::Elevation => vec![turned(d, &out.cross(&Vector3::z()))],
+            Self::Distance => vec![shifted(d, &p.try_normalize(0.0).unwrap_or_default())],
         }
     }
 

@@ -1,5 +1,7 @@
 //! How a part may go with a covariate: a few smooth functions.
 
+use std::f64::consts::TAU;
+
 /// Functions of a covariate that was recorded between two values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smooth {
@@ -40,6 +42,16 @@ impl Shape {
         all.into_iter().filter(|shape| levels > shape.count() + 1).collect()
     }
 
+    /// A number for it.
+    #[must_use]
+    pub fn number(self) -> usize {
+        match self {
+            Self::Wave(n) => usize::from(n),
+            Self::Waves(n) => 100 + usize::from(n),
+            Self::Bow(n) => 200 + usize::from(n),
+        }
+    }
+
     /// How many functions.
     #[must_use]
     pub fn count(self) -> usize {
@@ -51,10 +63,35 @@ impl Shape {
     }
 }
 
+/// Smallest and largest of some values, which are then sorted: what lies farther beyond the
+/// middle 98 % than half of their width is nearer than that and no measure for the others.
+/// What comes round (rad) begins behind its widest gap. Nothing of what stands still.
+pub fn range(values: &mut [f64], round: bool) -> Option<[f64; 2]> {
+    values.sort_by(f64::total_cmp);
+    if round {
+        let next = |k: usize| match values.get(k + 1) {
+            Some(next) => *next,
+            None => values[0] + TAU,
+        };
+        let gap = |k: &usize| next(*k) - values[*k];
+        let widest = (0..values.len()).max_by(|a, b| gap(a).total_cmp(&gap(b)))?;
+        let begin = next(widest);
+        values.iter_mut().for_each(|v| *v = begin + (*v - begin).rem_euclid(TAU));
+        values.sort_by(f64::total_cmp);
+    }
+    let last = values.len().checked_sub(1)?;
+    let at = |share: f64| values[(last as f64 * share).round() as usize];
+    let (low, high) = (at(0.01), at(0.99));
+    let beyond = (high - low) / 2.0;
+    let range = [values[0].max(low - beyond), values[last].min(high + beyond)];
+    (range[0] < range[1]).then_some(range)
+}
+
 impl Smooth {
-    /// The functions at a value.
+    /// The functions at a value; of one beyond the range, those at its end.
     #[must_use]
     pub fn at(&self, value: f64) -> Vec<f64> {
+        let [low, high] = self.range;
         let wave = |n: u8| {
             let (sin, cos) = (f64::from(n) * value).sin_cos();
             [cos, sin]
@@ -63,8 +100,8 @@ impl Smooth {
             Shape::Wave(n) => wave(n).to_vec(),
             Shape::Waves(most) => (1..=most).flat_map(wave).collect(),
             Shape::Bow(degree) => {
-                let [low, high] = self.range;
-                legendre(2.0 * (value - low) / (high - low) - 1.0, degree)
+                let place = 2.0 * (value - low) / (high - low) - 1.0;
+                legendre(place.clamp(-1.0, 1.0), degree)
             }
         }
     }
