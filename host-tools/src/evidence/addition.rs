@@ -36,10 +36,11 @@ impl Subsets {
             subset.members.iter().flat_map(|g| self.columns[*g].clone()).collect();
         let n = members.len();
         let mut t = self.b.clone();
-        let mut factors = DMatrix::zeros(self.b.len(), n);
+        // Of members so nearly alike that rounding leaves no root, nothing is taken off.
         let Some(root) = subset.inverse.clone().cholesky() else {
-            return Rest { factors, t };
+            return Rest { factors: DMatrix::zeros(n, self.b.len()), t };
         };
+        let mut factors = DMatrix::zeros(self.b.len(), n);
         // A^-1 = L L': S = C - (C_M L)(C_M L)', and C is symmetric.
         let l = root.l();
         for (j, mut column) in factors.column_iter_mut().enumerate() {

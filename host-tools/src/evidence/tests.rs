@@ -173,6 +173,18 @@ proptest! {
         same(&all, &found, widths.len(), 0.02);
     }
 
+    /// Members so nearly alike that rounding leaves the inverse no root end in no panic.
+    #[test]
+    fn additions_beside_members_without_a_root(seed in 0_u64..20) {
+        let widths = [2, 1, 4, 2, 1];
+        let rows = Rows::new(seed, 40, 3, &widths, &[(0, 2.0), (4, 1.0)]);
+        let subsets = rows.subsets(1e-6);
+        let mut parent = subsets.at_sizes(&[0, 4], &[2, 1]);
+        parent.inverse.neg_mut();
+        let additions = subsets.additions(&parent);
+        prop_assert!(additions.len() == widths.len() && additions[0] == f64::NEG_INFINITY);
+    }
+
     /// One triangular solve for all additions gives what fitting each gives.
     #[test]
     fn additions_are_fits(seed in 0_u64..1000) {
