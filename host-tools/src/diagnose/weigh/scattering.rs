@@ -3,7 +3,8 @@
 
 use truearm::effects::Effect;
 
-use super::possible::listed;
+use super::nameless::Nameless;
+use super::possible::What;
 use super::search_result::Searched;
 use super::sheet::{Scattered, Sheet, Weights};
 use super::{members_of, weights};
@@ -39,17 +40,16 @@ fn fitted_to_scatter(candidate: &candidates::Candidate) -> bool {
 #[must_use]
 pub fn next(q: &Question, found: &Searched) -> Option<usize> {
     let known: Vec<usize> = found.weights.scattering.iter().map(|s| s.0).collect();
-    let problem = found.problem(q);
-    let members = members_of(&found.possible, &found.best);
+    let problem = found.bent.problem(q.problem);
+    let members = asked(found);
     let compared = Compared { q, found, problem: &problem };
     let plain = weights::after(&problem, &found.best, &known);
     let mut without = None;
     let joints = (0..problem.nominal.len()).filter(|joint| !known.contains(joint));
     let rated = joints.filter_map(|joint| {
-        let fitted = |m: &usize| {
-            listed(&found.possible, &[*m])
-                .iter()
-                .any(|c| fitted_to_scatter(c) && c.joints().last() == Some(&(joint + 1)))
+        let fitted = |m: &usize| match &found.possible[*m].what {
+            What::Effect(c) => fitted_to_scatter(c) && c.joints().last() == Some(&(joint + 1)),
+            What::Nameless(what) => what.joint() == Some(joint),
         };
         let bare: Vec<usize> = members.iter().copied().filter(|m| !fitted(m)).collect();
         if bare.len() == members.len() {
@@ -69,6 +69,16 @@ pub fn next(q: &Question, found: &Searched) -> Option<usize> {
     (best.1 > -POLICY.odds.ln()).then_some(best.0)
 }
 
+/// What the most probable model has: effects, and joints that are off as something goes.
+fn asked(found: &Searched) -> Vec<usize> {
+    let follows = |m: &usize| match &found.possible[*m].what {
+        What::Nameless(Nameless::Follows(follows)) => follows.part.joint().is_some(),
+        _ => false,
+    };
+    let nameless = found.found.best.members.iter().copied().filter(follows);
+    members_of(&found.possible, &found.best).into_iter().chain(nameless).collect()
+}
+
 /// A search's result under other noise.
 struct Compared<'a> {
     q: &'a Question<'a>,
@@ -81,7 +91,7 @@ impl Compared<'_> {
     fn evidence(&self, weights: &Weights, members: &[usize]) -> f64 {
         let Self { q, found, problem } = self;
         let (state, rows) = (&found.best.fit.fit.state, &found.best.fit.kept);
-        let all = members_of(&found.possible, &found.best);
+        let all = asked(found);
         let possible: Vec<_> = all.iter().map(|m| found.possible[*m].clone()).collect();
         let sheet = Sheet::new(problem, state, &possible, weights, &found.curves).bending(
             found.bent.bending(state),

@@ -16,7 +16,7 @@ use crate::diagnose::question::Question;
 use crate::diagnose::weigh::joint_curves::choice::{self, Chosen};
 use crate::error::Result;
 use crate::evidence::Explanation;
-use crate::identify::{Problem, State};
+use crate::identify::State;
 
 /// Where it ends: what was weighed in the last round, and the fit of what it found.
 pub struct Searched {
@@ -50,12 +50,6 @@ impl Searched {
             even: false,
             nameless: self.nameless(),
         }
-    }
-
-    /// The problem of what was found, without what has no name.
-    pub fn problem<'a>(&self, q: &Question<'a>) -> Problem<'a> {
-        let problem = self.bent.problem(q.problem);
-        nameless::without(&problem, &self.best.fit.fit.state, &self.nameless())
     }
 
     /// What its model has that has no name.
