@@ -57,9 +57,14 @@ impl Course {
     /// How far it has come when so much has passed.
     #[must_use]
     pub fn after(&self, passed: f64) -> f64 {
-        self.settling.map_or(passed, |settling| -(-passed / settling).exp_m1())
+        // Long before anything began it grows beyond all bounds.
+        let settled = |settling: f64| -(-passed / settling).min(BEFORE).exp_m1();
+        self.settling.map_or(passed, settled)
     }
 }
+
+/// Settling times before the begin of time up to which a course is told.
+const BEFORE: f64 = 20.0;
 
 /// A term with its coefficient.
 #[derive(Debug, Clone, PartialEq)]
