@@ -153,7 +153,7 @@ fn halves(data: &Measurements, parted: Parted) -> Option<Vec<bool>> {
             // Between the borders poses go to either half in turn.
             let own = |row: &truearm_host::model::Row| {
                 let q = row.q[joint];
-                q < at(0.15) || (q < at(0.85) && row.pose % 2 == 0)
+                q < at(0.15) || (q < at(0.85) && row.pose.is_multiple_of(2))
             };
             Some(rows.iter().map(own).collect())
         }

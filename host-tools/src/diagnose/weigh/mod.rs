@@ -123,8 +123,15 @@ fn replicated(
     progress: &dyn Fn(),
 ) -> Result<Searched> {
     while let Some(joint) = scattering::next(q, &found) {
+        let problem = found.bent.problem(q.problem);
+        let asked = Question { problem: &problem, ..*q };
         let mut start = found.again();
         start.scattering.push(joint);
+        // What fitted the scatter has to be found again beside it: with it in, the scatter
+        // is taken for smaller than it is.
+        let others = |c: &&Candidate| !scattering::fits(c, joint);
+        let kept: Vec<_> = start.node.added.iter().filter(others).cloned().collect();
+        start.node = fitted(&asked, kept, &found.best.fit.fit.state)?;
         found = search(q, start, effort, progress)?;
     }
     for _ in 0..RESCANS {
@@ -153,6 +160,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
     let Start { closed, scattering, even, mut nameless, .. } = start;
     let lambda = q.flags.lambda;
     let mut held = [lines::of(&node.added), lines].concat();
+    let mut scattered = Vec::new();
     let mut round = 0;
     loop {
         round += 1;
@@ -181,8 +189,11 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         scale = found.scale;
         let added = cloned(&possible, &found.best.members);
         let without_name = possible::nameless(&possible, &found);
-        let same = are(&added, &node.added) && possible::same(&without_name, &nameless);
+        let same = are(&added, &node.added)
+            && possible::same(&without_name, &nameless)
+            && scattering::is_settled(&scattered, &weights.scattering);
         nameless = without_name;
+        scattered.clone_from(&weights.scattering);
         // What has a name is fitted without it, and rows that it moves far are no tails.
         let apart = nameless::without(q.problem, &state, &nameless);
         let apart = Question { problem: &apart, ..*q };

@@ -15,13 +15,14 @@ use crate::evidence::{Candidate, Subsets};
 use crate::identify::Problem;
 use crate::model::ModelTerm;
 
-/// Whether it is a function of a joint's angle or of where that is read: what a search among
-/// many makes of scatter.
-fn fitted_to_scatter(candidate: &candidates::Candidate) -> bool {
+/// Whether it is a function of the joint's angle (counted from 0) or of where that is read:
+/// what a search among many makes of its scatter.
+#[must_use]
+pub fn fits(candidate: &candidates::Candidate, joint: usize) -> bool {
     use Effect::{
         EncoderEccentricity, GearTransmissionError, JointCoupling, JointGain, JointPeriodicError,
     };
-    candidate.terms.first().is_some_and(|term| match term {
+    let kind = candidate.terms.first().is_some_and(|term| match term {
         ModelTerm::Arm(own) => matches!(
             own.effect,
             JointPeriodicError
@@ -32,7 +33,8 @@ fn fitted_to_scatter(candidate: &candidates::Candidate) -> bool {
         ),
         ModelTerm::Lag { .. } => true,
         ModelTerm::Drift { .. } | ModelTerm::Remount { .. } => false,
-    })
+    });
+    kind && candidate.joints().last() == Some(&(joint + 1))
 }
 
 /// The next joint, counted from 0, whose scatter explains more than its effects alone, with
@@ -48,7 +50,7 @@ pub fn next(q: &Question, found: &Searched) -> Option<usize> {
     let joints = (0..problem.nominal.len()).filter(|joint| !known.contains(joint));
     let rated = joints.filter_map(|joint| {
         let fitted = |m: &usize| match &found.possible[*m].what {
-            What::Effect(c) => fitted_to_scatter(c) && c.joints().last() == Some(&(joint + 1)),
+            What::Effect(c) => fits(c, joint),
             What::Nameless(what) => what.joint() == Some(joint),
         };
         let bare: Vec<usize> = members.iter().copied().filter(|m| !fitted(m)).collect();
@@ -67,6 +69,14 @@ pub fn next(q: &Question, found: &Searched) -> Option<usize> {
     });
     let best = rated.max_by(|a, b| a.1.total_cmp(&b.1))?;
     (best.1 > -POLICY.odds.ln()).then_some(best.0)
+}
+
+/// Whether what joints scatter, (joint, ratio of variance), is what it was a round ago: while
+/// it grows, what stood in its place is still taken for an effect.
+#[must_use]
+pub fn is_settled(before: &[(usize, f64)], now: &[(usize, f64)]) -> bool {
+    before.len() == now.len()
+        && before.iter().zip(now).all(|(a, b)| (a.1 - b.1).abs() <= SETTLED * a.1.max(b.1))
 }
 
 /// What the most probable model has: effects, and joints that are off as something goes.
@@ -116,6 +126,9 @@ impl Compared<'_> {
         out - 0.5 * Scattered::of(problem, state, rows, &weights.scattering).log_det
     }
 }
+
+/// Change of a variance, as a share, that is none.
+const SETTLED: f64 = 0.05;
 
 /// Rounds of evidence and scale.
 const ROUNDS: usize = 3;

@@ -10,7 +10,6 @@ use crate::diagnose::weigh::row_parts::{Parts, joined};
 use crate::diagnose::weigh::sheet;
 use crate::diagnose::weigh::weighed::{Curved, Stage};
 use crate::evidence::{Explanation, Gram, prior, smooth};
-use crate::identify::in_deviations;
 use crate::model::ErrorCurve;
 use crate::observations::Residual;
 
@@ -98,24 +97,17 @@ pub fn stages(from: &From) -> Vec<Stage> {
     loop {
         let without = |name: &&'static str| {
             let others: Vec<_> = names.iter().copied().filter(|n| n != name).collect();
-            (*name, square(from, &stage(others).held_out))
+            (*name, from.all.sheet.weighed(&stage(others).held_out))
         };
         let mut each: Vec<(&'static str, f64)> = names.iter().map(without).collect();
         each.sort_by(|a, b| b.1.total_cmp(&a.1));
         names = each.iter().map(|e| e.0).collect();
-        let own = square(from, &stage(names.clone()).held_out);
+        let own = from.all.sheet.weighed(&stage(names.clone()).held_out);
         match each.last() {
             Some((_, left)) if *left <= own => _ = names.pop(),
             _ => return (0..=names.len()).map(|k| stage(names[..k].to_vec())).collect(),
         }
     }
-}
-
-/// Sum of squares of what is left of all rows, in standard deviations.
-fn square(from: &From, rows: &[Option<Residual>]) -> f64 {
-    let noise = &from.all.q.problem.noise;
-    let rows = rows.iter().zip(&from.all.q.problem.data.rows);
-    rows.filter_map(|(left, row)| Some(in_deviations(&(*left)?, row, noise).norm_squared())).sum()
 }
 
 /// Sums without each fold and of all rows, under a prior of geometry.

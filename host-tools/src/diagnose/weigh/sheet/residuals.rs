@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::{Sheet, Solution};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
-use crate::observations::Residual;
+use crate::observations::{Residual, postures};
 
 impl Sheet<'_> {
     /// Measured minus predicted of rows, SI.
@@ -23,6 +23,24 @@ impl Sheet<'_> {
             left.values().zip_map(&self.problem.scale(*row), |r, scale| r / scale).norm_squared()
         };
         left.iter().map(square).sum()
+    }
+
+    /// Sum of squares of what is left of rows, by the noise that the evidence has: tails
+    /// and gross errors count for little, and what joints scatter along its direction.
+    #[must_use]
+    pub fn weighed(&self, left: &[Option<Residual>]) -> f64 {
+        let p = self.problem.unknowns.list().len();
+        let one = |(index, left): (usize, &Option<Residual>)| {
+            let Some(left) = left.as_ref() else { return 0.0 };
+            let e = self.at.equations_beside(index, &|i, d| self.scattered(index, i, d));
+            let directions = e.block.columns(p, e.block.ncols() - p).into_owned();
+            let ends = postures(&self.problem.data.rows, &[index]).len();
+            let scaled = left.values().zip_map(&e.scale, |r, scale| r / scale);
+            let (_, rest) = self.beside_scatter(directions, scaled, ends);
+            self.weights.rows[index] * rest.norm_squared()
+        };
+        let each: Vec<f64> = left.par_iter().enumerate().map(one).collect();
+        each.iter().sum()
     }
 
     fn left_of(&self, index: usize, solution: &Solution) -> Residual {
