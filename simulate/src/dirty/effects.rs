@@ -9,8 +9,9 @@ use truearm::JointKind;
 
 use super::Columns;
 use crate::arm::Arm;
-use crate::effects::{Defect, DefectKind};
-use crate::vector;
+use crate::body::Moment;
+use crate::effects::{Defect, DefectKind, drawn};
+use crate::{Robot, vector};
 
 /// What an arm has: what a report can name, and what it cannot.
 #[derive(Debug, Clone, Default)]
@@ -105,6 +106,14 @@ pub(super) fn listed(arm: &Arm, columns: &Columns, masses: bool, rng: &mut ChaCh
         };
         return Defect { kind, size };
     }
+}
+
+/// One spring of a joint that gravity loads by design.
+pub fn spring(robot: &Robot, arm: &Arm, poses: &[Moment], rng: &mut ChaCha8Rng) -> Hidden {
+    let kind = drawn("joint-compliance", robot, &arm.body, poses, rng);
+    let wrist = kind.joints().first().is_some_and(|j| j + 2 >= arm.kinds.len());
+    let size = if wrist { size(2e-5, 3e-4, rng) } else { size(1e-6, 1.5e-5, rng) };
+    Hidden { listed: vec![Defect { kind, size }], unlisted: None }
 }
 
 fn unlisted(arm: &Arm, rng: &mut ChaCha8Rng) -> (&'static str, Vec<Defect>) {

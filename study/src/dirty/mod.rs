@@ -5,6 +5,7 @@ pub mod outside;
 pub mod reliability;
 pub mod score;
 pub mod set;
+pub mod springs;
 pub mod tables;
 mod told;
 mod truth;

@@ -9,11 +9,11 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm_host::files::csv_text;
-use truearm_host::model::{Measurements, Robot};
+use truearm_host::model::{LinkMass, Measurements, Robot};
 use truearm_host::units::{joint_column, joint_to_file};
 use truearm_simulate::arm::Arm;
 use truearm_simulate::body::{Body, Moment};
-use truearm_simulate::dirty::effects::{Hidden, draw};
+use truearm_simulate::dirty::effects::{Hidden, draw, spring};
 use truearm_simulate::dirty::noise::Noise;
 use truearm_simulate::dirty::{Columns, moments, outside};
 use truearm_simulate::{normal, rigid, robots, vector};
@@ -22,8 +22,8 @@ use crate::simulated::{parse, robot, stated};
 
 /// Fewest and most rows; log-uniform between.
 pub const ROWS: [f64; 2] = [20.0, 5000.0];
-/// The same where one thing has no name.
-const ROWS_OUTSIDE: [f64; 2] = [100.0, 2000.0];
+/// The same where one thing is asked for.
+const ROWS_OF_ONE: [f64; 2] = [100.0, 2000.0];
 
 /// What is wrong with an arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +34,8 @@ pub enum Sort {
     Clean,
     /// A few effects and one thing outside the repertoire, of six kinds in turn.
     Outside,
+    /// One spring, under loads that nobody states.
+    Spring,
 }
 
 /// What a user would have.
@@ -64,15 +66,22 @@ impl DirtySet {
     /// The set of a seed.
     pub fn draw(seed: u64, sort: Sort) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let masses = rng.random_bool(0.7);
+        let masses = rng.random_bool(0.7) && sort != Sort::Spring;
         let noise = Noise::draw(&mut rng);
-        let text = file(masses, &noise, &mut rng);
-        let nominal = robot(&text);
+        let whole = file(&noise, &mut rng);
+        let text = if masses { whole.clone() } else { without_masses(&whole) };
+        let (nominal, whole) = (robot(&text), robot(&whole));
         let mut arm = real(&nominal, &mut rng);
+        if sort == Sort::Spring {
+            arm.body.masses = loads(&whole, &mut rng);
+        }
         let mut columns = Columns::draw(&mut rng);
         let (kind, apart) = (seed as usize % outside::KINDS, sort == Sort::Outside);
         columns.temperature |= apart && outside::needs_temperature(kind);
-        let [fewest, most] = if apart { ROWS_OUTSIDE } else { ROWS };
+        let [fewest, most] = match sort {
+            Sort::Session | Sort::Clean => ROWS,
+            Sort::Outside | Sort::Spring => ROWS_OF_ONE,
+        };
         let rows = fewest * (most / fewest).powf(rng.random_range(0.0..1.0));
         let repeats = if rng.random_bool(0.2) { rng.random_range(2..=5) } else { 1 };
         let rows = rows as usize + HELD_OUT * repeats;
@@ -81,6 +90,7 @@ impl DirtySet {
             Sort::Clean => Hidden::default(),
             Sort::Session => draw(&arm, &columns, masses, &mut rng),
             Sort::Outside => outside::draw(&arm, &columns, masses, kind, &mut rng),
+            Sort::Spring => spring(&stated(&whole), &arm, &moments, &mut rng),
         };
         let unlisted = hidden.unlisted.iter().flat_map(|u| u.1.iter());
         arm.defects = hidden.listed.iter().chain(unlisted).cloned().collect();
@@ -138,15 +148,24 @@ fn held_out(moments: &[Moment], rng: &mut ChaCha8Rng) -> Vec<bool> {
     poses.iter().zip(held).flat_map(|(readings, held)| vec![held; *readings]).collect()
 }
 
-/// A `robot.toml`, with or without masses.
-fn file(masses: bool, noise: &Noise, rng: &mut ChaCha8Rng) -> String {
+/// A `robot.toml`.
+fn file(noise: &Noise, rng: &mut ChaCha8Rng) -> String {
     let text = robots::ALL[rng.random_range(0..robots::ALL.len())];
-    let text = match text.find("links = [") {
-        Some(at) if !masses => &text[..at],
-        _ => text,
-    };
-    let gravity = if masses { "gravity_m_s2 = [0.0, 0.0, -9.81]\n" } else { "" };
-    format!("measurement_sigma_mm = {:.4}\n{gravity}{text}", noise.stated * 1e3)
+    format!("measurement_sigma_mm = {:.4}\n{GRAVITY}{text}", noise.stated * 1e3)
+}
+
+const GRAVITY: &str = "gravity_m_s2 = [0.0, 0.0, -9.81]\n";
+
+/// The same of who does not know what its links weigh.
+fn without_masses(text: &str) -> String {
+    let before = text.find("links = [").map_or(text, |at| &text[..at]);
+    before.replace(GRAVITY, "")
+}
+
+/// What links really weigh, and where, of an arm whose file is right within a sixth.
+fn loads(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<(f64, Vector3<f64>)> {
+    let mut of = |l: &LinkMass| (l.mass * rng.random_range(0.85..1.15), l.com);
+    robot.links.iter().map(&mut of).collect()
 }
 
 /// The arm behind a nominal one: errors of half a tolerance to three, the tool

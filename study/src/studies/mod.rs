@@ -12,6 +12,7 @@ mod outside;
 mod planning;
 mod power;
 mod reproduce;
+mod springs;
 mod ties;
 mod transfer;
 mod warming;
@@ -49,6 +50,8 @@ pub enum Study {
     Lines(lines::Options),
     /// Effects outside the repertoire: is it said what errs, and with what?
     Outside(outside::Options),
+    /// One spring under loads that nobody states: is it named, and nothing beside it?
+    Springs(springs::Options),
     /// Rules for lambda: how much worse than the best one?
     Lambda(lambda::Options),
     /// A model of one half of the poses on the other half
@@ -73,6 +76,7 @@ pub fn run(study: &Study) -> Result {
         Study::Fleet(options) => fleet::run(options),
         Study::Lines(options) => lines::run(options),
         Study::Outside(options) => outside::run(options),
+        Study::Springs(options) => springs::run(options),
         Study::Lambda(options) => lambda::run(options),
         Study::Transfer(options) => transfer::run(options),
         Study::Ties(options) => ties::run(options),
