@@ -189,16 +189,30 @@ pub fn is_spring(name: &str) -> bool {
 }
 
 /// How a state's springs bend with the moments.
+#[derive(Clone)]
 pub struct Bending {
     springs: Vec<Term<f64>>,
     /// With one more unit of each.
-    loads: Vec<Surroundings>,
+    loads: Arc<[Surroundings]>,
     /// What the state has, in units.
     found: Vec<f64>,
     assumed: bool,
 }
 
 impl Bending {
+    /// The springs, with their coefficients.
+    #[must_use]
+    pub fn springs(&self) -> &[Term<f64>] {
+        &self.springs
+    }
+
+    /// Of some of the springs only; `None` if that is of none.
+    #[must_use]
+    pub fn only(&self, own: &dyn Fn(&Term<f64>) -> bool) -> Option<Self> {
+        let springs: Vec<_> = self.springs.iter().filter(|s| own(s)).copied().collect();
+        (!springs.is_empty()).then(|| Self { springs, ..self.clone() })
+    }
+
     /// Whether masses were only assumed.
     #[must_use]
     pub fn is_assumed(&self) -> bool {

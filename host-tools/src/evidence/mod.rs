@@ -97,6 +97,37 @@ impl Explanation {
     }
 }
 
+impl Explanation {
+    /// The same where the log mass of each model, of its members, changes: the most probable
+    /// of them then.
+    #[must_use]
+    pub fn reweighed(
+        self,
+        gram: &Gram,
+        precision: &DVector<f64>,
+        candidates: &[Candidate],
+        change: &dyn Fn(&[usize]) -> f64,
+    ) -> Self {
+        let models = self.posterior.models.iter();
+        let masses = models.map(|(members, p)| (members.clone(), p.ln() + change(members)));
+        let posterior = Posterior::new(&masses.collect(), candidates);
+        let members = posterior.models.first().map_or(Vec::new(), |(m, _)| m.clone());
+        if members == self.best.members {
+            return Self { posterior, ..self };
+        }
+        let projected = gram.project(&gram.geometry(precision, self.scale));
+        let subsets = Subsets::new(projected, candidates.to_vec());
+        let best = subsets.fit(&members, &|_| None);
+        Self {
+            scale: subsets.scale_of(&best).max(1e-9 * self.scale),
+            coefficients: subsets.coefficients(&best),
+            floors: subsets.floors(&best),
+            best,
+            posterior,
+        }
+    }
+}
+
 fn pick<T: Clone>(of: &mut Vec<T>, kept: &[usize]) {
     *of = kept.iter().map(|k| of[*k].clone()).collect();
 }

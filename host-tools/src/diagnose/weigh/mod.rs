@@ -25,6 +25,7 @@ pub mod slips;
 mod start;
 pub mod start_sides;
 mod swallowed;
+mod unbent;
 mod unweighed_springs;
 mod weighed;
 mod weights;
@@ -184,8 +185,20 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let whole = sheet.gram(&rows);
         let entries: Vec<_> = possible.iter().map(|p| p.entry.clone()).collect();
         let known = (scale > 0.0).then(|| Known { members: members_of(&possible, &node), scale });
-        let mut found = explain(&whole, &precision, &entries, effort, known.as_ref());
+        let found = explain(&whole, &precision, &entries, effort, known.as_ref());
         progress();
+        let bending = bent.bending(&state);
+        let at = unbent::At {
+            problem: &problem,
+            state: &state,
+            rows: &rows,
+            weights: &weights,
+            curves: &curves,
+            possible: &possible,
+            bending: bending.as_ref(),
+            lambda,
+        };
+        let mut found = unbent::reweighed(&at, (&whole, &precision), found);
         scale = found.scale;
         let added = cloned(&possible, &found.best.members);
         let without_name = possible::nameless(&possible, &found);
