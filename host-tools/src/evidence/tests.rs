@@ -372,3 +372,28 @@ fn the_scale_is_that_of_what_is_left() {
     assert!((found.scale - 1.0).abs() < 0.12, "{}", found.scale);
     assert_eq!(found.best.members, vec![0, 2]);
 }
+
+/// Where the best model loses its mass, another one is the best, with its own coefficients and
+/// noise; where nothing changes, nothing is other.
+#[test]
+fn models_are_weighed_again() {
+    let rows = Rows::new(7, 300, 4, &[1, 1, 2], &[(0, 3.0), (2, 2.0)]);
+    let mut gram = Gram::new(4, 4);
+    gram.add(&rows.g, &rows.z, &rows.y);
+    let precision = DVector::from_element(4, 1e-6);
+    let found = explain(&gram, &precision, &rows.candidates, Effort::default(), None);
+    assert_eq!(found.best.members, [0, 2]);
+    let again = found.clone().reweighed(&gram, &precision, &rows.candidates, &|_| 0.0);
+    assert_eq!(again.best, found.best);
+    assert!((again.posterior.models[0].1 - found.posterior.models[0].1).abs() < 1e-12);
+    let all: Vec<Vec<usize>> = found.posterior.models.iter().map(|m| m.0.clone()).collect();
+    let other = all.iter().find(|members| **members != [0, 2]).unwrap();
+    let loses = |members: &[usize]| if members == [0, 2] { -1e6 } else { 0.0 };
+    let again = found.clone().reweighed(&gram, &precision, &rows.candidates, &loses);
+    assert_eq!(again.best.members, *other);
+    assert_eq!(again.coefficients.len(), other.len());
+    assert_eq!(again.floors.len(), other.len());
+    assert!(again.posterior.models.iter().all(|(members, _)| *members != [0, 2]));
+    let all: f64 = again.posterior.models.iter().map(|m| m.1).sum();
+    assert!((all - 1.0).abs() < 1e-9);
+}

@@ -36,9 +36,9 @@ pub struct At<'s> {
 /// Members of a model, and what its log mass is more than with all springs' moments.
 type Changes = BTreeMap<Vec<usize>, f64>;
 
-/// An explanation in which no model has moments that bend a spring it does not have. None gains
-/// by it: that a model needs fewer unknowns is no reason to believe that there is no spring,
-/// whose load may well be of one link.
+/// An explanation in which no model has moments that bend a spring it does not have. That it
+/// needs fewer unknowns makes up for what it explains less, but no model gains by it: a
+/// spring's load may well be of one link, and then does what an eccentricity does.
 #[must_use]
 pub fn reweighed(
     at: &At,
@@ -59,23 +59,40 @@ pub fn reweighed(
     if by_springs.is_empty() {
         return found;
     }
+    let weigh = |own: &[usize], models: &[&[usize]], freedom: Option<f64>| {
+        at.weighed(own, models, found.scale, freedom)
+    };
     let mut changes = Changes::new();
-    let (with, freedom) = at.masses(&springs, by_springs.values().flatten(), found.scale, None);
+    // What was too improbable to be weighed again loses what the best of its springs does.
+    let mut of_others: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
     for (own, models) in &by_springs {
-        let (without, _) = at.masses(own, models.iter(), found.scale, Some(freedom));
-        for (members, mass) in without {
-            let more = mass - with.get(&members).copied().unwrap_or(mass);
-            changes.insert(members, more.min(0.0));
-        }
+        let with = weigh(&springs, models, None);
+        let without = weigh(own, models, Some(with.freedom));
+        let fewer = 0.5 * (with.log_det - without.log_det);
+        let each = models.iter().zip(with.masses.iter().zip(&without.masses));
+        let each = each
+            .map(|(model, (with, without))| (model.to_vec(), (without - with + fewer).min(0.0)));
+        let each: Vec<_> = each.collect();
+        let least = each.iter().map(|(_, change)| *change).fold(f64::NEG_INFINITY, f64::max);
+        of_others.insert(own.clone(), least);
+        changes.extend(each);
     }
     let entries: Vec<Candidate> = at.possible.iter().map(|p| p.entry.clone()).collect();
-    let all = |members: &[usize]| springs.iter().all(|s| members.contains(s));
-    found.reweighed(gram, precision, &entries, &|members| match changes.get(members) {
-        Some(change) => *change,
-        None if all(members) => 0.0,
-        // So improbable before that it was not weighed.
-        None => f64::NEG_INFINITY,
-    })
+    let change = |members: &[usize]| {
+        let own: Vec<usize> = springs.iter().copied().filter(|s| members.contains(s)).collect();
+        changes.get(members).or_else(|| of_others.get(&own)).copied().unwrap_or(0.0)
+    };
+    found.reweighed(gram, precision, &entries, &change)
+}
+
+/// Models weighed under one geometry.
+struct Weighing {
+    /// Log mass of each, without what is common to all.
+    masses: Vec<f64>,
+    /// `log |G'G / k^2 + Lambda|`; the prior's of a moment is 0.
+    log_det: f64,
+    /// Equations that geometry uses up.
+    freedom: f64,
 }
 
 impl At<'_> {
@@ -93,16 +110,15 @@ impl At<'_> {
         own.terms.iter().any(known)
     }
 
-    /// Log masses of models whose geometry has the moments that bend some springs, and how
-    /// many equations that geometry uses up; with so many if told.
-    fn masses<'m>(
+    /// Models whose geometry has the moments that bend some springs; it uses up as many
+    /// equations as told.
+    fn weighed(
         &self,
         springs: &[usize],
-        models: impl Iterator<Item = &'m &'m [usize]>,
+        models: &[&[usize]],
         scale: f64,
         freedom: Option<f64>,
-    ) -> (Changes, f64) {
-        let models: Vec<&[usize]> = models.copied().collect();
+    ) -> Weighing {
         // What the state has is among them: rows are what is left without its terms.
         let held = (0..self.possible.len()).filter(|m| self.is_in_state(*m));
         let mut members: Vec<usize> = models.iter().copied().flatten().copied().collect();
@@ -125,9 +141,9 @@ impl At<'_> {
         let of = |model: &&[usize]| {
             let own: Vec<usize> =
                 model.iter().filter_map(|m| members.binary_search(m).ok()).collect();
-            (model.to_vec(), subsets.fit(&own, &|_| None).log_mass)
+            subsets.fit(&own, &|_| None).log_mass
         };
-        (models.iter().map(of).collect(), freedom)
+        Weighing { masses: models.iter().map(of).collect(), log_det: geometry.log_det(), freedom }
     }
 }
 
