@@ -85,6 +85,24 @@ pub fn run(study: &Study) -> Result {
     }
 }
 
+/// The answer of every seed, on all cores, with a bar.
+fn of_each<A: Send>(
+    seeds: std::ops::Range<u64>,
+    answer: impl Fn(u64) -> A + Sync,
+) -> Result<Vec<A>> {
+    let style = "{bar:40} {pos}/{len}  {elapsed_precise}, {eta} left";
+    let bar = ProgressBar::new(seeds.end.saturating_sub(seeds.start));
+    bar.set_style(ProgressStyle::with_template(style)?);
+    let one = |seed: u64| {
+        let out = answer(seed);
+        bar.inc(1);
+        out
+    };
+    let all = seeds.into_par_iter().map(one).collect();
+    bar.finish_and_clear();
+    Ok(all)
+}
+
 /// Draws sets, has them diagnosed, and opens what was hidden when all verdicts
 /// are in. A set that cannot be diagnosed fails the study.
 fn judged(plans: &[(u64, Vec<Wanted>)]) -> Result<Vec<Score>> {

@@ -1,10 +1,8 @@
 //! One spring under loads that nobody states: is it named, and nothing beside it?
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
-use rayon::prelude::*;
 
-use super::Result;
+use super::{Result, of_each};
 use crate::apart::TOLD;
 use crate::dirty::springs::{Answer, answer};
 
@@ -33,16 +31,7 @@ pub fn run(options: &Options) -> Result {
         println!("{:#?}", answer(seed)?);
         return Ok(());
     }
-    let seeds: Vec<u64> = (options.seed..options.seed + options.sets).collect();
-    let style = "{bar:40} {pos}/{len}  {elapsed_precise}, {eta} left";
-    let bar = ProgressBar::new(options.sets).with_style(ProgressStyle::with_template(style)?);
-    let one = |seed: &u64| {
-        let out = answer(*seed);
-        bar.inc(1);
-        out
-    };
-    let all: Vec<_> = seeds.par_iter().map(one).collect();
-    bar.finish_and_clear();
+    let all = of_each(options.seed..options.seed + options.sets, answer)?;
     all.iter().filter_map(|a| a.as_ref().err()).for_each(|e| println!("refused: {e}"));
     let all: Vec<&Answer> = all.iter().flatten().collect();
     println!("| sets | how many | right joint | nothing else named | both |");

@@ -2,12 +2,10 @@
 //! and as good as it says?
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
-use rayon::prelude::*;
 use truearm_host::diagnose::{DiagnoseOptions, GapRow, diagnose};
 use truearm_host::model::Measurements;
 
-use super::Result;
+use super::{Result, of_each};
 use crate::dirty::set::{DirtySet, Sort};
 
 #[derive(Args)]
@@ -47,16 +45,9 @@ const FEWEST: usize = 40;
 
 pub fn run(options: &Options) -> Result {
     for parted in [Parted::Time, Parted::Joint] {
-        let seeds: Vec<u64> = (options.seed..options.seed + options.sets).collect();
-        let style = "{bar:40} {pos}/{len}  {elapsed_precise}, {eta} left";
-        let bar = ProgressBar::new(options.sets).with_style(ProgressStyle::with_template(style)?);
-        let one = |seed: &u64| {
-            let out = answer(*seed, parted);
-            bar.inc(1);
-            out
-        };
-        let all: Vec<_> = seeds.par_iter().filter_map(one).collect();
-        bar.finish_and_clear();
+        let seeds = options.seed..options.seed + options.sets;
+        let all: Vec<_> =
+            of_each(seeds, |seed| answer(seed, parted))?.into_iter().flatten().collect();
         println!("\n{parted:?}: {} sets", all.len());
         told("over geometry alone", &all, |a| a.over_geometry, 1.02);
         let listed: Vec<&Answer> = all.iter().filter(|a| a.listed).collect();
