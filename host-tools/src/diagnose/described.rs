@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use truearm::JointKind;
 
-use super::outcome::said;
+use super::naming::said;
 use super::policy::POLICY;
 use super::weigh::{Follows, Nameless, Unnamed, Weighed};
 use crate::identify::Problem;

@@ -26,7 +26,8 @@ pub mod weigh;
 mod white;
 
 pub use described::{Described, ErrorCourse};
-pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Verdict, said};
+pub use naming::said;
+pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Verdict};
 pub use tell::{instead, late, otherwise, place};
 pub use weigh::Doubt;
 

@@ -20,3 +20,9 @@ pub fn is_curve_named(curve: &Curved) -> bool {
 pub fn curve_probability(curve: &Curved) -> f64 {
     1.0 / (1.0 + (-curve.log_odds).exp())
 }
+
+/// A probability in words: never said to be certain.
+#[must_use]
+pub fn said(probability: f64) -> String {
+    if probability > 0.99 { "> 0.99".to_owned() } else { format!("{probability:.2}") }
+}

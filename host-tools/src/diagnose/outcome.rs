@@ -73,12 +73,6 @@ pub struct Coefficient {
     pub friction_n: Option<f64>,
 }
 
-/// A probability in words: never said to be certain.
-#[must_use]
-pub fn said(probability: f64) -> String {
-    if probability > 0.99 { "> 0.99".to_owned() } else { format!("{probability:.2}") }
-}
-
 /// A line of the gap table.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct GapRow {

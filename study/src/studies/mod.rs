@@ -17,13 +17,16 @@ mod ties;
 mod transfer;
 mod warming;
 
-use clap::Subcommand;
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 
 use crate::blind::score::{Score, score};
 use crate::blind::sets::{BlindSet, Wanted};
+use crate::dirty::set::{DirtySet, Sort};
 
 /// What a study ends with: a sentence if less was reached than is required.
 pub type Result<T = ()> = std::result::Result<T, Box<dyn std::error::Error>>;
@@ -82,6 +85,27 @@ pub fn run(study: &Study) -> Result {
         Study::Ties(options) => ties::run(options),
         Study::Warming(options) => warming::run(options),
         Study::Reproduce(options) => reproduce::run(options),
+    }
+}
+
+/// One set alone.
+#[derive(Args)]
+struct One {
+    /// Only this one, with its files in a folder
+    #[arg(long)]
+    only: Option<u64>,
+    /// Folder for that set's files
+    #[arg(long, requires = "only")]
+    out: Option<PathBuf>,
+}
+
+impl One {
+    /// The seed that is asked for, its files written if they are.
+    fn drawn(&self, sort: Sort) -> Result<Option<u64>> {
+        if let (Some(seed), Some(folder)) = (self.only, &self.out) {
+            DirtySet::draw(seed, sort).write(folder)?;
+        }
+        Ok(self.only)
     }
 }
 

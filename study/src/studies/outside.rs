@@ -3,9 +3,10 @@
 use clap::Args;
 use truearm_host::diagnose::Verdict;
 
-use super::{Result, of_each};
+use super::{One, Result, of_each};
 use crate::apart::TOLD;
 use crate::dirty::outside::{Answer, answer};
+use crate::dirty::set::Sort;
 
 #[derive(Args)]
 pub struct Options {
@@ -15,23 +16,15 @@ pub struct Options {
     /// The first one; others are other sets
     #[arg(long, default_value_t = 9_000)]
     seed: u64,
-    /// Only this one, with its files in a folder
-    #[arg(long)]
-    only: Option<u64>,
-    /// Folder for that set's files
-    #[arg(long, requires = "only")]
-    out: Option<std::path::PathBuf>,
+    #[command(flatten)]
+    one: One,
 }
 
 /// Size from which on it must be described, noise floors.
 const LARGE: f64 = 0.8;
 
 pub fn run(options: &Options) -> Result {
-    if let Some(seed) = options.only {
-        if let Some(folder) = &options.out {
-            use crate::dirty::set::{DirtySet, Sort};
-            DirtySet::draw(seed, Sort::Outside).write(folder)?;
-        }
+    if let Some(seed) = options.one.drawn(Sort::Outside)? {
         println!("{:#?}", answer(seed)?);
         return Ok(());
     }

@@ -2,8 +2,9 @@
 
 use clap::Args;
 
-use super::{Result, of_each};
+use super::{One, Result, of_each};
 use crate::apart::TOLD;
+use crate::dirty::set::Sort;
 use crate::dirty::springs::{Answer, answer};
 
 #[derive(Args)]
@@ -14,20 +15,12 @@ pub struct Options {
     /// The first one; others are other sets
     #[arg(long, default_value_t = 41_000)]
     seed: u64,
-    /// Only this one, with its files in a folder
-    #[arg(long)]
-    only: Option<u64>,
-    /// Folder for that set's files
-    #[arg(long, requires = "only")]
-    out: Option<std::path::PathBuf>,
+    #[command(flatten)]
+    one: One,
 }
 
 pub fn run(options: &Options) -> Result {
-    if let Some(seed) = options.only {
-        if let Some(folder) = &options.out {
-            use crate::dirty::set::{DirtySet, Sort};
-            DirtySet::draw(seed, Sort::Spring).write(folder)?;
-        }
+    if let Some(seed) = options.one.drawn(Sort::Spring)? {
         println!("{:#?}", answer(seed)?);
         return Ok(());
     }

@@ -1,46 +1,15 @@
 //! Why a probable effect is suspected and not named: what makes it probable is that
 //! nothing else of the repertoire does the same, not that the data test it.
 
-use schemars::JsonSchema;
-use serde::Serialize;
 use truearm::effects::Effect;
 
 use super::nameless::Nameless;
-use super::weighed::Unnamed;
+use super::weighed::{Doubt, Unnamed};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::Moments;
 use crate::diagnose::question::Question;
 use crate::identify::Problem;
 use crate::model::ModelTerm;
-
-/// What speaks against a name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Doubt {
-    /// The halves of the poses disagree, or one does not gain by the other.
-    Halves,
-    /// The joint is also off by a share of its last move, which has no name: the side
-    /// that it came from and a share of its angle are parts of that.
-    Memory,
-    /// The joint was measured at so few angles that any function of it fits.
-    Levels,
-    /// Nobody stated the masses of the links: what hangs on the joint loads it by the cosine
-    /// of its angle, and a spring does what an eccentricity does.
-    Unweighed,
-}
-
-impl Doubt {
-    /// In a report's line.
-    #[must_use]
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Halves => "the halves of the poses disagree",
-            Self::Memory => "the joint depends on its last move in a way that has no name",
-            Self::Levels => "at so few angles of the joint any function of them fits",
-            Self::Unweighed => "without [[links]] a spring of the joint does the same",
-        }
-    }
-}
 
 /// Structure without a name is believed from here on, as in a verdict.
 const BELIEVED: f64 = 0.5;

@@ -2,14 +2,14 @@
 
 use rayon::prelude::*;
 
-use super::doubts::{self, Doubt};
+use super::doubts;
 use super::halves;
 use super::nameless::Nameless;
 use super::partial_fits::{Explained, FOLD};
 use super::possible::{NAMELESS, What, listed};
 use super::row_parts::{Parts, joined};
 use super::sheet::ByCurves;
-use super::weighed::{Named, Unnamed, Weighed};
+use super::weighed::{Doubt, Named, Unnamed, Weighed};
 use crate::diagnose::candidates::{Candidate, arm_terms};
 use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;

@@ -2,6 +2,7 @@
 //! so far, weighing every candidate by its evidence, and fitting what was found.
 
 mod doubts;
+mod follows;
 mod given_back;
 mod halves;
 mod joint_curves;
@@ -36,14 +37,13 @@ use super::policy::POLICY;
 use super::question::Question;
 use crate::error::Result;
 use crate::evidence::{Effort, Known, explain};
-pub use doubts::Doubt;
+pub use follows::Follows;
 use given_back::given_back;
 use joint_curves::choice::Chosen;
 use lines::Held;
 pub use nameless::Nameless;
 use partial_fits::{EFFORT, Explained, FIRST};
 use possible::{Numbers, Possible, listed, revolute};
-pub use screen::Follows;
 use search_result::Searched;
 use settled::{With, settled};
 use sheet::Sheet;
@@ -51,7 +51,7 @@ pub use sheet::Weights;
 use start::Start;
 pub use start::with_curves;
 use unweighed_springs::sprung;
-pub use weighed::{Curved, Named, Stage, Unnamed, Weighed};
+pub use weighed::{Curved, Doubt, Named, Stage, Unnamed, Weighed};
 pub use weights::scatter;
 
 /// Rounds of linearising and weighing.
@@ -176,8 +176,9 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let mut possible =
             candidates(&asked, &node, &weights, (lambda, scale), (&held, &closed, &refused));
         possible.retain(|p| !p.is_within(&curves));
+        let bending = bent.bending(&state);
         let sheet = Sheet::new(&problem, &state, &possible, &weights, &curves).bending(
-            bent.bending(&state),
+            bending.clone(),
             &rows,
             lambda,
         );
@@ -187,7 +188,6 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let known = (scale > 0.0).then(|| Known { members: members_of(&possible, &node), scale });
         let found = explain(&whole, &precision, &entries, effort, known.as_ref());
         progress();
-        let bending = bent.bending(&state);
         let at = unbent::At {
             problem: &problem,
             state: &state,

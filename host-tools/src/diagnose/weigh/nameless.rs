@@ -9,7 +9,7 @@ use nalgebra::{DVector, Vector3};
 use rayon::prelude::*;
 use truearm::effects::Term;
 
-use super::screen::Follows;
+use super::follows::Follows;
 use crate::effects::{Offer, courses, growing};
 use crate::identify::{Problem, State};
 use crate::model::arm::{Derivatives, RowInputs};

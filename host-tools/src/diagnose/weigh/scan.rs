@@ -2,8 +2,8 @@
 
 use nalgebra::{DVector, Vector3};
 
+use super::follows::Part;
 use super::possible::revolute;
-use super::screen::Part;
 use super::sheet::{Sheet, Weights};
 use crate::evidence::lines::JointColumn;
 use crate::identify::{Problem, State};

@@ -46,8 +46,8 @@ pub fn reweighed(
     found: Explanation,
 ) -> Explanation {
     let Some(bending) = at.bending else { return found };
-    let springs: Vec<usize> =
-        (0..at.possible.len()).filter(|m| at.holds(*m, bending.springs())).collect();
+    let bent: Vec<ModelTerm> = bending.springs().iter().copied().map(ModelTerm::Arm).collect();
+    let springs: Vec<usize> = (0..at.possible.len()).filter(|m| at.has(*m, &bent)).collect();
     let least = NEAR * found.posterior.models.first().map_or(1.0, |(_, p)| *p);
     let models = found.posterior.models.iter().filter(|(_, p)| *p > least);
     let mut by_springs: BTreeMap<Vec<usize>, Vec<&[usize]>> = BTreeMap::new();
@@ -59,15 +59,12 @@ pub fn reweighed(
     if by_springs.is_empty() {
         return found;
     }
-    let weigh = |own: &[usize], models: &[&[usize]], freedom: Option<f64>| {
-        at.weighed(own, models, found.scale, freedom)
-    };
     let mut changes = Changes::new();
     // What was too improbable to be weighed again loses what the best of its springs does.
     let mut of_others: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
     for (own, models) in &by_springs {
-        let with = weigh(&springs, models, None);
-        let without = weigh(own, models, Some(with.freedom));
+        let with = at.weighed(&springs, models, found.scale, None);
+        let without = at.weighed(own, models, found.scale, Some(with.freedom));
         let fewer = 0.5 * (with.log_det - without.log_det);
         let each = models.iter().zip(with.masses.iter().zip(&without.masses));
         let each = each
@@ -96,18 +93,10 @@ struct Weighing {
 }
 
 impl At<'_> {
-    /// Whether a candidate is one of these springs.
-    fn holds(&self, candidate: usize, springs: &[Term<f64>]) -> bool {
+    /// Whether a candidate has any of these terms, whatever their coefficients.
+    fn has(&self, candidate: usize, terms: &[ModelTerm]) -> bool {
         let What::Effect(own) = &self.possible[candidate].what else { return false };
-        let is = |term: &ModelTerm| springs.iter().any(|s| bare(&ModelTerm::Arm(*s)) == bare(term));
-        own.terms.iter().any(is)
-    }
-
-    /// Whether the state has any of a candidate's terms.
-    fn is_in_state(&self, candidate: usize) -> bool {
-        let What::Effect(own) = &self.possible[candidate].what else { return false };
-        let known = |term: &ModelTerm| self.state.terms.iter().any(|t| bare(t) == bare(term));
-        own.terms.iter().any(known)
+        own.terms.iter().any(|term| terms.iter().any(|t| bare(t) == bare(term)))
     }
 
     /// Models whose geometry has the moments that bend some springs; it uses up as many
@@ -120,14 +109,15 @@ impl At<'_> {
         freedom: Option<f64>,
     ) -> Weighing {
         // What the state has is among them: rows are what is left without its terms.
-        let held = (0..self.possible.len()).filter(|m| self.is_in_state(*m));
+        let held = (0..self.possible.len()).filter(|m| self.has(*m, &self.state.terms));
         let mut members: Vec<usize> = models.iter().copied().flatten().copied().collect();
         members.extend(held);
         members.sort_unstable();
         members.dedup();
         let possible: Vec<Possible> = members.iter().map(|m| self.possible[*m].clone()).collect();
-        let own =
-            |term: &Term<f64>| springs.iter().any(|s| self.holds(*s, std::slice::from_ref(term)));
+        let own = |term: &Term<f64>| {
+            springs.iter().any(|s| self.has(*s, std::slice::from_ref(&ModelTerm::Arm(*term))))
+        };
         let bending = self.bending.and_then(|bending| bending.only(&own));
         let sheet = Sheet::new(self.problem, self.state, &possible, self.weights, self.curves)
             .bending(bending, self.rows, self.lambda);

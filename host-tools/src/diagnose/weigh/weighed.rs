@@ -1,8 +1,9 @@
 //! What weighing says.
 
 use nalgebra::{DMatrix, DVector};
+use schemars::JsonSchema;
+use serde::Serialize;
 
-use super::doubts::Doubt;
 use super::nameless::Nameless;
 use super::sheet::ByCurves;
 use crate::diagnose::candidates::Candidate;
@@ -96,4 +97,33 @@ pub struct Stage {
     pub tables: Vec<ErrorCurve>,
     /// Held-out residuals.
     pub held_out: Vec<Option<Residual>>,
+}
+
+/// What speaks against a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Doubt {
+    /// The halves of the poses disagree, or one does not gain by the other.
+    Halves,
+    /// The joint is also off by a share of its last move, which has no name: the side
+    /// that it came from and a share of its angle are parts of that.
+    Memory,
+    /// The joint was measured at so few angles that any function of it fits.
+    Levels,
+    /// Nobody stated the masses of the links: what hangs on the joint loads it by the cosine
+    /// of its angle, and a spring does what an eccentricity does.
+    Unweighed,
+}
+
+impl Doubt {
+    /// In a report's line.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Halves => "the halves of the poses disagree",
+            Self::Memory => "the joint depends on its last move in a way that has no name",
+            Self::Levels => "at so few angles of the joint any function of them fits",
+            Self::Unweighed => "without [[links]] a spring of the joint does the same",
+        }
+    }
 }

@@ -1,71 +1,21 @@
-//! A part of the cell that errs as something recorded goes: every part with every
-//! covariate that no effect of the repertoire takes, each as a few smooth functions. All
-//! are scanned alone; what explains most is weighed with everything else.
+//! Every part of the cell with every covariate that no effect of the repertoire takes, each
+//! as a few smooth functions. All are scanned alone; what explains most is weighed with
+//! everything else.
 
-mod covariate;
-mod part;
-mod smooth;
 #[cfg(test)]
 mod tests;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::follows::{Covariate, Follows, Part, Shape, Smooth, smooth};
 use super::nameless::Nameless;
 use super::possible::{Numbers, Possible};
 use super::scan::Columns;
 use crate::diagnose::policy::POLICY;
 use crate::evidence::lines::JointColumn;
 use crate::identify::Problem;
-use crate::model::arm::Derivatives;
 use crate::observations::postures;
-pub use covariate::Covariate;
-pub use part::Part;
-pub use smooth::{Shape, Smooth};
-
-/// A part that errs with a covariate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Follows {
-    /// What errs.
-    pub part: Part,
-    /// With what.
-    pub with: Covariate,
-    /// How.
-    pub how: Smooth,
-}
-
-/// Numbers of covariates at most: of kinds, and of joints.
-const COVARIATES: usize = 32;
-
-impl Follows {
-    /// How the target of a row moves with each coefficient, SI: way after way.
-    #[must_use]
-    pub fn columns(&self, problem: &Problem, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
-        // Of rows that have none, nothing: nearly all have it, or it is not looked at.
-        let at = self.with.within(problem, index, self.how.range).map(|value| self.how.at(value));
-        let at = at.unwrap_or_else(|| vec![0.0; self.how.shape.count()]);
-        let moves = self.part.moves(problem, d);
-        moves.iter().flat_map(|way| at.iter().map(move |f| way * *f)).collect()
-    }
-
-    /// How many columns.
-    #[must_use]
-    pub fn count(&self) -> usize {
-        self.part.ways() * self.how.shape.count()
-    }
-
-    /// A number for the pair.
-    #[must_use]
-    pub fn number(&self) -> usize {
-        self.part.number() * COVARIATES + self.with.number()
-    }
-
-    /// What it says.
-    #[must_use]
-    pub fn words(&self, problem: &Problem) -> String {
-        format!("{} as {} goes", self.part.words(), self.with.words(problem))
-    }
-}
 
 /// Whether the repertoire has what a part does with a covariate, or geometry and something
 /// else together do.
