@@ -8,13 +8,17 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::noise::Noise;
 use super::poses::Repeats;
-use super::triangular::{cholesky, solve_lower};
+use super::triangular::{cholesky, inverse_lower, solve_lower};
 
 /// Columns a product is computed in at a time; only the lower triangle is.
 const BLOCK: usize = 96;
 /// Share of a column's square that must survive the projection; below it is
 /// the rounding of the projection and the column counts as one of geometry's.
 const SEEN: f64 = 1e-8;
+/// Rounds in which the noise scale of geometry is found...
+const MOST_ROUNDS: usize = 5;
+/// ...and its change, as a share, that is none: a search finds it again from there.
+const SETTLED: f64 = 1e-3;
 /// First addition to the diagonal of a scaled matrix that has no Cholesky
 /// factor for rounding; grows tenfold until there is one.
 const JITTER: f64 = 1e-14;
@@ -24,14 +28,15 @@ const JITTER: f64 = 1e-14;
 /// over its stated sigma.
 #[derive(Debug, Clone)]
 pub struct Gram {
-    gg: DMatrix<f64>,
-    gz: DMatrix<f64>,
-    zz: DMatrix<f64>,
-    gy: DVector<f64>,
-    zy: DVector<f64>,
-    yy: f64,
-    equations: usize,
-    repeats: Repeats,
+    /// Its lower triangle.
+    pub(super) gg: DMatrix<f64>,
+    pub(super) gz: DMatrix<f64>,
+    pub(super) zz: DMatrix<f64>,
+    pub(super) gy: DVector<f64>,
+    pub(super) zy: DVector<f64>,
+    pub(super) yy: f64,
+    pub(super) equations: usize,
+    pub(super) repeats: Repeats,
 }
 
 /// Geometry at one noise scale k: the Cholesky factor of `G'G / k^2 + Lambda`.
@@ -86,7 +91,7 @@ impl Gram {
     /// Adds equations. A few hundred at a time are fastest.
     pub fn add(&mut self, g: &DMatrix<f64>, z: &DMatrix<f64>, y: &DVector<f64>) {
         let (gt, zt) = (g.transpose(), z.transpose());
-        self.gg.gemm(1.0, &gt, g, 1.0);
+        lower_product(&mut self.gg, 1.0, &gt, g);
         self.gz.gemm(1.0, &gt, z, 1.0);
         self.gy.gemv(1.0, &gt, y, 1.0);
         self.zy.gemv(1.0, &zt, y, 1.0);
@@ -141,29 +146,52 @@ impl Gram {
             h[(i, i)] += precision[i];
         }
         let unit = h.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
-        let scaled = DMatrix::from_fn(h.nrows(), h.ncols(), |i, j| h[(i, j)] / (unit[i] * unit[j]));
-        let factor = factor(scaled);
+        let seen: Vec<bool> = h.diagonal().iter().map(|d| *d > 0.0).collect();
+        for (mut column, unit_of_column) in h.column_iter_mut().zip(unit.iter()) {
+            column /= *unit_of_column;
+            column.component_div_assign(&unit);
+        }
+        let factor = factor(h);
         // tr(H^-1 G'G / k^2) is what the prior does not decide.
-        let mut inverse = DMatrix::identity(h.nrows(), h.ncols());
-        solve_lower(factor.l_dirty(), &mut inverse);
+        let inverse = inverse_lower(factor.l_dirty());
         let own = |i: usize| precision[i] / (unit[i] * unit[i]) * inverse.column(i).norm_squared();
-        let seen = |i: &usize| h[(*i, *i)] > 0.0;
-        let freedom = (0..h.nrows()).filter(seen).map(|i| 1.0 - own(i)).sum();
+        let freedom = (0..unit.len()).filter(|i| seen[*i]).map(|i| 1.0 - own(i)).sum();
         Geometry { unit, factor, scale, freedom }
     }
 
     /// Everything projected off geometry.
     #[must_use]
     pub fn project(&self, geometry: &Geometry) -> Projected {
+        self.projected(geometry, (&self.gz, &self.zz), &self.zy)
+    }
+
+    /// Some columns, in this order, projected off geometry.
+    #[must_use]
+    pub fn project_some(&self, geometry: &Geometry, columns: &[usize]) -> Projected {
+        let gz = self.gz.select_columns(columns);
+        // Below the diagonal are those that were summed.
+        let zz = DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
+            let (i, j) = (columns[i], columns[j]);
+            self.zz[(i.max(j), i.min(j))]
+        });
+        self.projected(geometry, (&gz, &zz), &self.zy.select_rows(columns))
+    }
+
+    fn projected(
+        &self,
+        geometry: &Geometry,
+        (gz, zz): (&DMatrix<f64>, &DMatrix<f64>),
+        zy: &DVector<f64>,
+    ) -> Projected {
         let k2 = geometry.scale * geometry.scale;
-        let v = geometry.whiten(&self.gz);
+        let v = geometry.whiten(gz);
         let vy = geometry.whiten(&DMatrix::from_column_slice(self.gy.len(), 1, self.gy.as_slice()));
         let vy = vy.column(0);
-        let mut c = &self.zz / k2;
+        let mut c = zz / k2;
         lower_product(&mut c, -1.0, &v.transpose(), &v);
         c.fill_upper_triangle_with_lower_triangle();
-        let mut b = &self.zy / k2 - v.tr_mul(&vy);
-        let full = self.zz.diagonal() / k2;
+        let mut b = zy / k2 - v.tr_mul(&vy);
+        let full = zz.diagonal() / k2;
         for j in 0..c.ncols() {
             if c[(j, j)] <= SEEN * full[j] {
                 c.column_mut(j).fill(0.0);
@@ -187,7 +215,7 @@ impl Gram {
     #[must_use]
     pub fn scale_of_geometry(&self, precision: &DVector<f64>) -> f64 {
         let mut k = (self.yy / self.equations.max(1) as f64).sqrt().max(f64::MIN_POSITIVE);
-        for _ in 0..5 {
+        for _ in 0..MOST_ROUNDS {
             let geometry = self.geometry(precision, k);
             let vy = geometry
                 .factor
@@ -195,7 +223,11 @@ impl Gram {
                 .solve_lower_triangular(&self.gy.component_div(&geometry.unit).unscale(k * k));
             let rest = self.yy - vy.map_or(0.0, |v| v.norm_squared()) * k * k;
             let noise = Noise::new(self.equations, &self.repeats, geometry.freedom);
+            let before = k;
             k = (noise.own(rest) / noise.freedom).sqrt().max(1e-9 * k);
+            if (k - before).abs() <= SETTLED * before {
+                break;
+            }
         }
         k
     }

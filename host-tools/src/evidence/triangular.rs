@@ -28,6 +28,25 @@ pub fn solve_lower(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
     });
 }
 
+/// The inverse of the lower triangle of a square matrix with a positive diagonal.
+#[must_use]
+pub fn inverse_lower(l: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = l.nrows();
+    let mut inverse = DMatrix::identity(n, n);
+    if n == 0 {
+        return inverse;
+    }
+    let columns = inverse.as_mut_slice().par_chunks_mut(n * TASK).enumerate();
+    columns.for_each(|(k, some)| {
+        // Above its diagonal it is nothing.
+        let (first, width) = (k * TASK, some.len() / n);
+        let mut some = DMatrixViewMut::from_slice(some, n, width);
+        let below = n - first;
+        halves(&l.view((first, first), (below, below)), &mut some.rows_mut(first, below));
+    });
+    inverse
+}
+
 /// The first half of the unknowns, what they explain, the second half.
 fn halves(l: &DMatrixView<f64>, b: &mut nalgebra::DMatrixViewMut<f64>) {
     let n = l.nrows();
@@ -89,6 +108,8 @@ mod tests {
             let whole = a.clone().cholesky().map_or_else(|| DMatrix::zeros(0, 0), |f| f.unpack());
             let factor = cholesky(a).map_or_else(|| DMatrix::zeros(0, 0), |f| f.unpack());
             assert!((&factor - &whole).amax() < 1e-11 * n.max(1) as f64, "{n}");
+            let inverse = &whole * inverse_lower(&factor) - DMatrix::identity(n, n);
+            assert!(inverse.is_empty() || inverse.amax() < 1e-11 * n as f64, "{n}");
             for columns in [1, 127, 129] {
                 let b = DMatrix::from_fn(n, columns, |_, _| rng.random_range(-1.0..1.0));
                 let mut x = b.clone();

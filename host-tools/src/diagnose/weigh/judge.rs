@@ -51,7 +51,7 @@ pub fn answer(
                     continue;
                 }
                 let own = found.best.members.iter().position(|m| Some(*m) == member);
-                let coefficients = own.map(|k| whole.block(&found.best, k));
+                let coefficients = own.map(|k| of.block(&whole, &found.best, k));
                 nameless.push(Unnamed { what: *what, probability, half_gain, coefficients });
             }
             Some(What::Effect(candidate)) => {

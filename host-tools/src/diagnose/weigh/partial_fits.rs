@@ -36,15 +36,6 @@ pub struct Explained<'s, 'a> {
 pub struct Part {
     gram: Gram,
     geometry: Geometry,
-    subsets: Subsets,
-}
-
-impl Part {
-    /// Coefficients of the `k`-th member of a subset and their covariance, in SI.
-    #[must_use]
-    pub fn block(&self, subset: &Subset, k: usize) -> (DVector<f64>, DMatrix<f64>) {
-        self.subsets.block(subset, k)
-    }
 }
 
 impl Explained<'_, '_> {
@@ -52,9 +43,32 @@ impl Explained<'_, '_> {
     #[must_use]
     pub fn part(&self, gram: Gram, scale: f64) -> Part {
         let geometry = gram.geometry(self.precision, scale);
-        let entries = self.possible.iter().map(|p| p.entry.clone()).collect();
-        let subsets = Subsets::new(gram.project(&geometry), entries);
-        Part { gram, geometry, subsets }
+        Part { gram, geometry }
+    }
+
+    /// Members at prior sizes, fitted to some rows.
+    fn at_sizes(&self, part: &Part, members: &[usize], sizes: &[usize]) -> (Subsets, Subset) {
+        let columns: Vec<usize> =
+            members.iter().flat_map(|m| self.columns_of_member(*m)).collect();
+        let entries = members.iter().map(|m| self.possible[*m].entry.clone()).collect();
+        let subsets = Subsets::new(part.gram.project_some(&part.geometry, &columns), entries);
+        let all: Vec<usize> = (0..members.len()).collect();
+        let subset = subsets.at_sizes(&all, sizes);
+        (subsets, subset)
+    }
+
+    /// Coefficients of the `k`-th member of a subset, fitted to some rows, and their
+    /// covariance, in SI.
+    #[must_use]
+    pub fn block(&self, part: &Part, of: &Subset, k: usize) -> (DVector<f64>, DMatrix<f64>) {
+        let (subsets, subset) = self.at_sizes(part, &of.members, &of.sizes);
+        subsets.block(&subset, k)
+    }
+
+    /// Where the columns of a candidate stand among those of all.
+    fn columns_of_member(&self, member: usize) -> std::ops::Range<usize> {
+        let first = columns_of(&self.possible[..member]);
+        first..first + self.possible[member].entry.units.len()
     }
 
     /// The most probable model's coefficients as those of all columns.
@@ -80,8 +94,8 @@ impl Explained<'_, '_> {
     fn spread(&self, gram: &Gram, geometry: &Geometry, of: Vec<(usize, Vec<f64>)>) -> Solution {
         let mut columns = DVector::zeros(columns_of(self.possible));
         for (member, values) in of {
-            let first: usize = columns_of(&self.possible[..member]);
-            values.iter().enumerate().for_each(|(k, value)| columns[first + k] = *value);
+            let own = self.columns_of_member(member);
+            own.zip(values).for_each(|(column, value)| columns[column] = value);
         }
         Solution { geometry: geometry.mean(gram, &columns), columns }
     }
@@ -101,8 +115,8 @@ impl Explained<'_, '_> {
             place.map_or(USUAL_SIZE, |k| found.best.sizes[k])
         };
         let sizes: Vec<usize> = members.iter().map(size).collect();
-        let subset = part.subsets.at_sizes(members, &sizes);
-        let coefficients = part.subsets.coefficients(&subset);
+        let (subsets, subset) = self.at_sizes(part, members, &sizes);
+        let coefficients = subsets.coefficients(&subset);
         let values = members
             .iter()
             .zip(&coefficients)

@@ -62,10 +62,8 @@ pub fn next(q: &Question, found: &Searched) -> Option<usize> {
         if scattered.scattering.last().is_none_or(|s| s.1 <= 0.0) {
             return None;
         }
-        let plain = *without.get_or_insert_with(|| compared.evidence(&plain, &members));
-        let best =
-            compared.evidence(&scattered, &members).max(compared.evidence(&scattered, &bare));
-        Some((joint, best - plain))
+        let plain = *without.get_or_insert_with(|| compared.evidence(&plain, &[&members]));
+        Some((joint, compared.evidence(&scattered, &[&members, &bare]) - plain))
     });
     let best = rated.max_by(|a, b| a.1.total_cmp(&b.1))?;
     (best.1 > -POLICY.odds.ln()).then_some(best.0)
@@ -97,8 +95,8 @@ struct Compared<'a> {
 }
 
 impl Compared<'_> {
-    /// Log evidence of members under such noise, up to a constant of the rows.
-    fn evidence(&self, weights: &Weights, members: &[usize]) -> f64 {
+    /// Log evidence of the best of some models under such noise, up to a constant of the rows.
+    fn evidence(&self, weights: &Weights, models: &[&[usize]]) -> f64 {
         let Self { q, found, problem } = self;
         let (state, rows) = (&found.best.fit.fit.state, &found.best.fit.kept);
         let all = asked(found);
@@ -111,19 +109,23 @@ impl Compared<'_> {
         let precision = sheet.precision(q.flags.lambda);
         let gram = sheet.gram(rows);
         let entries: Vec<Candidate> = possible.iter().map(|p| p.entry.clone()).collect();
-        let own: Vec<usize> = (0..all.len()).filter(|k| members.contains(&all[*k])).collect();
-        let mut scale = found.found.scale;
-        let mut out = f64::NEG_INFINITY;
         // At the noise that is left beside the scatter.
-        for _ in 0..ROUNDS {
-            let geometry = gram.geometry(&precision, scale);
-            let subsets = Subsets::new(gram.project(&geometry), entries.clone());
-            let best = subsets.fit(&own, &|_| None);
-            let poses = gram.poses() as f64;
-            out = best.log_mass - poses * scale.ln() - 0.5 * geometry.log_det();
-            scale = subsets.scale_of(&best);
-        }
-        out - 0.5 * Scattered::of(problem, state, rows, &weights.scattering).log_det
+        let of = |members: &&[usize]| {
+            let own: Vec<usize> = (0..all.len()).filter(|k| members.contains(&all[*k])).collect();
+            let mut scale = found.found.scale;
+            let mut out = f64::NEG_INFINITY;
+            for _ in 0..ROUNDS {
+                let geometry = gram.geometry(&precision, scale);
+                let subsets = Subsets::new(gram.project(&geometry), entries.clone());
+                let best = subsets.fit(&own, &|_| None);
+                let poses = gram.poses() as f64;
+                out = best.log_mass - poses * scale.ln() - 0.5 * geometry.log_det();
+                scale = subsets.scale_of(&best);
+            }
+            out
+        };
+        let best = models.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        best - 0.5 * Scattered::of(problem, state, rows, &weights.scattering).log_det
     }
 }
 

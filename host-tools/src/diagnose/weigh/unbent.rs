@@ -10,10 +10,10 @@ use nalgebra::DVector;
 use truearm::effects::Term;
 
 use super::joint_curves::Curve;
-use super::possible::{Possible, What};
+use super::possible::{Possible, What, columns_of};
 use super::sheet::{Sheet, Weights};
 use crate::diagnose::moments::Bending;
-use crate::evidence::{Candidate, Explanation, Gram, Subsets};
+use crate::evidence::{Candidate, Explanation, Geometry, Gram, Projected, Subsets};
 use crate::identify::{Problem, State};
 use crate::model::ModelTerm;
 
@@ -59,17 +59,21 @@ pub fn reweighed(
     if by_springs.is_empty() {
         return found;
     }
+    let asked: Vec<&[usize]> = by_springs.values().flatten().copied().collect();
+    let some = Weighed { at, members: at.members(&asked), scale: found.scale };
+    let all = some.with(gram, precision);
     let mut changes = Changes::new();
     // What was too improbable to be weighed again loses what the best of its springs does.
     let mut of_others: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
     for (own, models) in &by_springs {
-        let with = at.weighed(&springs, models, found.scale, None);
-        let without = at.weighed(own, models, found.scale, Some(with.freedom));
-        let fewer = 0.5 * (with.log_det - without.log_det);
-        let each = models.iter().zip(with.masses.iter().zip(&without.masses));
-        let each = each
-            .map(|(model, (with, without))| (model.to_vec(), (without - with + fewer).min(0.0)));
-        let each: Vec<_> = each.collect();
+        let less = some.only(own, (gram, &all));
+        // Fewer unknowns: the prior's determinant of a moment is 1.
+        let fewer = 0.5 * (all.geometry.log_det() - less.geometry.log_det());
+        let change = |model: &&[usize]| {
+            let [with, without] = [&all, &less].map(|of| some.log_mass(of, model));
+            (model.to_vec(), (without - with + fewer).min(0.0))
+        };
+        let each: Vec<_> = models.iter().map(change).collect();
         let least = each.iter().map(|(_, change)| *change).fold(f64::NEG_INFINITY, f64::max);
         of_others.insert(own.clone(), least);
         changes.extend(each);
@@ -82,16 +86,6 @@ pub fn reweighed(
     found.reweighed(gram, precision, &entries, &change)
 }
 
-/// Models weighed under one geometry.
-struct Weighing {
-    /// Log mass of each, without what is common to all.
-    masses: Vec<f64>,
-    /// `log |G'G / k^2 + Lambda|`; the prior's of a moment is 0.
-    log_det: f64,
-    /// Equations that geometry uses up.
-    freedom: f64,
-}
-
 impl At<'_> {
     /// Whether a candidate has any of these terms, whatever their coefficients.
     fn has(&self, candidate: usize, terms: &[ModelTerm]) -> bool {
@@ -99,41 +93,80 @@ impl At<'_> {
         own.terms.iter().any(|term| terms.iter().any(|t| bare(t) == bare(term)))
     }
 
-    /// Models whose geometry has the moments that bend some springs; it uses up as many
-    /// equations as told.
-    fn weighed(
-        &self,
-        springs: &[usize],
-        models: &[&[usize]],
-        scale: f64,
-        freedom: Option<f64>,
-    ) -> Weighing {
-        // What the state has is among them: rows are what is left without its terms.
+    /// What models have, and the state: rows are what is left without its terms.
+    fn members(&self, models: &[&[usize]]) -> Vec<usize> {
         let held = (0..self.possible.len()).filter(|m| self.has(*m, &self.state.terms));
         let mut members: Vec<usize> = models.iter().copied().flatten().copied().collect();
         members.extend(held);
         members.sort_unstable();
         members.dedup();
-        let possible: Vec<Possible> = members.iter().map(|m| self.possible[*m].clone()).collect();
+        members
+    }
+
+    fn sheet<'s>(&'s self, possible: &'s [Possible], bending: Option<Bending>) -> Sheet<'s> {
+        Sheet::new(self.problem, self.state, possible, self.weights, self.curves).bending(
+            bending,
+            self.rows,
+            self.lambda,
+        )
+    }
+}
+
+/// Some of the candidates, weighed at a noise scale.
+struct Weighed<'s> {
+    at: &'s At<'s>,
+    members: Vec<usize>,
+    scale: f64,
+}
+
+/// They under a geometry.
+struct Weighing {
+    geometry: Geometry,
+    subsets: Subsets,
+}
+
+impl Weighed<'_> {
+    /// Where their columns stand among those of all candidates.
+    fn columns(&self) -> Vec<usize> {
+        let of = |m: &usize| {
+            let first = columns_of(&self.at.possible[..*m]);
+            first..first + columns_of(&self.at.possible[*m..=*m])
+        };
+        self.members.iter().flat_map(of).collect()
+    }
+
+    fn weighing(&self, projected: Projected, geometry: Geometry) -> Weighing {
+        let entries = self.members.iter().map(|m| self.at.possible[*m].entry.clone()).collect();
+        Weighing { geometry, subsets: Subsets::new(projected, entries) }
+    }
+
+    /// With what moments do to all springs of the state, as they are in the sums.
+    fn with(&self, gram: &Gram, precision: &DVector<f64>) -> Weighing {
+        let geometry = gram.geometry(precision, self.scale);
+        self.weighing(gram.project_some(&geometry, &self.columns()), geometry)
+    }
+
+    /// With what they do to some springs; geometry uses up as many equations.
+    fn only(&self, springs: &[usize], (gram, all): (&Gram, &Weighing)) -> Weighing {
+        let at = self.at;
+        let possible: Vec<Possible> = self.members.iter().map(|m| at.possible[*m].clone()).collect();
         let own = |term: &Term<f64>| {
-            springs.iter().any(|s| self.has(*s, std::slice::from_ref(&ModelTerm::Arm(*term))))
+            springs.iter().any(|s| at.has(*s, std::slice::from_ref(&ModelTerm::Arm(*term))))
         };
-        let bending = self.bending.and_then(|bending| bending.only(&own));
-        let sheet = Sheet::new(self.problem, self.state, &possible, self.weights, self.curves)
-            .bending(bending, self.rows, self.lambda);
-        let gram = sheet.gram(self.rows);
-        let geometry = gram.geometry(&sheet.precision(self.lambda), scale);
-        let mut projected = gram.project(&geometry);
-        projected.geometry = freedom.unwrap_or(projected.geometry);
-        let freedom = projected.geometry;
-        let entries = possible.iter().map(|p| p.entry.clone()).collect();
-        let subsets = Subsets::new(projected, entries);
-        let of = |model: &&[usize]| {
-            let own: Vec<usize> =
-                model.iter().filter_map(|m| members.binary_search(m).ok()).collect();
-            subsets.fit(&own, &|_| None).log_mass
-        };
-        Weighing { masses: models.iter().map(of).collect(), log_det: geometry.log_det(), freedom }
+        let own = at.bending.and_then(|bending| bending.only(&own));
+        let whole = at.sheet(&possible, at.bending.cloned());
+        let less = at.sheet(&possible, own);
+        let sums = whole.exchanged(&less, at.rows, gram, &self.columns());
+        let geometry = sums.geometry(&less.precision(at.lambda), self.scale);
+        let mut projected = sums.project(&geometry);
+        projected.geometry = all.geometry.freedom;
+        self.weighing(projected, geometry)
+    }
+
+    fn log_mass(&self, of: &Weighing, model: &[usize]) -> f64 {
+        let own: Vec<usize> =
+            model.iter().filter_map(|m| self.members.binary_search(m).ok()).collect();
+        of.subsets.fit(&own, &|_| None).log_mass
     }
 }
 

@@ -33,9 +33,10 @@ pub fn worth(from: &From, curves: &[Curve], tables: &[ErrorCurve]) -> Vec<Curved
     let whole = joined(from.grams.iter(), all.sheet.size());
     let geometry = whole.geometry(all.precision, scale);
     let solution = all.solution(&whole, &geometry, from.found);
+    let with = [0, 1].map(|half| error_of_half(from, all.precision, half));
     let out = tables.iter().filter_map(|table| {
         let k = curves.iter().position(|c| c.joint == usize::from(table.joint()))?;
-        let half_gain = [0, 1].map(|half| gain(from, k, half));
+        let half_gain = [0, 1].map(|half| 1.0 - with[half] / without(from, k, half));
         let columns = all.sheet.columns_of_curve(k);
         let evidence = geometry.worth(all.precision, &solution.geometry, columns);
         let log_odds = evidence + prior::log_odds(all.q.problem.nominal.len(), smooth::PRIORS);
@@ -44,22 +45,23 @@ pub fn worth(from: &From, curves: &[Curve], tables: &[ErrorCurve]) -> Vec<Curved
     out.collect()
 }
 
-/// Fall of the error of one random half by a curve fitted to the other one.
-fn gain(from: &From, k: usize, half: usize) -> f64 {
+/// Error of one random half with what the other one tells under a prior of geometry, m.
+fn error_of_half(from: &From, precision: &DVector<f64>, half: usize) -> f64 {
     let of = |h: usize| (0..from.grams.len()).filter(move |p| from.parts.half[*p][0] == h);
     let rows: Vec<usize> = of(half).flat_map(|p| from.parts.rows[p].clone()).collect();
-    let rms = |precision: &DVector<f64>| {
-        let all = Explained { precision, ..*from.all };
-        let sum = joined(of(1 - half).map(|p| &from.grams[p]), all.sheet.size());
-        let part = all.part(sum, from.found.scale);
-        let (_, solution) = all.refitted(&part, from.found, &from.found.best.members);
-        all.sheet.misfit(&rows, &solution).sqrt()
-    };
-    // A curve that is held at nothing.
-    let mut without = from.all.precision.clone();
+    let all = Explained { precision, ..*from.all };
+    let sum = joined(of(1 - half).map(|p| &from.grams[p]), all.sheet.size());
+    let part = all.part(sum, from.found.scale);
+    let (_, solution) = all.refitted(&part, from.found, &from.found.best.members);
+    all.sheet.misfit(&rows, &solution).sqrt()
+}
+
+/// The same with a curve held at nothing.
+fn without(from: &From, k: usize, half: usize) -> f64 {
+    let mut held = from.all.precision.clone();
     let columns = from.all.sheet.columns_of_curve(k);
-    without.rows_mut(columns.start, columns.len()).fill(sheet::HELD);
-    1.0 - rms(from.all.precision) / rms(&without).max(f64::MIN_POSITIVE)
+    held.rows_mut(columns.start, columns.len()).fill(sheet::HELD);
+    error_of_half(from, &held, half).max(f64::MIN_POSITIVE)
 }
 
 /// Curves alone, then one effect after the other, the one that is needed most first;

@@ -2,6 +2,7 @@
 //! geometry: all that evidence, folds and halves need.
 
 mod beside_springs;
+mod exchange;
 mod extra_unknowns;
 mod line_scan;
 mod repeats;
@@ -221,43 +222,51 @@ impl<'a> Sheet<'a> {
     fn summed<'r>(&self, poses: impl Iterator<Item = &'r [usize]>) -> Gram {
         let [p, k] = self.size();
         let mut gram = Gram::new(p, k);
-        let mut waiting: Vec<DMatrix<f64>> = Vec::new();
-        let mut equations = 0;
-        let add = |gram: &mut Gram, waiting: &mut Vec<DMatrix<f64>>| {
-            let all = stacked(waiting, p + k + 1);
+        self.stacks(poses, None, &mut |all, repeats| {
+            gram.add_repeats(&repeats);
             let y = all.column(p + k).into_owned();
             gram.add(&all.columns(0, p).into_owned(), &all.columns(p, k).into_owned(), &y);
-            waiting.clear();
-        };
+        });
+        gram
+    }
+
+    /// Blocks of the readings of some poses, a few hundred equations at a time.
+    fn stacks<'r>(
+        &self,
+        poses: impl Iterator<Item = &'r [usize]>,
+        other: Option<&Sheet>,
+        add: &mut dyn FnMut(&DMatrix<f64>, Repeats),
+    ) {
+        let mut waiting: Vec<DMatrix<f64>> = Vec::new();
+        let (mut equations, mut together) = (0, Repeats::default());
         for readings in poses {
-            let (block, repeats) = self.block(readings);
-            gram.add_repeats(&repeats);
+            let (block, repeats) = self.block(readings, other);
+            together.join(&repeats);
             equations += block.nrows();
             waiting.push(block);
             if equations >= TOGETHER {
-                add(&mut gram, &mut waiting);
+                add(&stacked(&waiting), std::mem::take(&mut together));
+                waiting.clear();
                 equations = 0;
             }
         }
         if !waiting.is_empty() {
-            add(&mut gram, &mut waiting);
+            add(&stacked(&waiting), together);
         }
-        gram
     }
 
     /// `[G, Z, y]` of the readings of a pose, weighted and whitened, and what they say of
-    /// the noise.
-    fn block(&self, readings: &[usize]) -> (DMatrix<f64>, Repeats) {
+    /// the noise. What moments bend in another sheet stands before y.
+    fn block(&self, readings: &[usize], other: Option<&Sheet>) -> (DMatrix<f64>, Repeats) {
         let mut parts = Vec::new();
         let mut residual: Vec<f64> = Vec::new();
         for index in readings {
             let weight = self.weights.rows[*index].sqrt();
-            let (part, own) = self.part(*index);
+            let (part, own) = self.part(*index, other);
             residual.extend(own.iter().map(|r| r * weight));
             parts.push(part * weight);
         }
-        let width = parts[0].ncols();
-        let mut block = stacked(&parts, width);
+        let mut block = stacked(&parts);
         whiten(&mut block, readings.len(), self.weights.common);
         let mut left = DMatrix::from_vec(residual.len(), 1, residual);
         whiten(&mut left, readings.len(), self.weights.common);
@@ -271,13 +280,14 @@ impl<'a> Sheet<'a> {
     }
 
     /// `[G, Z, y]` of a row and its residual.
-    fn part(&self, index: usize) -> (DMatrix<f64>, Values) {
+    fn part(&self, index: usize, other: Option<&Sheet>) -> (DMatrix<f64>, Values) {
         let e = self.at.equations_beside(index, &|i, d| {
             let mut all = self.of_moments(i, d);
             let (candidates, curves) = (self.beside(i, d), self.of_curves(i, d));
             all.extend(
                 if self.apart { [candidates, curves] } else { [curves, candidates] }.concat(),
             );
+            all.extend(other.into_iter().flat_map(|other| other.of_moments(i, d)));
             all.push(self.bent(i, d));
             all.extend(self.scattered(index, i, d));
             all
@@ -285,7 +295,7 @@ impl<'a> Sheet<'a> {
         let (p, k) = (self.unknowns(), self.held.len());
         let curves = joint_curves::columns(self.curves);
         let first = if self.apart { p } else { p + curves };
-        let last = p + k + curves;
+        let last = p + k + curves + other.map_or(0, |other| other.held_moments.len());
         let y = e.block.columns(first, k) * &self.held + self.by_moments(&e) + e.block.column(last);
         let residual = e.scaled_residual();
         let mut part = e.block;
@@ -311,9 +321,10 @@ impl<'a> Sheet<'a> {
     }
 }
 
-fn stacked(parts: &[DMatrix<f64>], width: usize) -> DMatrix<f64> {
+/// One below the other.
+fn stacked(parts: &[DMatrix<f64>]) -> DMatrix<f64> {
     let height = parts.iter().map(DMatrix::nrows).sum();
-    let mut out = DMatrix::zeros(height, width);
+    let mut out = DMatrix::zeros(height, parts.first().map_or(0, DMatrix::ncols));
     let mut first = 0;
     for part in parts {
         out.rows_mut(first, part.nrows()).copy_from(part);
