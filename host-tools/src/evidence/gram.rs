@@ -62,12 +62,8 @@ pub struct Projected {
     pub s: f64,
     /// Diagonal of `Z'Z`, before the projection.
     pub full: DVector<f64>,
-    /// Equations.
-    pub equations: usize,
-    /// What those that repeat a pose say of the noise.
-    pub repeats: Repeats,
-    /// Equations that geometry uses up.
-    pub geometry: f64,
+    /// How much a sum of squares left over says.
+    pub noise: Noise,
     /// Noise scale k that everything is divided by.
     pub scale: f64,
 }
@@ -162,24 +158,32 @@ impl Gram {
     /// Everything projected off geometry.
     #[must_use]
     pub fn project(&self, geometry: &Geometry) -> Projected {
-        self.projected(geometry, (&self.gz, &self.zz), &self.zy)
+        self.projected((geometry, self.noise(geometry)), (&self.gz, &self.zz), &self.zy)
     }
 
-    /// Some columns, in this order, projected off geometry.
+    /// What its equations say of the noise beside a geometry.
     #[must_use]
-    pub fn project_some(&self, geometry: &Geometry, columns: &[usize]) -> Projected {
+    pub fn noise(&self, geometry: &Geometry) -> Noise {
+        let repeats = self.repeats.over(geometry.scale * geometry.scale);
+        Noise::new(self.equations, &repeats, geometry.freedom)
+    }
+
+    /// Some columns, in this order, projected off geometry; the noise is told apart, as it
+    /// takes longer than a few columns do.
+    #[must_use]
+    pub fn project_some(&self, of: (&Geometry, Noise), columns: &[usize]) -> Projected {
         let gz = self.gz.select_columns(columns);
         // Below the diagonal are those that were summed.
         let zz = DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
             let (i, j) = (columns[i], columns[j]);
             self.zz[(i.max(j), i.min(j))]
         });
-        self.projected(geometry, (&gz, &zz), &self.zy.select_rows(columns))
+        self.projected(of, (&gz, &zz), &self.zy.select_rows(columns))
     }
 
     fn projected(
         &self,
-        geometry: &Geometry,
+        (geometry, noise): (&Geometry, Noise),
         (gz, zz): (&DMatrix<f64>, &DMatrix<f64>),
         zy: &DVector<f64>,
     ) -> Projected {
@@ -204,9 +208,7 @@ impl Gram {
             b,
             s: (self.yy / k2 - vy.norm_squared()).max(0.0),
             full,
-            equations: self.equations,
-            repeats: self.repeats.over(k2),
-            geometry: geometry.freedom,
+            noise,
             scale: geometry.scale,
         }
     }

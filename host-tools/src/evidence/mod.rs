@@ -60,7 +60,7 @@ pub use candidate::Candidate;
 pub use coefficients::Coefficient;
 pub use exchange::Exchange;
 pub use gram::{Geometry, Gram, Projected};
-pub use noise::NU;
+pub use noise::{NU, Noise};
 pub use posterior::{Claim, Posterior};
 pub use search::{Effort, WINDOW};
 pub use subset::{Subset, Subsets};

@@ -19,12 +19,12 @@ const GAIN: f64 = 100.0;
 const ROUGHLY: f64 = 0.5;
 
 /// How much a sum of squares left over says: the noise scale integrated out.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Noise {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
     /// Equations that do not repeat a pose.
-    pub poses: f64,
+    pub(super) poses: f64,
     /// N: equations of their own pose, less those of geometry.
-    pub freedom: f64,
+    pub(super) freedom: f64,
     /// Least share of all squares that a model can leave of the poses' own.
     least: f64,
     /// Squares of repeats about their pose's mean.
@@ -34,7 +34,8 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    pub fn new(equations: usize, repeats: &Repeats, geometry: f64) -> Self {
+    #[must_use]
+    pub(super) fn new(equations: usize, repeats: &Repeats, geometry: f64) -> Self {
         let (equations, repeated) = (equations as f64, repeats.equations as f64);
         let poses = equations - repeated;
         let freedom = (poses - geometry).max(1.0);
@@ -47,13 +48,13 @@ impl Noise {
     /// Squares of the poses alone: repeats about their mean tell how readings
     /// scatter, not how poses do. A model that explains part of that scatter is
     /// not believed to leave next to nothing.
-    pub fn own(&self, rest: f64) -> f64 {
+    pub(super) fn own(&self, rest: f64) -> f64 {
         let rest = rest.max(0.0);
         (rest - self.repeats).max(self.least * rest).max(self.floor)
     }
 
     /// `-1/2 (nu + N) log(1 + rest / nu)`.
-    pub fn log_evidence(&self, rest: f64) -> f64 {
+    pub(super) fn log_evidence(&self, rest: f64) -> f64 {
         -0.5 * (NU + self.freedom) * (self.own(rest) / NU).ln_1p()
     }
 }

@@ -11,7 +11,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::gram::Projected;
-use super::noise::Noise;
 use super::triangular::{cholesky, solve_lower};
 
 /// Lengths of the covariance, rad: 2.5 degrees and longer. Shorter ones do not fit a table
@@ -55,15 +54,17 @@ impl Prior {
     }
 }
 
-/// Values of cosine and sine of so many orders at an angle.
+/// Values of cosine and sine of so many orders at an angle, one turned by it into the next.
 #[must_use]
 pub fn basis(orders: usize, angle: f64) -> Vec<f64> {
-    (1..=orders)
-        .flat_map(|n| {
-            let (sin, cos) = (n as f64 * angle).sin_cos();
-            [cos, sin]
-        })
-        .collect()
+    let (sin, cos) = angle.sin_cos();
+    let mut out = Vec::with_capacity(2 * orders);
+    let mut now = [cos, sin];
+    for _ in 0..orders {
+        out.extend(now);
+        now = [now[0] * cos - now[1] * sin, now[1] * cos + now[0] * sin];
+    }
+    out
 }
 
 /// What a function of an angle turns out to be.
@@ -122,7 +123,7 @@ pub fn choose(
     odds: &Odds,
 ) -> Vec<Option<Shape>> {
     let functions = (projected.b.len() - beside) / (2 * orders);
-    let noise = Noise::new(projected.equations, &projected.repeats, projected.geometry);
+    let noise = projected.noise;
     let shapes = Shape::all(orders, odds);
     let mut chosen: Vec<Option<Shape>> = vec![None; functions];
     for _ in 0..SWEEPS {
@@ -269,6 +270,17 @@ mod tests {
             let half: f64 = prior.variances().iter().sum::<f64>() / 2.0;
             assert!((half.sqrt() / 3e-4 - 1.0).abs() < 1e-9);
             assert_eq!(prior.variances().len(), 2 * orders(length));
+        }
+    }
+
+    #[test]
+    fn values_are_those_of_each_order() {
+        for k in 0..200 {
+            let angle = 0.1 * k as f64 - 10.0;
+            for (n, pair) in (1..).zip(basis(98, angle).chunks_exact(2)) {
+                let (sin, cos) = (n as f64 * angle).sin_cos();
+                assert!((pair[0] - cos).abs() < 1e-12 && (pair[1] - sin).abs() < 1e-12, "{n}");
+            }
         }
     }
 

@@ -74,8 +74,7 @@ impl Subsets {
     /// no reason to believe that it is larger.
     #[must_use]
     pub fn new(projected: Projected, candidates: Vec<Candidate>) -> Self {
-        let Projected { mut c, mut b, s, full, equations, repeats, geometry, scale } = projected;
-        let noise = Noise::new(equations, &repeats, geometry);
+        let Projected { mut c, mut b, s, full, noise, scale } = projected;
         let mut columns = Vec::with_capacity(candidates.len());
         let mut unit = DVector::from_element(b.len(), 0.0);
         let mut first = 0;

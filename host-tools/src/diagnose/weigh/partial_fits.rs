@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::possible::{Possible, columns_of};
 use super::sheet::{Sheet, Solution};
 use crate::diagnose::question::Question;
-use crate::evidence::{Coefficient, Effort, Explanation, Geometry, Gram, Subset, Subsets};
+use crate::evidence::{Coefficient, Effort, Explanation, Geometry, Gram, Noise, Subset, Subsets};
 use crate::model::ErrorCurve;
 
 /// How far the search goes: arms with random-like gear curves take many lines.
@@ -36,6 +36,7 @@ pub struct Explained<'s, 'a> {
 pub struct Part {
     gram: Gram,
     geometry: Geometry,
+    noise: Noise,
 }
 
 impl Explained<'_, '_> {
@@ -43,7 +44,7 @@ impl Explained<'_, '_> {
     #[must_use]
     pub fn part(&self, gram: Gram, scale: f64) -> Part {
         let geometry = gram.geometry(self.precision, scale);
-        Part { gram, geometry }
+        Part { noise: gram.noise(&geometry), gram, geometry }
     }
 
     /// Members at prior sizes, fitted to some rows.
@@ -51,7 +52,8 @@ impl Explained<'_, '_> {
         let columns: Vec<usize> =
             members.iter().flat_map(|m| self.columns_of_member(*m)).collect();
         let entries = members.iter().map(|m| self.possible[*m].entry.clone()).collect();
-        let subsets = Subsets::new(part.gram.project_some(&part.geometry, &columns), entries);
+        let projected = part.gram.project_some((&part.geometry, part.noise), &columns);
+        let subsets = Subsets::new(projected, entries);
         let all: Vec<usize> = (0..members.len()).collect();
         let subset = subsets.at_sizes(&all, sizes);
         (subsets, subset)

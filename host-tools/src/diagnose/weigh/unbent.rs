@@ -13,7 +13,7 @@ use super::joint_curves::Curve;
 use super::possible::{Possible, What, columns_of};
 use super::sheet::{Sheet, Weights};
 use crate::diagnose::moments::Bending;
-use crate::evidence::{Candidate, Explanation, Geometry, Gram, Projected, Subsets};
+use crate::evidence::{Candidate, Explanation, Geometry, Gram, Noise, Projected, Subsets};
 use crate::identify::{Problem, State};
 use crate::model::ModelTerm;
 
@@ -122,6 +122,7 @@ struct Weighed<'s> {
 /// They under a geometry.
 struct Weighing {
     geometry: Geometry,
+    noise: Noise,
     subsets: Subsets,
 }
 
@@ -135,18 +136,20 @@ impl Weighed<'_> {
         self.members.iter().flat_map(of).collect()
     }
 
-    fn weighing(&self, projected: Projected, geometry: Geometry) -> Weighing {
+    fn weighing(&self, projected: Projected, (geometry, noise): (Geometry, Noise)) -> Weighing {
         let entries = self.members.iter().map(|m| self.at.possible[*m].entry.clone()).collect();
-        Weighing { geometry, subsets: Subsets::new(projected, entries) }
+        Weighing { geometry, noise, subsets: Subsets::new(projected, entries) }
     }
 
     /// With what moments do to all springs of the state, as they are in the sums.
     fn with(&self, gram: &Gram, precision: &DVector<f64>) -> Weighing {
         let geometry = gram.geometry(precision, self.scale);
-        self.weighing(gram.project_some(&geometry, &self.columns()), geometry)
+        let noise = gram.noise(&geometry);
+        let projected = gram.project_some((&geometry, noise), &self.columns());
+        self.weighing(projected, (geometry, noise))
     }
 
-    /// With what they do to some springs; geometry uses up as many equations.
+    /// With what they do to some springs; the noise is told from as many equations.
     fn only(&self, springs: &[usize], (gram, all): (&Gram, &Weighing)) -> Weighing {
         let at = self.at;
         let possible: Vec<Possible> = self.members.iter().map(|m| at.possible[*m].clone()).collect();
@@ -158,9 +161,8 @@ impl Weighed<'_> {
         let less = at.sheet(&possible, own);
         let sums = whole.exchanged(&less, at.rows, gram, &self.columns());
         let geometry = sums.geometry(&less.precision(at.lambda), self.scale);
-        let mut projected = sums.project(&geometry);
-        projected.geometry = all.geometry.freedom;
-        self.weighing(projected, geometry)
+        let own: Vec<usize> = (0..sums.columns()).collect();
+        self.weighing(sums.project_some((&geometry, all.noise), &own), (geometry, all.noise))
     }
 
     fn log_mass(&self, of: &Weighing, model: &[usize]) -> f64 {

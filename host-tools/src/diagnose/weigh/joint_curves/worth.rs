@@ -86,25 +86,32 @@ pub fn stages(from: &From) -> Vec<Stage> {
     let held = from.all.sheet.holding_moments(from.all.precision);
     let stiff = Explained { precision: &held, ..*from.all };
     let [sprung, stiff] = [from.all, &stiff].map(|all| Sums::new(from, all));
-    let stage = |names: Vec<&'static str>| {
+    let named = |names: &[&'static str]| {
         let of = |m: &usize| name(m).is_some_and(|n| names.contains(&n));
         let own: Vec<usize> = members.iter().copied().filter(of).collect();
         let bends = names.iter().any(|name| moments::bends(name));
-        let sums = if bends { &sprung } else { &stiff };
+        (own, if bends { &sprung } else { &stiff })
+    };
+    let held_out = |names: &[&'static str]| {
+        let (own, sums) = named(names);
+        sums.held_out(from, &own)
+    };
+    let stage = |names: Vec<&'static str>| {
+        let (own, sums) = named(&names);
         let tables = sums.all.tables(&sums.whole, from.found, &own);
-        Stage { tables, names, held_out: sums.held_out(from, &own) }
+        Stage { tables, held_out: held_out(&names), names }
     };
     // What an effect is worth is told beside all others: alone it may predict poses worse.
     let mut names: Vec<&'static str> = sizes.iter().map(|s| s.0).collect();
     loop {
         let without = |name: &&'static str| {
             let others: Vec<_> = names.iter().copied().filter(|n| n != name).collect();
-            (*name, from.all.sheet.weighed(&stage(others).held_out))
+            (*name, from.all.sheet.weighed(&held_out(&others)))
         };
         let mut each: Vec<(&'static str, f64)> = names.iter().map(without).collect();
         each.sort_by(|a, b| b.1.total_cmp(&a.1));
         names = each.iter().map(|e| e.0).collect();
-        let own = from.all.sheet.weighed(&stage(names.clone()).held_out);
+        let own = from.all.sheet.weighed(&held_out(&names));
         match each.last() {
             Some((_, left)) if *left <= own => _ = names.pop(),
             _ => return (0..=names.len()).map(|k| stage(names[..k].to_vec())).collect(),
