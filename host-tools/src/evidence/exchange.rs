@@ -82,11 +82,11 @@ mod tests {
     #[test]
     fn sums_are_those_of_the_rows() {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
-        for (p, gone, comes) in [(5, 1..3, 2), (5, 1..3, 0), (4, 0..4, 3), (3, 2..3, 4), (3, 1..1, 0)]
+        for (p, gone, comes) in
+            [(5, 1..3, 2), (5, 1..3, 0), (4, 0..4, 3), (3, 2..3, 4), (3, 1..1, 0)]
         {
-            let mut random = |n: usize, m: usize| {
-                DMatrix::from_fn(n, m, |_, _| rng.random_range(-1.0..1.0))
-            };
+            let mut random =
+                |n: usize, m: usize| DMatrix::from_fn(n, m, |_, _| rng.random_range(-1.0..1.0));
             let (g, z, other, y) = (random(50, p), random(50, 6), random(50, comes), random(50, 1));
             let held = [random(gone.len(), 1), random(comes, 1)].map(|h| h.column(0).into_owned());
             let kept = [4, 0, 5];

@@ -4,6 +4,7 @@
 //! cross-validation -> report. Nothing here reads or writes a file.
 
 mod blame;
+mod blind_tool;
 pub mod certainty;
 pub mod cross_validation;
 mod figures;

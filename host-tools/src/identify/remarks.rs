@@ -1,5 +1,6 @@
 //! What looks wrong with measurements but may be meant.
 
+use super::blind_tool;
 use super::problem::Problem;
 use crate::identify::problem::{Group, groups};
 use crate::identify::start::zeros;
@@ -37,6 +38,7 @@ pub fn of(robot: &Robot, problem: &Problem, scale: f64) -> Vec<String> {
             data.poses
         ));
     }
+    warnings.extend(blind_tool::remarks(robot, problem));
     warnings.extend(noisy(problem, scale));
     warnings.extend(of_two_stations(problem));
     warnings.extend(of_few_rows(problem));

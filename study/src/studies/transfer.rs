@@ -21,7 +21,7 @@ pub struct Options {
 /// How the poses are parted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Parted {
-    /// First half and second in time.
+    /// First half and second in time, which is the order of the rows.
     Time,
     /// By the values of the joint that moves farthest: the lower 85 % and the upper, so that
     /// their ranges have 70 % in common.
@@ -128,7 +128,6 @@ fn halves(data: &Measurements, parted: Parted) -> Option<Vec<bool>> {
     match parted {
         Parted::Time => {
             let middle = rows.get(rows.len() / 2)?.pose;
-            rows.first()?.time?;
             Some(rows.iter().map(|row| row.pose < middle).collect())
         }
         Parted::Joint => {

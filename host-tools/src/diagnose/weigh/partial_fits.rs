@@ -49,8 +49,7 @@ impl Explained<'_, '_> {
 
     /// Members at prior sizes, fitted to some rows.
     fn at_sizes(&self, part: &Part, members: &[usize], sizes: &[usize]) -> (Subsets, Subset) {
-        let columns: Vec<usize> =
-            members.iter().flat_map(|m| self.columns_of_member(*m)).collect();
+        let columns: Vec<usize> = members.iter().flat_map(|m| self.columns_of_member(*m)).collect();
         let entries = members.iter().map(|m| self.possible[*m].entry.clone()).collect();
         let projected = part.gram.project_some((&part.geometry, part.noise), &columns);
         let subsets = Subsets::new(projected, entries);

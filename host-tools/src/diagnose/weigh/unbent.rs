@@ -152,7 +152,8 @@ impl Weighed<'_> {
     /// With what they do to some springs; the noise is told from as many equations.
     fn only(&self, springs: &[usize], (gram, all): (&Gram, &Weighing)) -> Weighing {
         let at = self.at;
-        let possible: Vec<Possible> = self.members.iter().map(|m| at.possible[*m].clone()).collect();
+        let possible: Vec<Possible> =
+            self.members.iter().map(|m| at.possible[*m].clone()).collect();
         let own = |term: &Term<f64>| {
             springs.iter().any(|s| at.has(*s, std::slice::from_ref(&ModelTerm::Arm(*term))))
         };

@@ -28,11 +28,9 @@ pub struct Target {
 
 /// Of all markers, where registration has them.
 pub fn of(data: &Measurements, nominal: &[Link<f64>], places: &[Vector3<f64>]) -> Vec<Target> {
-    let flange = chain(nominal, Pose::identity(), Vector3::zeros());
     let target = |(m, place): (usize, &Vector3<f64>)| {
         let own = data.rows.iter().filter(|row| row.marker == m);
-        let mut turns = Turns::default();
-        own.for_each(|row| turns.add(&flange.pose(&row.q).rotation));
+        let turns = Turns::of(nominal, own.map(|row| &row.q[..]));
         Target { place: *place, firmness: turns.firmness() }
     };
     places.iter().enumerate().map(target).collect()
@@ -48,6 +46,24 @@ pub struct Turns {
 }
 
 impl Turns {
+    /// At some joint values.
+    pub fn of<'q>(links: &[Link<f64>], values: impl Iterator<Item = &'q [f64]>) -> Self {
+        let flange = chain(links, Pose::identity(), Vector3::zeros());
+        let mut turns = Self::default();
+        values.for_each(|q| turns.add(&flange.pose(q).rotation));
+        turns
+    }
+
+    /// Directions of the last frame along which a target may sit anywhere, as no turn shows it:
+    /// one where all turns are about it, all three where there are none.
+    #[must_use]
+    pub fn blind(&self) -> Vec<Vector3<f64>> {
+        let eigen = self.spread().symmetric_eigen();
+        let pairs = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());
+        let blind = pairs.filter(|(moved, _)| moved.max(0.0).sqrt() < TURNS);
+        blind.map(|(_, way)| way.into_owned()).collect()
+    }
+
     /// One more.
     pub fn add(&mut self, turn: &Matrix3<f64>) {
         self.sum += turn;
@@ -57,10 +73,14 @@ impl Turns {
     /// How firmly a target is held there, 1/m.
     #[must_use]
     pub fn firmness(&self) -> Matrix3<f64> {
+        firmness(&self.spread())
+    }
+
+    /// How points spread when the target is put elsewhere by a unit: the mean of
+    /// (R - mean)'(R - mean), where R'R is one.
+    fn spread(&self) -> Matrix3<f64> {
         let mean = self.sum / self.count.max(1.0);
-        // How points spread when the target is put elsewhere by a unit: the mean of
-        // (R - mean)'(R - mean), where R'R is one.
-        firmness(&(Matrix3::identity() - mean.tr_mul(&mean)))
+        Matrix3::identity() - mean.tr_mul(&mean)
     }
 }
 

@@ -11,7 +11,13 @@ impl Sheet<'_> {
     /// state and rows; of columns of candidates only those of this sheet, which stand at
     /// `columns` in the sums.
     #[must_use]
-    pub fn exchanged(&self, other: &Sheet, rows: &[usize], whole: &Gram, columns: &[usize]) -> Gram {
+    pub fn exchanged(
+        &self,
+        other: &Sheet,
+        rows: &[usize],
+        whole: &Gram,
+        columns: &[usize],
+    ) -> Gram {
         let held = [self, other].map(|sheet| DVector::from_column_slice(&sheet.held_moments));
         let rigid = self.problem.unknowns.list().len();
         whole.exchanged(&Exchange {
