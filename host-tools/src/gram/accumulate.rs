@@ -28,13 +28,19 @@ pub fn accumulate(model: &Model, data: &Measurements) -> Result<Part> {
     let here = problem.linearise(&at).about_here();
     let residuals: Vec<Values> = rows.par_iter().map(|row| here.scaled_residual(*row)).collect();
     let (unknowns, joints) = (problem.unknowns.list().len(), problem.nominal.len());
-    let mut part = Part::none(state::digest(model), unknowns, joints, data.markers.len());
+    let mut part = Part::none(
+        state::digest(model),
+        unknowns,
+        joints,
+        data.stations.len() * data.markers.len(),
+    );
     (part.files, part.poses, part.rows) = (1, data.poses as u64, rows.len() as u64);
     part.covered = data.covered();
     residuals.iter().flat_map(|r| r.to_vec()).for_each(|r| part.residuals.add(r));
     let flange = chain(&problem.nominal, Pose::identity(), Vector3::zeros());
     for row in &data.rows {
-        part.turns[row.marker].add(&flange.pose(&row.q).rotation);
+        part.turns[row.station * data.markers.len() + row.marker]
+            .add(&flange.pose(&row.q).rotation);
     }
     // The first round measures the scale that the others weigh by.
     let Some(gram) = &model.gram else { return Ok(part) };

@@ -5,12 +5,12 @@
 //! | 12 | `truearm gram` |
 //! | 4 | version, 1 |
 //! | 8 | digest of the state |
-//! | 3 x 8 | unknowns, joints, markers |
+//! | 3 x 8 | unknowns, joints, stations times markers |
 //! | 4 x 8 | files, rows, poses, rows that do not count |
 //! | a fold each | equations, rows (u64), sum of 1/sigma^2, lower triangle of `[A, b]'[A, b]` by columns (f64) |
 //! | 2743 x 8 | counts of residuals |
 //! | a joint each | smallest, largest value |
-//! | a marker each | count, nine numbers by columns |
+//! | a marker each, station by station | count, nine numbers by columns |
 //! | 16 x 8 | count, sums, product of the points |
 //! | (36 + 6 x unknowns) x 8 | normal matrix and pull of the frame, by columns |
 //! | 4 | CRC-32/ISCSI of all before |
@@ -142,13 +142,13 @@ impl Reader<'_> {
 
     fn part(&mut self) -> Result<Part, NoPart> {
         let state = self.whole()?;
-        let (unknowns, joints, markers) = (self.size()?, self.size()?, self.size()?);
+        let (unknowns, joints, turns) = (self.size()?, self.size()?, self.size()?);
         let (files, rows, poses, flagged) =
             (self.whole()?, self.whole()?, self.whole()?, self.whole()?);
         let folds = (0..FOLDS).map(|_| self.fold(unknowns)).collect::<Result<_, _>>()?;
         let residuals = (0..BINS).map(|_| self.whole()).collect::<Result<_, _>>()?;
         let covered = self.reals(2 * joints)?.chunks(2).map(|c| [c[0], c[1]]).collect();
-        let turns = self.reals(10 * markers)?;
+        let turns = self.reals(10 * turns)?;
         let turns = turns
             .chunks(10)
             .map(|c| Turns { count: c[0], sum: Matrix3::from_column_slice(&c[1..]) })

@@ -34,7 +34,7 @@ pub struct Part {
     pub(super) residuals: Histogram,
     /// Smallest and largest value of each joint.
     pub(super) covered: Vec<[f64; 2]>,
-    /// Of each marker.
+    /// Of each station every marker's.
     pub(super) turns: Vec<Turns>,
     /// Identified and nominal tool points.
     pub(super) points: Pairs,
@@ -43,7 +43,7 @@ pub struct Part {
 
 impl Part {
     /// Of no rows.
-    pub(super) fn none(state: u64, unknowns: usize, joints: usize, markers: usize) -> Self {
+    pub(super) fn none(state: u64, unknowns: usize, joints: usize, turns: usize) -> Self {
         let fold = || FoldSums { normal: Normal::none(unknowns), rows: 0, precision: 0.0 };
         Self {
             state,
@@ -54,7 +54,7 @@ impl Part {
             folds: (0..FOLDS).map(|_| fold()).collect(),
             residuals: Histogram::default(),
             covered: vec![[f64::INFINITY, f64::NEG_INFINITY]; joints],
-            turns: vec![Turns::default(); markers],
+            turns: vec![Turns::default(); turns],
             points: Pairs::default(),
             frame: FrameSums::none(unknowns),
         }

@@ -9,7 +9,7 @@ use crate::identify::certainty::error_bars::{Covariances, believed, spread};
 use crate::identify::fit::robust::Flags;
 use crate::identify::fit::suspects::MOST_FLAGGED;
 use crate::identify::fit::{ANOTHER_ARM, LambdaRule, lambda_of};
-use crate::identify::{Problem, State, Target, link_corrections};
+use crate::identify::{Problem, State, Target, firmness, link_corrections, spreads};
 use crate::model::{GramState, Model, Provenance};
 use crate::tikhonov::{HELD, Normal};
 
@@ -72,9 +72,10 @@ pub fn step(model: &Model, part: &Part) -> Result<Step> {
     }
     let data = state::no_rows(model);
     let mut problem = state::problem(model, &data);
-    let held = part.turns.iter().zip(state::places(model));
-    problem.targets =
-        held.map(|(turns, place)| Target { place, firmness: turns.firmness() }).collect();
+    let places = state::places(model);
+    let spreads = spreads(&part.turns, places.len(), &|_| false);
+    let target = |(spread, place)| Target { place, firmness: firmness(spread) };
+    problem.targets = spreads.iter().zip(places).map(target).collect();
     let at = state::state(model);
     let round = Round { problem: &problem, at: &at, part, model };
     round.solved(gram, k)

@@ -20,7 +20,7 @@ pub use motion::Beside;
 pub(crate) use noise::{Group, groups};
 pub use noise::{Noise, in_deviations};
 pub use predictor::{Model as Predictor, View, measurement_column};
-pub use targets::{Target, Turns};
+pub use targets::{Target, Turns, firmness, spreads, spreads_of};
 pub use unknowns::{Layout, State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unknown, Unknowns};
 
 use crate::model::{LinkPrior, Measurements, Robot, Values};
