@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 use truearm_host::Result;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
+use truearm_host::evaluate::not_covered;
 use truearm_host::model::{Measurements, ModelTerm};
 use truearm_host::page::{Measured, Next, diagnosed};
 use truearm_host::report::DiagnoseReport;
@@ -73,6 +74,11 @@ impl Diagnose {
         let mut found = found.map_err(|error| explained(error, &robot, &data))?;
         let figures = &mut found.outcome.figures;
         figures.warnings.extend(remark(Ended::of(figures), &robot, &data));
+        if let Some(holdout) = &holdout {
+            let outside = words::not_covered(&not_covered(&found.model, holdout));
+            let file = holdout.path.display();
+            figures.warnings.extend(outside.map(|line| format!("{file}: {line}")));
+        }
         let report = DiagnoseReport::new(found.outcome);
         warn(&report.outcome.figures.warnings);
         let on = Measured { data: &data, rows: &found.rows, model: &found.model };

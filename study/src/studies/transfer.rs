@@ -3,6 +3,7 @@
 
 use clap::Args;
 use truearm_host::diagnose::{DiagnoseOptions, GapRow, diagnose};
+use truearm_host::evaluate::not_covered;
 use truearm_host::model::Measurements;
 
 use super::{Result, of_each};
@@ -36,6 +37,8 @@ struct Answer {
     over_geometry: f64,
     /// RMS of the model over what it has cross-validated on its own half.
     over_stated: f64,
+    /// Whether the model says that the other half has angles that its own has not.
+    beyond: bool,
     /// Whether the halves are of one session without an effect that has no name.
     listed: bool,
 }
@@ -53,6 +56,14 @@ pub fn run(options: &Options) -> Result {
         let listed: Vec<&Answer> = all.iter().filter(|a| a.listed).collect();
         println!("without an effect that has no name:");
         told("over its own cross-validated", &listed, |a| a.over_stated, 1.3);
+        let beyond = listed.iter().filter(|a| a.beyond);
+        let far = |a: &&&Answer| a.over_stated > 1.3;
+        println!(
+            "{} of {} have angles that the model's half has not, {} of those above 1.3",
+            beyond.clone().count(),
+            listed.len(),
+            beyond.filter(far).count()
+        );
     }
     Ok(())
 }
@@ -97,7 +108,8 @@ fn answer(seed: u64, parted: Parted) -> Option<Answer> {
     let fitted = counted(fitted);
     let other = counted(other);
     let options = DiagnoseOptions::default();
-    let found = diagnose(&robot, &fitted, Some(&other), &options, &|_| ()).ok()?.outcome;
+    let diagnosed = diagnose(&robot, &fitted, Some(&other), &options, &|_| ()).ok()?;
+    let found = diagnosed.outcome;
     let error = |row: &GapRow| row.holdout_rms_mm;
     let geometry = found.gap.iter().find(|row| row.model == "geometry").and_then(error)?;
     let last = found.gap.last()?;
@@ -106,6 +118,7 @@ fn answer(seed: u64, parted: Parted) -> Option<Answer> {
         rows: fitted.rows.len(),
         over_geometry: error(last)? / geometry,
         over_stated: error(last)? / last.cross_validated_rms_mm?,
+        beyond: !not_covered(&diagnosed.model, &other).is_empty(),
         listed: set.open().hidden.unlisted.is_none(),
     })
 }
