@@ -293,12 +293,12 @@ mod tests {
                 q.iter().map(move |q| 1.3 * (order * q).cos() / unit).collect::<Vec<_>>()
             });
             let imitated = DMatrix::from_fn(3, n, |i, j| geometry[i][j]);
-            let lines = [(6.3, 0.5), (17.0, 0.3), (88.4, 0.2), (250.0, 0.1)];
+            let lines = [(6.3, 0.5), (17.0, 0.3), (88.4, 0.25), (250.0, 0.2)];
             let wave = |q: &f64| lines.iter().map(|(n, a)| a * (n * q).sin()).sum::<f64>();
             let right = q.iter().map(|q| wave(q) + uniform() - 0.5).collect();
             let column = JointColumn { square: vec![1.0; n], right, imitated, q };
             let orders = Orders::of(&column.q, 300.0);
-            let found = orders.lines(&column, 6);
+            let found = orders.lines(&column, 8);
             for (expected, _) in lines {
                 let near = |line: &Line| (line.order - expected).abs() < 2.0 * orders.step;
                 assert!(found.iter().any(near), "{n}: {found:?}");

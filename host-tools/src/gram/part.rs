@@ -60,7 +60,7 @@ impl Part {
         }
     }
 
-    /// Unknowns, joints and markers.
+    /// Unknowns, joints, and markers of all stations.
     pub(super) fn shape(&self) -> [usize; 3] {
         [self.frame.pull.ncols(), self.covered.len(), self.turns.len()]
     }

@@ -44,7 +44,8 @@ pub fn step(model: &Model, part: &Part) -> Result<Step> {
         ));
     }
     let unknowns = state::problem(model, &state::no_rows(model)).unknowns.list().len();
-    if part.shape() != [unknowns, model.robot.joints.len(), model.markers.len()] {
+    let turns = model.stations.len() * model.markers.len();
+    if part.shape() != [unknowns, model.robot.joints.len(), turns] {
         return Err(Error::data(
             ErrorKind::OtherArm,
             "the parts have other unknowns than this state",

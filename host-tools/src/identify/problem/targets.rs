@@ -178,10 +178,10 @@ mod tests {
         assert!(seen(&[moving, none, still(5), none], false)[0] > 0.2);
         // Beside one that tells where the station stands one orientation is enough, ...
         let [a, b] = seen(&[still(1), moving], false);
-        assert!(a > 0.5 && b > 0.5, "{a} {b}");
+        assert!(a > 0.3 && b > 0.3, "{a} {b}");
         // ...beside one that does not it is not, unless that one is known.
         let [a, b] = seen(&[still(1), still(4)], false);
         assert!(a < 1e-3 && b < 1e-3, "{a} {b}");
-        assert!(seen(&[still(1), still(4)], true)[0] > 0.5);
+        assert!(seen(&[still(1), still(4)], true)[0] > 0.3);
     }
 }
