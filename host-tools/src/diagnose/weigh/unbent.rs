@@ -59,18 +59,18 @@ pub fn reweighed(
     if by_springs.is_empty() {
         return found;
     }
-    let asked: Vec<&[usize]> = by_springs.values().flatten().copied().collect();
-    let some = Weighed { at, members: at.members(&asked), scale: found.scale };
-    let all = some.with(gram, precision);
+    let models: Vec<&[usize]> = by_springs.values().flatten().copied().collect();
+    let asked = Asked { at, members: at.members(&models), scale: found.scale };
+    let all = asked.with(gram, precision);
     let mut changes = Changes::new();
     // What was too improbable to be weighed again loses what the best of its springs does.
     let mut of_others: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
     for (own, models) in &by_springs {
-        let less = some.only(own, (gram, &all));
+        let less = asked.only(own, (gram, &all));
         // Fewer unknowns: the prior's determinant of a moment is 1.
         let fewer = 0.5 * (all.geometry.log_det() - less.geometry.log_det());
         let change = |model: &&[usize]| {
-            let [with, without] = [&all, &less].map(|of| some.log_mass(of, model));
+            let [with, without] = [&all, &less].map(|of| asked.log_mass(of, model));
             (model.to_vec(), (without - with + fewer).min(0.0))
         };
         let each: Vec<_> = models.iter().map(change).collect();
@@ -113,7 +113,7 @@ impl At<'_> {
 }
 
 /// Some of the candidates, weighed at a noise scale.
-struct Weighed<'s> {
+struct Asked<'s> {
     at: &'s At<'s>,
     members: Vec<usize>,
     scale: f64,
@@ -126,7 +126,7 @@ struct Weighing {
     subsets: Subsets,
 }
 
-impl Weighed<'_> {
+impl Asked<'_> {
     /// Where their columns stand among those of all candidates.
     fn columns(&self) -> Vec<usize> {
         let of = |m: &usize| {
