@@ -4,14 +4,9 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
-use super::candidate::Candidate;
 use super::curve::{mean, rotated};
 use super::subset::{Subset, Subsets};
-
-/// Candidates of one task.
-const A_TASK: usize = 64;
 
 impl Subsets {
     /// Log mass of the subset with each other candidate added, its prior size
@@ -20,15 +15,19 @@ impl Subsets {
     pub fn additions(&self, subset: &Subset) -> Vec<f64> {
         let whole = self.rest(subset);
         let fixed = subset.log_mass - subset.log_evidence;
-        let worth = |(candidate, columns): (&Candidate, &Range<usize>)| {
-            if subset.members.iter().any(|m| self.candidates[*m].excludes(candidate)) {
-                return f64::NEG_INFINITY;
+        let mut out = Vec::with_capacity(self.candidates.len());
+        for (g, candidate) in self.candidates.iter().enumerate() {
+            let member = |m: &usize| self.candidates[*m].excludes(candidate);
+            if subset.members.iter().any(member) {
+                out.push(f64::NEG_INFINITY);
+                continue;
             }
-            let (values, t) = whole.of(self, columns.clone());
+            let columns = self.columns[g].clone();
+            let (values, t) = whole.of(self, columns);
             let curve = self.curve(&values, &t, subset.explained, subset.log_det);
-            mean(&curve) + fixed + candidate.log_odds
-        };
-        self.candidates.par_iter().zip(&self.columns).with_min_len(A_TASK).map(worth).collect()
+            out.push(mean(&curve) + fixed + candidate.log_odds);
+        }
+        out
     }
 
     /// What a subset leaves of all columns.

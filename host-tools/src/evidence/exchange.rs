@@ -13,8 +13,8 @@ pub struct Exchange<'e> {
     pub gone: Range<usize>,
     /// Columns of candidates that are kept, in this order.
     pub kept: &'e [usize],
-    /// Products of what comes with all unknowns, with the kept columns, with the residual and
-    /// with itself: a row for each that comes.
+    /// Products of what comes with all unknowns, with the kept columns, with itself and with
+    /// the residual: a row for each that comes.
     pub products: &'e DMatrix<f64>,
     /// The residual is counted from where the unknowns that go are, and where those that come
     /// are.
@@ -26,17 +26,17 @@ impl Gram {
     #[must_use]
     pub fn exchanged(&self, by: &Exchange) -> Self {
         let (unknowns, kept, comes) = (self.unknowns(), by.kept.len(), by.products.nrows());
-        let y = unknowns + kept;
+        let (first, y) = (unknowns + kept, unknowns + kept + comes);
         let all = self.all(by);
         // The residual that counts from elsewhere, as a sum of columns.
         let mut residual = DVector::zeros(all.nrows());
         residual[y] = 1.0;
         by.gone.clone().zip(by.held[0].iter()).for_each(|(k, held)| residual[k] -= held);
-        (y + 1..).zip(by.held[1].iter()).for_each(|(k, held)| residual[k] += held);
+        (first..).zip(by.held[1].iter()).for_each(|(k, held)| residual[k] += held);
         let right = &all * &residual;
-        let stay = [0..by.gone.start, y + 1..y + 1 + comes, by.gone.end..unknowns];
+        let stay = [0..by.gone.start, first..y, by.gone.end..unknowns];
         let g: Vec<usize> = stay.into_iter().flatten().collect();
-        let z: Vec<usize> = (unknowns..y).collect();
+        let z: Vec<usize> = (unknowns..first).collect();
         let of = |a: &[usize], b: &[usize]| all.select_columns(b).select_rows(a);
         Self {
             gg: of(&g, &g),
@@ -50,22 +50,23 @@ impl Gram {
         }
     }
 
-    /// Products of unknowns, kept columns, residual and what comes, each with each.
+    /// Products of unknowns, kept columns, what comes and the residual, each with each.
     fn all(&self, by: &Exchange) -> DMatrix<f64> {
         let (unknowns, kept, comes) = (self.unknowns(), by.kept, by.products.nrows());
-        let y = unknowns + kept.len();
-        let mut all = DMatrix::zeros(y + 1 + comes, y + 1 + comes);
+        let (first, y) = (unknowns + kept.len(), unknowns + kept.len() + comes);
+        let mut all = DMatrix::zeros(y + 1, y + 1);
         all.view_mut((0, 0), (unknowns, unknowns)).copy_from(&self.gg);
-        let zz = |i: usize, j: usize| self.zz[(kept[i].max(kept[j]), kept[i].min(kept[j]))];
         for i in 0..kept.len() {
             all.view_mut((unknowns + i, 0), (1, unknowns))
                 .copy_from(&self.gz.column(kept[i]).transpose());
-            (0..=i).for_each(|j| all[(unknowns + i, unknowns + j)] = zz(i, j));
+            (0..=i)
+                .for_each(|j| all[(unknowns + i, unknowns + j)] = self.product(kept[i], kept[j]));
             all[(y, unknowns + i)] = self.zy[kept[i]];
         }
         all.view_mut((y, 0), (1, unknowns)).copy_from(&self.gy.transpose());
         all[(y, y)] = self.yy;
-        all.view_mut((y + 1, 0), (comes, y + 1 + comes)).copy_from(by.products);
+        all.view_mut((first, 0), (comes, y)).copy_from(&by.products.columns(0, y));
+        all.view_mut((y, first), (1, comes)).copy_from(&by.products.column(y).transpose());
         all.fill_upper_triangle_with_lower_triangle();
         all
     }
@@ -93,8 +94,8 @@ mod tests {
             let own = z.select_columns(&kept);
             let mut all = g.clone().resize_horizontally(p + 4 + comes, 0.0);
             all.columns_mut(p, 3).copy_from(&own);
-            all.columns_mut(p + 3, 1).copy_from(&y);
-            all.columns_mut(p + 4, comes).copy_from(&other);
+            all.columns_mut(p + 3, comes).copy_from(&other);
+            all.columns_mut(p + 3 + comes, 1).copy_from(&y);
             let y = y.column(0).into_owned();
             let mut sums = Gram::new(p, 6);
             sums.add(&g, &z, &y);

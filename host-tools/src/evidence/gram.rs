@@ -173,12 +173,14 @@ impl Gram {
     #[must_use]
     pub fn project_some(&self, of: (&Geometry, Noise), columns: &[usize]) -> Projected {
         let gz = self.gz.select_columns(columns);
-        // Below the diagonal are those that were summed.
-        let zz = DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
-            let (i, j) = (columns[i], columns[j]);
-            self.zz[(i.max(j), i.min(j))]
-        });
+        let own = |i: usize, j: usize| self.product(columns[i], columns[j]);
+        let zz = DMatrix::from_fn(columns.len(), columns.len(), own);
         self.projected(of, (&gz, &zz), &self.zy.select_rows(columns))
+    }
+
+    /// Of two candidates' columns: below the diagonal are those that were summed.
+    pub(super) fn product(&self, i: usize, j: usize) -> f64 {
+        self.zz[(i.max(j), i.min(j))]
     }
 
     fn projected(

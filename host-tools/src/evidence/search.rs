@@ -9,8 +9,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rayon::prelude::*;
-
 use super::subset::{Subset, Subsets};
 
 /// How far and how long to look.
@@ -97,48 +95,30 @@ impl<'a> Search<'a> {
     /// Prior sizes of `parent` are the first guess.
     fn fit_from(&mut self, members: &[usize], parent: &[usize]) -> &Subset {
         if !self.fitted.contains_key(members) {
-            let subset = self.fitted_from(members, parent);
-            self.keep(subset);
+            let parent = self.fitted.get(parent);
+            let hint = |g: usize| {
+                let parent = parent?;
+                parent.members.iter().position(|m| *m == g).map(|i| parent.sizes[i])
+            };
+            let subset = self.subsets.fit(members, &hint);
+            self.best = self.best.max(subset.log_mass);
+            self.masses.insert(members.to_vec(), subset.log_mass);
+            self.fitted.insert(members.to_vec(), subset);
         }
         &self.fitted[members]
-    }
-
-    /// The same of many models, each with its parent, on all cores.
-    fn fit_all(&mut self, models: &[(Vec<usize>, &[usize])]) {
-        let mut seen = BTreeSet::new();
-        let unknown =
-            models.iter().filter(|m| !self.fitted.contains_key(&m.0) && seen.insert(&m.0));
-        let unknown: Vec<_> = unknown.collect();
-        let fit = |(members, parent): &&(Vec<usize>, &[usize])| self.fitted_from(members, parent);
-        let fitted: Vec<Subset> = unknown.par_iter().map(fit).collect();
-        fitted.into_iter().for_each(|subset| self.keep(subset));
-    }
-
-    fn fitted_from(&self, members: &[usize], parent: &[usize]) -> Subset {
-        let parent = self.fitted.get(parent);
-        let hint = |g: usize| {
-            let parent = parent?;
-            parent.members.iter().position(|m| *m == g).map(|i| parent.sizes[i])
-        };
-        self.subsets.fit(members, &hint)
-    }
-
-    fn keep(&mut self, subset: Subset) {
-        self.best = self.best.max(subset.log_mass);
-        self.masses.insert(subset.members.clone(), subset.log_mass);
-        self.fitted.insert(subset.members.clone(), subset);
     }
 
     fn climb(&mut self, root: Vec<usize>) {
         self.fit(&root);
         let mut beam = vec![root];
         for _ in 0..self.effort.members {
-            let mut born: Vec<(Vec<usize>, &[usize])> = Vec::new();
+            let mut grown: BTreeSet<Vec<usize>> = BTreeSet::new();
             for parent in &beam {
-                born.extend(self.expand(parent).into_iter().map(|child| (child, &parent[..])));
+                for child in self.expand(parent) {
+                    self.fit_from(&child, parent);
+                    grown.insert(child);
+                }
             }
-            self.fit_all(&born);
-            let grown: BTreeSet<Vec<usize>> = born.into_iter().map(|(child, _)| child).collect();
             let mut grown: Vec<(f64, Vec<usize>)> =
                 grown.into_iter().map(|m| (self.masses[&m], m)).collect();
             grown.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
@@ -256,11 +236,10 @@ impl<'a> Search<'a> {
 
     /// Fits the additions worth it, best first.
     fn grow(&mut self, members: &[usize]) -> Vec<(f64, Vec<usize>)> {
-        let children = self.expand(members).into_iter().map(|child| (child, members));
-        let children: Vec<_> = children.collect();
-        self.fit_all(&children);
-        let mass = |(child, _): (Vec<usize>, &[usize])| (self.fitted[&child].log_mass, child);
-        let mut out: Vec<(f64, Vec<usize>)> = children.into_iter().map(mass).collect();
+        let mut out: Vec<(f64, Vec<usize>)> = Vec::new();
+        for child in self.expand(members) {
+            out.push((self.fit_from(&child, members).log_mass, child));
+        }
         out.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
         out
     }

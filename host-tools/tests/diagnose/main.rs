@@ -4,6 +4,7 @@ mod arrival;
 mod by_kind;
 mod curves;
 mod hidden_effects;
+mod hold_out;
 #[path = "../judged/mod.rs"]
 mod judged;
 mod late;

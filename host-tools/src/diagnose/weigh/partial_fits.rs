@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::possible::{Possible, columns_of};
+use super::possible::{Possible, columns_of, columns_of_member};
 use super::sheet::{Sheet, Solution};
 use crate::diagnose::question::Question;
 use crate::evidence::{Coefficient, Effort, Explanation, Geometry, Gram, Noise, Subset, Subsets};
@@ -49,7 +49,8 @@ impl Explained<'_, '_> {
 
     /// Members at prior sizes, fitted to some rows.
     fn at_sizes(&self, part: &Part, members: &[usize], sizes: &[usize]) -> (Subsets, Subset) {
-        let columns: Vec<usize> = members.iter().flat_map(|m| self.columns_of_member(*m)).collect();
+        let columns: Vec<usize> =
+            members.iter().flat_map(|m| columns_of_member(self.possible, *m)).collect();
         let entries = members.iter().map(|m| self.possible[*m].entry.clone()).collect();
         let projected = part.gram.project_some((&part.geometry, part.noise), &columns);
         let subsets = Subsets::new(projected, entries);
@@ -64,12 +65,6 @@ impl Explained<'_, '_> {
     pub fn block(&self, part: &Part, of: &Subset, k: usize) -> (DVector<f64>, DMatrix<f64>) {
         let (subsets, subset) = self.at_sizes(part, &of.members, &of.sizes);
         subsets.block(&subset, k)
-    }
-
-    /// Where the columns of a candidate stand among those of all.
-    fn columns_of_member(&self, member: usize) -> std::ops::Range<usize> {
-        let first = columns_of(&self.possible[..member]);
-        first..first + self.possible[member].entry.units.len()
     }
 
     /// The most probable model's coefficients as those of all columns.
@@ -95,7 +90,7 @@ impl Explained<'_, '_> {
     fn spread(&self, gram: &Gram, geometry: &Geometry, of: Vec<(usize, Vec<f64>)>) -> Solution {
         let mut columns = DVector::zeros(columns_of(self.possible));
         for (member, values) in of {
-            let own = self.columns_of_member(member);
+            let own = columns_of_member(self.possible, member);
             own.zip(values).for_each(|(column, value)| columns[column] = value);
         }
         Solution { geometry: geometry.mean(gram, &columns), columns }

@@ -232,6 +232,13 @@ pub fn same(a: &[nameless::Held], b: &[nameless::Held]) -> bool {
     a.len() == b.len() && a.iter().all(|own| b.iter().any(|other| place(own) == place(other)))
 }
 
+/// Where the columns of a candidate stand among those of all.
+#[must_use]
+pub fn columns_of_member(possible: &[Possible], member: usize) -> std::ops::Range<usize> {
+    let first = columns_of(&possible[..member]);
+    first..first + possible[member].count()
+}
+
 /// Columns of all candidates together.
 #[must_use]
 pub fn columns_of(possible: &[Possible]) -> usize {

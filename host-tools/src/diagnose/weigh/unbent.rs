@@ -10,7 +10,7 @@ use nalgebra::DVector;
 use truearm::effects::Term;
 
 use super::joint_curves::Curve;
-use super::possible::{Possible, What, columns_of};
+use super::possible::{Possible, What, columns_of_member};
 use super::sheet::{Sheet, Weights};
 use crate::diagnose::moments::Bending;
 use crate::evidence::{Candidate, Explanation, Geometry, Gram, Noise, Projected, Subsets};
@@ -60,7 +60,12 @@ pub fn reweighed(
         return found;
     }
     let models: Vec<&[usize]> = by_springs.values().flatten().copied().collect();
-    let asked = Asked { at, members: at.members(&models), scale: found.scale };
+    let members = at.members(&models);
+    let possible: Vec<Possible> = members.iter().map(|m| at.possible[*m].clone()).collect();
+    let whole = at.sheet(&possible, Some(bending.clone()));
+    let columns: Vec<usize> =
+        members.iter().flat_map(|m| columns_of_member(at.possible, *m)).collect();
+    let asked = Asked { at, members, possible: &possible, columns, whole, scale: found.scale };
     let all = asked.with(gram, precision);
     let mut changes = Changes::new();
     // What was too improbable to be weighed again loses what the best of its springs does.
@@ -116,6 +121,11 @@ impl At<'_> {
 struct Asked<'s> {
     at: &'s At<'s>,
     members: Vec<usize>,
+    possible: &'s [Possible],
+    /// Where their columns stand among those of all candidates.
+    columns: Vec<usize>,
+    /// With what moments do to all springs of the state.
+    whole: Sheet<'s>,
     scale: f64,
 }
 
@@ -127,17 +137,8 @@ struct Weighing {
 }
 
 impl Asked<'_> {
-    /// Where their columns stand among those of all candidates.
-    fn columns(&self) -> Vec<usize> {
-        let of = |m: &usize| {
-            let first = columns_of(&self.at.possible[..*m]);
-            first..first + columns_of(&self.at.possible[*m..=*m])
-        };
-        self.members.iter().flat_map(of).collect()
-    }
-
     fn weighing(&self, projected: Projected, (geometry, noise): (Geometry, Noise)) -> Weighing {
-        let entries = self.members.iter().map(|m| self.at.possible[*m].entry.clone()).collect();
+        let entries = self.possible.iter().map(|p| p.entry.clone()).collect();
         Weighing { geometry, noise, subsets: Subsets::new(projected, entries) }
     }
 
@@ -145,22 +146,19 @@ impl Asked<'_> {
     fn with(&self, gram: &Gram, precision: &DVector<f64>) -> Weighing {
         let geometry = gram.geometry(precision, self.scale);
         let noise = gram.noise(&geometry);
-        let projected = gram.project_some((&geometry, noise), &self.columns());
+        let projected = gram.project_some((&geometry, noise), &self.columns);
         self.weighing(projected, (geometry, noise))
     }
 
     /// With what they do to some springs; the noise is told from as many equations.
     fn only(&self, springs: &[usize], (gram, all): (&Gram, &Weighing)) -> Weighing {
         let at = self.at;
-        let possible: Vec<Possible> =
-            self.members.iter().map(|m| at.possible[*m].clone()).collect();
         let own = |term: &Term<f64>| {
             springs.iter().any(|s| at.has(*s, std::slice::from_ref(&ModelTerm::Arm(*term))))
         };
         let own = at.bending.and_then(|bending| bending.only(&own));
-        let whole = at.sheet(&possible, at.bending.cloned());
-        let less = at.sheet(&possible, own);
-        let sums = whole.exchanged(&less, at.rows, gram, &self.columns());
+        let less = at.sheet(self.possible, own);
+        let sums = self.whole.exchanged(&less, at.rows, gram, &self.columns);
         let geometry = sums.geometry(&less.precision(at.lambda), self.scale);
         let own: Vec<usize> = (0..sums.columns()).collect();
         self.weighing(sums.project_some((&geometry, all.noise), &own), (geometry, all.noise))

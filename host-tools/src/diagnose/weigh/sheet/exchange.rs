@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{PART, Sheet, by_pose};
+use super::Sheet;
+use crate::evidence::poses::Repeats;
 use crate::evidence::{Exchange, Gram};
-use crate::identify::problem::accumulate::tree;
 
 impl Sheet<'_> {
     /// The sums `whole` of rows where what moments bend is that of another sheet, of the same
@@ -28,28 +28,17 @@ impl Sheet<'_> {
         })
     }
 
-    /// Products of what moments bend in another sheet with all columns of this one, with the
-    /// residual and with itself.
+    /// Products of what moments bend in another sheet with all columns of this one, with itself
+    /// and with the residual.
     fn products(&self, other: &Sheet, rows: &[usize]) -> DMatrix<f64> {
         let ([p, k], comes) = (self.size(), other.held_moments.len());
         if comes == 0 {
             return DMatrix::zeros(0, p + k + 1);
         }
-        let of_rows = |places: &Vec<usize>| places.iter().map(|k| rows[*k]).collect();
-        let readings: Vec<Vec<usize>> = by_pose(self.problem, rows).iter().map(of_rows).collect();
-        let all: Vec<usize> = (0..readings.len()).collect();
-        let leaf = |own: &[usize]| {
-            let mut sum = DMatrix::zeros(comes, p + k + comes + 1);
-            self.stacks(own.iter().map(|k| &readings[*k][..]), Some(other), &mut |all, _| {
-                sum.gemm(1.0, &all.columns(p + k, comes).transpose(), all, 1.0);
-            });
-            sum
+        let add = |sum: &mut DMatrix<f64>, all: &DMatrix<f64>, _: &Repeats| {
+            sum.gemm(1.0, &all.columns(p + k, comes).transpose(), all, 1.0);
         };
-        let sums = tree(&all, PART, &leaf, &|a: DMatrix<f64>, b| a + b);
-        // The residual stands before what comes.
-        let own = sums.columns(p + k, comes).into_owned();
-        let mut out = sums.remove_columns(p + k, comes).resize_horizontally(p + k + 1 + comes, 0.0);
-        out.columns_mut(p + k + 1, comes).copy_from(&own);
-        out
+        let none = || DMatrix::zeros(comes, p + k + comes + 1);
+        self.summed(rows, Some(other), (&none, &add), &|a, b| a + b)
     }
 }

@@ -82,6 +82,9 @@ pub struct Sheet<'a> {
     apart: bool,
 }
 
+/// How a block of rows, and what it says of the noise, adds to something.
+type Add<'a, T> = dyn Fn(&mut T, &DMatrix<f64>, &Repeats) + Sync + 'a;
+
 /// Coefficients of candidates and of geometry that go together.
 #[derive(Debug, Clone)]
 pub struct Solution {
@@ -208,26 +211,37 @@ impl<'a> Sheet<'a> {
     /// Sums over rows, on all cores, in an order that the rows alone decide.
     #[must_use]
     pub fn gram(&self, rows: &[usize]) -> Gram {
+        let [p, k] = self.size();
+        let add = |gram: &mut Gram, all: &DMatrix<f64>, repeats: &Repeats| {
+            gram.add_repeats(repeats);
+            let y = all.column(p + k).into_owned();
+            gram.add(&all.columns(0, p).into_owned(), &all.columns(p, k).into_owned(), &y);
+        };
+        let join = |mut a: Gram, b: Gram| {
+            a.join(&b);
+            a
+        };
+        self.summed(rows, None, (&|| Gram::new(p, k), &add), &join)
+    }
+
+    /// Something that blocks of rows add to, on all cores.
+    fn summed<T: Send>(
+        &self,
+        rows: &[usize],
+        other: Option<&Sheet>,
+        (none, add): (&(dyn Fn() -> T + Sync), &Add<'_, T>),
+        join: &(impl Fn(T, T) -> T + Sync),
+    ) -> T {
         let of_rows = |places: &Vec<usize>| places.iter().map(|k| rows[*k]).collect();
         let readings: Vec<Vec<usize>> = by_pose(self.problem, rows).iter().map(of_rows).collect();
         let all: Vec<usize> = (0..readings.len()).collect();
-        let leaf = |own: &[usize]| self.summed(own.iter().map(|k| &readings[*k][..]));
-        tree(&all, PART, &leaf, &|mut a: Gram, b| {
-            a.join(&b);
-            a
-        })
-    }
-
-    /// Sums over the readings of some poses.
-    fn summed<'r>(&self, poses: impl Iterator<Item = &'r [usize]>) -> Gram {
-        let [p, k] = self.size();
-        let mut gram = Gram::new(p, k);
-        self.stacks(poses, None, &mut |all, repeats| {
-            gram.add_repeats(&repeats);
-            let y = all.column(p + k).into_owned();
-            gram.add(&all.columns(0, p).into_owned(), &all.columns(p, k).into_owned(), &y);
-        });
-        gram
+        let leaf = |own: &[usize]| {
+            let mut sum = none();
+            let poses = own.iter().map(|k| &readings[*k][..]);
+            self.stacks(poses, other, &mut |all, repeats| add(&mut sum, all, repeats));
+            sum
+        };
+        tree(&all, PART, &leaf, join)
     }
 
     /// Blocks of the readings of some poses, a few hundred equations at a time.
@@ -235,7 +249,7 @@ impl<'a> Sheet<'a> {
         &self,
         poses: impl Iterator<Item = &'r [usize]>,
         other: Option<&Sheet>,
-        add: &mut dyn FnMut(&DMatrix<f64>, Repeats),
+        add: &mut dyn FnMut(&DMatrix<f64>, &Repeats),
     ) {
         let mut waiting: Vec<DMatrix<f64>> = Vec::new();
         let (mut equations, mut together) = (0, Repeats::default());
@@ -245,13 +259,13 @@ impl<'a> Sheet<'a> {
             equations += block.nrows();
             waiting.push(block);
             if equations >= TOGETHER {
-                add(&stacked(&waiting), std::mem::take(&mut together));
+                add(&stacked(&waiting), &std::mem::take(&mut together));
                 waiting.clear();
                 equations = 0;
             }
         }
         if !waiting.is_empty() {
-            add(&stacked(&waiting), together);
+            add(&stacked(&waiting), &together);
         }
     }
 
