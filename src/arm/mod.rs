@@ -101,7 +101,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         let nominal = Chain::new(&p.nominal, Pose::identity(), tool);
         let folded = FoldedTerms::new(&p.terms);
         let masses = p.masses.filter(|_| folded.needs_load());
-        let gravity = masses.map(|masses| masses.on(&nominal));
+        // Gravity is stated in the frame of the arm's own base, wherever that stands.
+        let gravity = masses.map(|masses| masses.on(&Chain::new(&links, Pose::identity(), tool)));
         Self {
             robot_id: p.robot_id,
             sequence: p.sequence,
@@ -250,8 +251,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     }
 
     /// How far all terms and curves together deflect the arm. Gravity loads are those of the
-    /// nominal chain, where no torques are read: a correction of a millimetre changes a
-    /// torque by less than a link's mass is known.
+    /// identified chain before it bends, where no torques are read: a zero that is degrees off
+    /// changes a torque by more than springs can hide.
     #[must_use]
     pub fn deflection(&self, q: &[T; N], state: &State<T, N>) -> Deflection<T, N> {
         self.deflection_at(&self.inputs(q, state))
@@ -270,15 +271,15 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     /// What the terms depend on at joint values `q` in a state of the arm.
     #[inline]
     pub(crate) fn inputs(&self, q: &[T; N], state: &State<T, N>) -> TermInputs<T, N> {
-        self.inputs_at(&self.nominal.turns(q), state)
+        self.inputs_at(&self.real.turns(q), state)
     }
 
-    /// The same with the sines of the nominal chain taken already.
+    /// The same with the sines of the identified chain taken already.
     #[inline]
     fn inputs_at(&self, turns: &Turns<T, N>, state: &State<T, N>) -> TermInputs<T, N> {
         let mut inputs = self.inputs_within_joints(turns, state);
         if let (true, Some(gravity)) = (self.folded.tilts_axes(), &self.gravity) {
-            inputs.load.across = Some(gravity.across(&self.nominal, turns, state.payload));
+            inputs.load.across = Some(gravity.across(&self.real, turns, state.payload));
         }
         inputs
     }
@@ -289,7 +290,7 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         let mut load = self
             .gravity
             .as_ref()
-            .map_or(Load::none(), |gravity| gravity.load(&self.nominal, turns, state.payload));
+            .map_or(Load::none(), |gravity| gravity.load(&self.real, turns, state.payload));
         if self.folded.needs_torque() {
             match &state.torque {
                 Some(torque) => load.torque = *torque,

@@ -76,16 +76,14 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         self.look(&frame, false, out);
         for refinement in 0..self.refinements {
             if bends {
-                out.near.set_moved(&out.nominal, arm.nominal().joints(), &out.joints);
+                out.near.set_moved(&out.identified, arm.real().joints(), &out.joints);
                 let Correction { near, rigid, share, joints, bent, .. } = &mut *out;
                 arm.bend(near, state, [command, rigid, share], joints, bent);
             }
             let limited = bends && !out.limited.is_empty();
-            if bends && refinement == 0 && !limited {
-                // So far nothing had bent: gravity was taken at the joints at which the
-                // rigid chain stands.
-                out.near.turn_on(&self.beyond_nominal);
-            } else {
+            // At first nothing had bent: gravity was taken at the joints at which the rigid
+            // chain stands.
+            if !bends || refinement > 0 || limited {
                 let mut stands = out.rigid;
                 if limited {
                     out.bent.share_out(&out.share, &mut stands);
@@ -111,9 +109,9 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         work.nominal.set_both(nominal, joints, &mut work.identified, beyond);
         let mut stands = [T::ZERO; N];
         if bends {
-            let Correction { nominal, joints: offset, bent, .. } = &mut *work;
+            let Correction { identified, joints: offset, bent, .. } = &mut *work;
             let none = [T::ZERO; N];
-            arm.bend(nominal, state, [joints, &none, &none], offset, bent);
+            arm.bend(identified, state, [joints, &none, &none], offset, bent);
             stands = bent.deflection.joints;
         }
         work.near.set_moved(&work.identified, arm.real().joints(), &stands);

@@ -67,14 +67,6 @@ impl<T: Scalar, const N: usize> Turns<T, N> {
         }
     }
 
-    /// Turns every joint on by a constant angle.
-    #[inline]
-    pub(crate) fn turn_on(&mut self, by: &[Turn<T>; N]) {
-        for (turn, by) in self.turns.iter_mut().zip(by) {
-            *turn = turn.then(by);
-        }
-    }
-
     /// Becomes `other`, of the same joints, at joint values further by `by`, rad or m.
     #[inline]
     pub(crate) fn set_moved(&mut self, other: &Self, joints: &[FoldedJoint<T>; N], by: &[T; N]) {

@@ -341,7 +341,7 @@ fn an_arm_bends_by_its_terms_and_its_state() {
     let p = parameters(&[soft, warm, gap]);
     let arm = Arm::new(&p);
     let torque = |payload| {
-        let chain = Chain::new(&p.nominal, Pose::identity(), Pose::identity());
+        let chain = Chain::new(arm.real().links(), Pose::identity(), Pose::identity());
         p.masses.unwrap().load(&chain, &Q, payload).torque[1]
     };
     let state = State { approach: [Positive; 6], payload: 5.0, temperature: 31.0, torque: None };
@@ -359,6 +359,38 @@ fn an_arm_bends_by_its_terms_and_its_state() {
     let longer = arm.with_tool(Pose::translation(0.0, 0.0, 0.5));
     assert_eq!(longer.deflection(&Q, &state), deflection);
     assert_ne!(longer.real_pose(&Q), longer.real().forward(&Q));
+}
+
+/// What a joint is bent by does not depend on which part of an angle is called its zero.
+#[test]
+fn loads_are_those_of_the_identified_arm() {
+    let mut rng = ChaCha8Rng::seed_from_u64(17);
+    let soft = [1, 2, 4]
+        .map(|joint| Term { coefficient: 1e-5, ..term(Effect::JointCompliance, joint, 0) });
+    let tilting = Term { coefficient: 1e-5, ..term(Effect::BaseCompliance, 0, 0) };
+    let bearing = Term { coefficient: 1e-5, ..term(Effect::LateralCompliance, 3, 0) };
+    let mut most: f64 = 0.0;
+    for _ in 0..200 {
+        let mut drawn = parameters(&[soft[0], soft[1], soft[2], tilting, bearing]);
+        for correction in &mut drawn.corrections {
+            correction.theta = rng.random_range(-0.1..0.1);
+            correction.a = rng.random_range(-0.01..0.01);
+            correction.alpha = rng.random_range(-0.01..0.01);
+        }
+        drawn.base_rotation = Vector3::new(0.3, -0.2, 1.0);
+        let links = *Arm::new(&drawn).real().links();
+        let exact =
+            ArmParameters { nominal: links, corrections: Default::default(), ..drawn.clone() };
+        let ignorant = ArmParameters { corrections: Default::default(), ..drawn.clone() };
+        let q = [0; 6].map(|_| rng.random_range(-3.1..3.1));
+        let state = State { payload: rng.random_range(0.0..9.0), ..State::at(21.0) };
+        let [found, exact, ignorant] =
+            [drawn, exact, ignorant].map(|p| Arm::new(&p).deflection(&q, &state));
+        assert_eq!(found, exact);
+        let apart = |k: usize| (found.joints[k] - ignorant.joints[k]).abs();
+        most = most.max(apart(1)).max(apart(2));
+    }
+    assert!(most > 5e-5, "a zero that is degrees off counts: {most:e} rad");
 }
 
 #[test]
@@ -400,9 +432,11 @@ fn folded_terms_give_the_sum_of_the_terms() {
         };
         let parameters = ArmParameters { terms, ..parameters(&[]) };
         let (arm, masses) = (Arm::new(&parameters), parameters.masses.unwrap());
+        // Gravity is stated in the frame of the arm's own base.
+        let standing = Chain::new(arm.real().links(), Pose::identity(), Pose::identity());
         let inputs = TermInputs {
             q,
-            load: masses.load(arm.nominal(), &q, state.payload),
+            load: masses.load(&standing, &q, state.payload),
             approach: state.approach,
             warmth: state.temperature - parameters.reference_temperature,
         };

@@ -82,7 +82,7 @@ fn groups(model: &Model) -> Vec<Group> {
 /// Joint values and what terms depend on there.
 fn states(model: &Model) -> Vec<(Vec<f64>, RowInputs)> {
     let robot = &model.robot;
-    let unloaded = chain(&robot.nominal(), Pose::identity(), Vector3::zeros());
+    let unloaded = chain(&model.links(), Pose::identity(), Vector3::zeros());
     let masses = robot.gravity.filter(|_| !robot.links.is_empty()).map(|gravity| ArmMasses {
         gravity,
         links: robot.links.iter().map(|l| (l.mass, l.com)).collect(),

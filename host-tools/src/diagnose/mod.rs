@@ -39,7 +39,7 @@ use crate::identify::start::registration::register;
 use crate::identify::start::zeros;
 use crate::identify::typical::as_measured;
 use crate::identify::{
-    Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, blamed, enough,
+    Conditions, Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, blamed, enough,
     nominal_state,
 };
 use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Mounting, Robot};
@@ -182,7 +182,8 @@ fn diagnosed(
     progress("held-out poses");
     // What is fitted and judged from here on has the noise that was found.
     let heard = data.with_noise(weighed.scale);
-    let rigid = Problem::new(&heard, robot, Scaling::Prior).about(&start);
+    let loaded = Conditions::at(&heard, robot, &weighed.best.fit.fit.state.links);
+    let rigid = Problem::under(&heard, robot, Scaling::Prior, loaded).about(&start);
     let rigid = Problem { noise: problem.noise, ..rigid };
     let root = node::geometry(&Question { problem: &rigid, ..question }, &root.fit.fit.state)?;
     let tables: Vec<ErrorCurve> = weighed.curves.iter().map(|c| c.table.clone()).collect();

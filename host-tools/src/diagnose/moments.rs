@@ -10,8 +10,8 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use truearm::JointKind;
 use truearm::effects::{Effect, Term};
+use truearm::{JointKind, Link};
 
 use crate::diagnose::policy::POLICY;
 use crate::identify::{Problem, State, Surroundings};
@@ -29,6 +29,8 @@ pub struct Moments {
     units: Vec<f64>,
     /// What was found beyond what was stated, in units.
     found: Vec<f64>,
+    /// Where the links are that weigh.
+    links: Vec<Link<f64>>,
 }
 
 /// Unknowns of a link.
@@ -53,7 +55,8 @@ impl Moments {
         let units: Vec<f64> = robot.links.iter().flat_map(unit).collect();
         let known = robot.gravity.is_some() && all > 0.0;
         let found = vec![0.0; units.len()];
-        known.then(|| Self { stated: robot.clone(), assumed, units, found })
+        let links = robot.nominal();
+        known.then(|| Self { stated: robot.clone(), assumed, units, found, links })
     }
 
     /// Whether masses were only assumed.
@@ -70,7 +73,7 @@ impl Moments {
         }
         let found = self.with(&self.found);
         // What was stated is near enough.
-        let mut robot = if self.assumed { within_reach(found) } else { found };
+        let mut robot = if self.assumed { within_reach(found, &self.links) } else { found };
         robot.warnings.push(format!(
             "{}: the masses of its links were fitted beside the springs",
             robot.path.display()
@@ -91,14 +94,17 @@ impl Moments {
         robot
     }
 
+    /// Of links that are where a state has them.
+    pub fn stand_at(&mut self, state: &State) {
+        self.links.clone_from(&state.links);
+    }
+
     /// A problem at the loads that were found.
     #[must_use]
     pub fn loaded<'a>(&self, problem: &Problem<'a>) -> Problem<'a> {
-        if self.found.iter().all(|m| *m == 0.0) {
-            return problem.clone();
-        }
         let robot = self.with(&self.found);
-        let conditions = (*problem.conditions).clone().with_loads(problem.data, &robot);
+        let conditions = (*problem.conditions).clone();
+        let conditions = conditions.with_loads(problem.data, &robot, &self.links);
         Problem { conditions: Arc::new(conditions), ..problem.clone() }
     }
 
@@ -113,7 +119,7 @@ impl Moments {
         let more = |k: usize| {
             let mut units = self.found.clone();
             units[k] += 1.0;
-            Surroundings::new(&self.with(&units))
+            Surroundings::at(&self.with(&units), &self.links)
         };
         let loads = (0..self.found.len()).map(more).collect();
         let (found, assumed) = (self.found.clone(), self.assumed);
@@ -155,7 +161,7 @@ const FARTHEST: f64 = 0.5;
 /// the moments of all links before; on the first axis it does nothing but press on
 /// the base, or on the rail that it stands on. Another joint that slides feels every mass
 /// behind it: there nothing is changed.
-fn within_reach(mut robot: Robot) -> Robot {
+fn within_reach(mut robot: Robot, links: &[Link<f64>]) -> Robot {
     if robot.joints.iter().skip(1).any(|j| j.link.kind == JointKind::Prismatic) {
         return robot;
     }
@@ -166,7 +172,7 @@ fn within_reach(mut robot: Robot) -> Robot {
         link.com *= link.mass / mass;
         link.mass = mass;
         for i in (1..=k).rev() {
-            let p = &robot.joints[i].link.parameters;
+            let p = &links[i].parameters;
             let origin = Vector3::new(p.a, -p.d * p.alpha.sin(), p.d * p.alpha.cos());
             let before = &mut robot.links[i - 1];
             before.com -= origin * (more / before.mass);
@@ -267,7 +273,7 @@ mod tests {
         let mut robot = Robot::parse("robot.toml".as_ref(), text).unwrap();
         robot.joints[0].link.kind = JointKind::Prismatic;
         robot.links[3].com = Vector3::new(31.0, 2.0, 0.0);
-        let near = within_reach(robot.clone());
+        let near = within_reach(robot.clone(), &robot.nominal());
         assert!(near.links.iter().all(|l| l.com.norm() <= FARTHEST * (1.0 + 1e-12)));
         let [far, near] = [robot, near].map(|robot| Surroundings::new(&robot));
         for k in 0..30 {
@@ -286,7 +292,7 @@ mod tests {
         for (k, link) in robot.links.iter_mut().enumerate() {
             link.com += Vector3::new(4.0, -3.0 + k as f64, 0.3) / (1.0 + k as f64);
         }
-        let near = within_reach(robot.clone());
+        let near = within_reach(robot.clone(), &robot.nominal());
         assert!(near.links.iter().all(|l| l.com.norm() <= FARTHEST * (1.0 + 1e-12)));
         let [far, near] = [robot, near].map(|robot| Surroundings::new(&robot));
         let inputs = |of: &Surroundings, k: usize| {

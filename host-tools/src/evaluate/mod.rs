@@ -83,7 +83,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
     model.timed(data)?;
     let data = &*zeros::as_found(data, &model.instruments);
     let conditions = Conditions::of_model(data, model);
-    let rigid = Conditions::new(data, &model.robot);
+    let rigid = Conditions::at(data, &model.robot, &model.links());
     let state = state_on(model, data, frames)?;
     let residuals = residuals(data, &conditions, &state);
     let left_out = own_evidence(data, &residuals);

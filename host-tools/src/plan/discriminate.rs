@@ -99,7 +99,7 @@ pub fn discriminate(
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let poses = workspace.sample(robot, candidates.max(count), &mut rng)?;
     let trial = data.trial(&poses, &mut rng);
-    let conditions = Conditions::new(&trial, robot);
+    let conditions = Conditions::at(&trial, robot, &explained.named.links);
     let named = residuals(&trial, &conditions, explained.named);
     let mut rivals: Vec<Rival> = explained
         .alternatives
@@ -132,9 +132,12 @@ fn rival(
     (trial, named): (&Measurements, &[Residual]),
 ) -> Rival {
     let terms = state.terms.len();
-    let measured = Problem::new(data, robot, Scaling::Prior).with_terms(terms);
+    let on = |data| {
+        let loaded = Conditions::at(data, robot, &state.links);
+        Problem::under(data, robot, Scaling::Prior, loaded).with_terms(terms)
+    };
+    let (measured, planned) = (on(data), on(trial));
     let normal = measured.linearise(state).normal(explained.kept, None);
-    let planned = Problem::new(trial, robot, Scaling::Prior).with_terms(terms);
     let at = planned.linearise(state);
     let equations = (0..trial.rows.len()).map(|k| {
         let e = at.equations(k);

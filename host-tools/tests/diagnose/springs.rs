@@ -107,3 +107,27 @@ fn moments_of_a_spring_stand_for_no_base() {
         assert!(wrong.is_empty(), "{name}: {wrong:?}");
     }
 }
+
+/// Gravity pulls at the arm as it stands and not as it is drawn: where a zero was set does not
+/// change what its springs do.
+#[test]
+fn zeros_that_are_degrees_off_change_no_spring() {
+    let case =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/hidden-effects/cases/case_015");
+    let held_out = |off: f64| {
+        let mut robot = Robot::read(&case.join("robot.toml")).unwrap();
+        robot.joints[1].link.parameters.theta += off;
+        robot.joints[2].link.parameters.theta -= off;
+        let read = |file: &str| Measurements::read(&case.join(file), &robot).unwrap();
+        let (data, fresh) = (read("measurements.csv"), read("holdout.csv"));
+        let options = DiagnoseOptions::default();
+        let told = diagnose(&robot, &data, Some(&fresh), &options, &|_| ()).unwrap().outcome;
+        let names: Vec<_> = told.effects.iter().map(|e| (e.name, e.joints.clone())).collect();
+        (names, told.gap.last().unwrap().holdout_rms_mm.unwrap())
+    };
+    let (names, drawn) = held_out(0.0);
+    let (moved_names, moved) = held_out(0.1);
+    assert!(names.iter().any(|(name, joints)| *name == "joint-compliance" && joints == &[2, 3]));
+    assert_eq!(names, moved_names);
+    assert!((moved / drawn - 1.0).abs() < 2e-3, "{drawn} {moved} mm");
+}

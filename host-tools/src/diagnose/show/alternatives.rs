@@ -75,7 +75,7 @@ fn separating(q: &Question, robot: &Robot, a: &State, b: &State) -> Vec<Separati
     let mut tried = data.trial(&poses, &mut rng);
     // Where the target is, whatever measured it.
     tried.rows.iter_mut().for_each(Row::make_point);
-    let conditions = Conditions::new(&tried, robot);
+    let conditions = Conditions::at(&tried, robot, &a.links);
     let (first, second) = (residuals(&tried, &conditions, a), residuals(&tried, &conditions, b));
     let mut order: Vec<(f64, usize)> =
         first.iter().zip(&second).map(|(a, b)| (*a - *b).norm()).zip(0..POLICY.tried).collect();

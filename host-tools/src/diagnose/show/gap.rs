@@ -189,7 +189,8 @@ impl Show<'_> {
         self.stands_somewhere(holdout)?;
         let instruments = known_instruments(&state.instruments, holdout, JUDGED)?;
         let state = State { bases, markers, instruments, ..state.clone() };
-        let conditions = Conditions::new(holdout, self.robot).with_curves(holdout, tables);
+        let conditions = Conditions::at(holdout, self.robot, &state.links);
+        let conditions = conditions.with_curves(holdout, tables);
         Ok(residuals(holdout, &conditions, &state))
     }
 }

@@ -165,6 +165,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
     let mut round = 0;
     loop {
         round += 1;
+        bent.stand_at(&node.fit.fit.state);
         let problem = bent.problem(q.problem);
         let asked = Question { problem: &problem, ..*q };
         let (state, rows) = (node.fit.fit.state.clone(), node.fit.kept.clone());

@@ -81,6 +81,11 @@ impl Bent {
         with_curves(loaded.as_ref().unwrap_or(of), &self.tables)
     }
 
+    /// With loads of links that are where a state has them.
+    pub fn stand_at(&mut self, state: &State) {
+        self.moments.iter_mut().for_each(|moments| moments.stand_at(state));
+    }
+
     /// What the moments bend of a state.
     #[must_use]
     pub fn bending(&self, state: &State) -> Option<Bending> {

@@ -26,7 +26,8 @@ pub fn sprung(
     let Some(moments) = q.moments.filter(|m| m.are_assumed() && !springs.is_empty()) else {
         return Ok(None);
     };
-    let bent = Bent { tables: Vec::new(), moments: Some(moments.clone()) };
+    let mut bent = Bent { tables: Vec::new(), moments: Some(moments.clone()) };
+    bent.stand_at(state);
     let with = With { weights, scale };
     settled(q, &springs, state, bent, with).map(Some)
 }

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use truearm::effects::Term;
-use truearm::{Approach, Pose};
+use truearm::{Approach, Link, Pose};
 
 use crate::model::arm::{ArmMasses, Kinematics, RowInputs, chain};
 use crate::model::{ErrorCurve, JointTables, Measurements, Model, Mounting, Robot, Row, Warming};
@@ -56,7 +56,7 @@ impl Surroundings {
     #[must_use]
     pub fn of_model(model: &Model) -> Self {
         let curves = (!model.curves.is_empty()).then(|| JointTables::new(&model.curves));
-        Self { curves, ..Self::new(&model.robot) }
+        Self { curves, ..Self::at(&model.robot, &model.links()) }
     }
 
     /// Whether joints err by a curve.
@@ -65,10 +65,15 @@ impl Surroundings {
         self.curves.is_some()
     }
 
-    /// Of a robot. Loads are those of the nominal arm: what the corrections
-    /// change of them is of second order.
+    /// Of a robot as it is drawn.
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
+        Self::at(robot, &robot.nominal())
+    }
+
+    /// Of a robot with these links: loads are those of the arm before it bends.
+    #[must_use]
+    pub fn at(robot: &Robot, links: &[Link<f64>]) -> Self {
         let masses = match robot.gravity {
             Some(gravity) if !robot.links.is_empty() => Some(ArmMasses {
                 gravity,
@@ -77,7 +82,7 @@ impl Surroundings {
             }),
             _ => None,
         };
-        let arm = chain(&robot.nominal(), Pose::identity(), Vector3::zeros());
+        let arm = chain(links, Pose::identity(), Vector3::zeros());
         Self { masses, arm, reference: robot.reference_temperature, curves: None, read: None }
     }
 
@@ -128,10 +133,16 @@ impl Surroundings {
 }
 
 impl Conditions {
-    /// Of these measurements.
+    /// Of these measurements, loads of the robot as it is drawn.
     #[must_use]
     pub fn new(data: &Measurements, robot: &Robot) -> Self {
-        let surroundings = Surroundings::new(robot).reading(data, robot);
+        Self::at(data, robot, &robot.nominal())
+    }
+
+    /// Of these measurements, loads of the robot with these links.
+    #[must_use]
+    pub fn at(data: &Measurements, robot: &Robot, links: &[Link<f64>]) -> Self {
+        let surroundings = Surroundings::at(robot, links).reading(data, robot);
         let torques = surroundings.read.is_some();
         let rows = data.rows.par_iter().map(|row| surroundings.inputs(row, &row.q)).collect();
         let differ = |f: fn(&crate::model::Row) -> Option<f64>| {
@@ -163,7 +174,7 @@ impl Conditions {
     /// Of these measurements of a model's arm, with its curves.
     #[must_use]
     pub fn of_model(data: &Measurements, model: &Model) -> Self {
-        Self::new(data, &model.robot).with_curves(data, &model.curves)
+        Self::at(data, &model.robot, &model.links()).with_curves(data, &model.curves)
     }
 
     /// The largest load of a spring, at least so much that it can be divided by.
@@ -173,10 +184,10 @@ impl Conditions {
         loads.fold(f64::MIN_POSITIVE, f64::max)
     }
 
-    /// The same with gravity at the masses of another robot.
+    /// The same with gravity at the masses of another robot, and with these links.
     #[must_use]
-    pub fn with_loads(mut self, data: &Measurements, robot: &Robot) -> Self {
-        let surroundings = Surroundings::new(robot);
+    pub fn with_loads(mut self, data: &Measurements, robot: &Robot, links: &[Link<f64>]) -> Self {
+        let surroundings = Surroundings::at(robot, links);
         for (inputs, row) in self.rows.iter_mut().zip(&data.rows) {
             let RowInputs { torque, moment, across, .. } = surroundings.inputs(row, &row.q);
             (inputs.torque, inputs.moment, inputs.across) = (torque, moment, across);
