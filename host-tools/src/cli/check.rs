@@ -196,7 +196,11 @@ fn found(robot: &Robot, data: &Measurements) -> Option<String> {
     }
     let many = finding.stray.as_ref().filter(|stray| stray.many);
     let words = match finding.verdict {
-        Verdict::Sound => return None,
+        // A few rows may be wrong in a sound file.
+        Verdict::Sound => {
+            let stray = finding.stray.as_ref()?;
+            format!("{stray}: correct what was written there, or leave it out")
+        }
         Verdict::NotUnderstood if many.is_some() => {
             many.map(ToString::to_string).unwrap_or_default()
         }

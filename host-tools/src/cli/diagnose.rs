@@ -88,6 +88,7 @@ impl Diagnose {
             data: files.into_iter().cloned().collect(),
             out: self.out.clone(),
             terms: arm.count(),
+            worse: report.outcome.is_worse_elsewhere(),
         };
         let mut said = deliver(
             &report,

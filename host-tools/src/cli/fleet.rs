@@ -164,6 +164,7 @@ impl Fleet {
             data: vec![folder.join(DATA)],
             out: Some(out.to_owned()),
             terms: 0,
+            worse: false,
         };
         let page = || identified(&report, &on, &next);
         let rows = || residuals(data, &found.rows);

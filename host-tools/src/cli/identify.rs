@@ -95,6 +95,7 @@ impl Identify {
             data: files.into_iter().cloned().collect(),
             out: self.out.clone(),
             terms: 0,
+            worse: false,
         };
         deliver(
             &report,

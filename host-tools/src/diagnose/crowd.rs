@@ -8,17 +8,18 @@ use crate::model::Row;
 use crate::model::arm::Derivatives;
 
 /// Whether more rows are flagged than can be gross errors: a few always may, more only where
-/// nothing that was recorded has them together and no slip of a joint explains them.
+/// nothing that was recorded has them together, many only where no slip of a joint explains
+/// them.
 #[must_use]
 pub fn crowded(problem: &Problem, node: &Node) -> bool {
     let flagged = node.fit.outliers.len() as f64;
     let rows = flagged + node.fit.kept.len() as f64;
-    if flagged <= (POLICY.crowd_share * rows).max(POLICY.crowd_rows) {
+    if flagged <= POLICY.crowd_rows {
         return false;
     }
     flagged > POLICY.scattered_share * rows
         || together(problem, node)
-        || slipped(problem, node).is_some()
+        || (flagged > POLICY.crowd_share * rows && slipped(problem, node).is_some())
 }
 
 /// Whether flagged rows are neighbours more often than chance has them: in the order of

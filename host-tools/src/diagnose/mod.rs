@@ -253,6 +253,8 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
     identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
+    let worse = remarks::worse_elsewhere(problem.data, show.holdout, &gap);
+    identified.figures.warnings.extend(worse);
     identified.figures.warnings.extend(zeros::found(&identified.model.instruments));
     let kinds = &mut identified.figures.kinds;
     kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);

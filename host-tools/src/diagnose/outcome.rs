@@ -94,6 +94,38 @@ pub struct GapRow {
     pub holdout_rms_sigmas: Option<f64>,
 }
 
+/// By so much more a model may miss poses that no fit saw than less of a model does, before it
+/// is said: no study set it.
+const WORSE: f64 = 1.03;
+
+/// Poses that no fit saw are missed by more than with less of a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worse {
+    /// RMS of the model, mm.
+    pub rms_mm: f64,
+    /// The same of less of it, mm.
+    pub less_mm: f64,
+    /// Which is the drawn arm, not geometry alone.
+    pub drawn: bool,
+}
+
+/// Of poses held out in folds and of the hold-out file.
+#[must_use]
+pub fn worse(gap: &[GapRow]) -> [Option<Worse>; 2] {
+    let (Some(drawn), Some(geometry), Some(last)) = (gap.first(), gap.get(1), gap.last()) else {
+        return [None; 2];
+    };
+    // The drawn arm is fitted to nothing.
+    let crossed = |row: &GapRow| row.cross_validated_rms_mm.or(Some(row.train_rms_mm));
+    let held_out = |row: &GapRow| row.holdout_rms_mm;
+    [crossed as fn(&GapRow) -> Option<f64>, held_out].map(|of| {
+        let (rms_mm, drawn, geometry) = (of(last)?, of(drawn)?, of(geometry)?);
+        let less = [(drawn, true), (geometry, false)];
+        let (less_mm, drawn) = less.into_iter().find(|(less, _)| rms_mm > WORSE * less)?;
+        Some(Worse { rms_mm, less_mm, drawn })
+    })
+}
+
 /// How far off residuals are, root mean square.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Rms {
@@ -154,6 +186,12 @@ impl GapUnit {
 }
 
 impl Outcome {
+    /// Whether poses that no fit saw are missed by more than with less of a model.
+    #[must_use]
+    pub fn is_worse_elsewhere(&self) -> bool {
+        worse(&self.gap).iter().any(Option::is_some)
+    }
+
     /// Whether what is left may be called noise: poses do not miss by more than their repeats
     /// scatter, and rows by no more than any instrument is misstated by.
     #[must_use]
@@ -267,4 +305,38 @@ pub struct Outcome {
     /// Where the residuals of the geometric fit are.
     #[serde(rename = "where")]
     pub whereabouts: Vec<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(train: f64, crossed: Option<f64>, held: Option<f64>) -> GapRow {
+        GapRow {
+            model: String::new(),
+            train_rms_mm: train,
+            cross_validated_rms_mm: crossed,
+            holdout_rms_mm: held,
+            train_rms_sigmas: 1.0,
+            cross_validated_rms_sigmas: None,
+            holdout_rms_sigmas: None,
+        }
+    }
+
+    #[test]
+    fn less_of_a_model_is_better_where_poses_are_missed_by_more() {
+        let drawn = row(2.0, None, Some(2.1));
+        let geometry = row(0.5, Some(0.6), Some(0.7));
+        let of = |last: GapRow| worse(&[drawn.clone(), geometry.clone(), last]);
+        let told = |of: Option<Worse>| of.map(|w| (w.less_mm, w.drawn));
+        assert_eq!(of(row(0.1, Some(0.2), Some(0.71))), [None, None]);
+        let [crossed, held] = of(row(0.1, Some(0.2), Some(1.2))).map(told);
+        assert_eq!((crossed, held), (None, Some((0.7, false))));
+        let [crossed, held] = of(row(0.1, Some(0.65), Some(2.3))).map(told);
+        assert_eq!((crossed, held), (Some((0.6, false)), Some((2.1, true))));
+        // Wrong rows of a few: geometry alone is worse than none.
+        let few = [row(1.6, None, None), row(0.3, Some(2.1), None)];
+        assert_eq!(worse(&few).map(told), [Some((1.6, true)), None]);
+        assert_eq!(worse(&few[..1]), [None, None]);
+    }
 }

@@ -5,6 +5,7 @@ use truearm::effects::{Effect, MAX_TERMS};
 
 use super::candidates::{self, Candidate};
 use super::node::Node;
+use super::outcome::{GapRow, Worse, worse};
 use super::policy::POLICY;
 use super::tell::place;
 use super::weigh::{Doubt, Named, Weighed, scatter};
@@ -29,6 +30,28 @@ pub fn all<'a>(
     .into_iter()
     .flatten()
     .chain(weighed.scattering.iter().map(move |joint| scattering(problem, *joint)))
+}
+
+/// Remarks where poses that no fit saw are missed by more than with less of a model.
+pub fn worse_elsewhere(
+    data: &Measurements,
+    holdout: Option<&Measurements>,
+    gap: &[GapRow],
+) -> Vec<String> {
+    let remark = |(of, poses, worse): (&Measurements, &str, Option<Worse>)| {
+        let Worse { rms_mm, less_mm, drawn } = worse?;
+        let less = if drawn { "the drawn arm" } else { "geometry alone" };
+        Some(format!(
+            "{}: {poses} are missed by {rms_mm:.3} mm RMS, with {less} by {less_mm:.3}: the model \
+             makes them worse; look for wrong rows (`truearm check`) and measure more poses like \
+             those before it is flashed",
+            of.path.display()
+        ))
+    };
+    let [crossed, held] = worse(gap);
+    let crossed = (data, "poses of a fold that was left out", crossed);
+    let held = holdout.map(|holdout| (holdout, "its poses", held));
+    [crossed].into_iter().chain(held).filter_map(remark).collect()
 }
 
 /// A remark where the model has a function of a joint's angle that few angles show: what

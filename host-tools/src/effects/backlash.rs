@@ -1,9 +1,11 @@
 //! Play of every joint, at every friction that sorts the rows another way.
 
+use truearm::Approach;
 use truearm::effects::Effect;
 
 use super::{Data, Family, Offer};
 use crate::identify::Conditions;
+use crate::model::arm::RowInputs;
 
 const EFFECT: Effect = Effect::Backlash;
 
@@ -17,6 +19,8 @@ pub(super) const FAMILY: Family = Family {
 
 /// Friction levels tried for a joint.
 const MOST_FRICTIONS: usize = 128;
+/// A blob holds friction in 1/64 N m.
+const STEPS: f64 = 64.0;
 /// And where sides of approach are guessed from the order of the rows.
 const FEW_FRICTIONS: usize = 8;
 
@@ -36,21 +40,66 @@ fn offers(data: &Data) -> Result<Vec<Offer>, &'static str> {
 }
 
 /// Friction torques at which gravity may take over the side of a gap, N m (N):
-/// never, and levels between the torques of the rows, each of which sorts the
-/// rows another way. A level next to the true one puts a row on the wrong side
-/// of the gap, so few rows get every level.
+/// never, always, and levels between the torques of the rows that gravity and motion put on
+/// different sides, each of which sorts the rows another way, in the middle of all that sort
+/// them alike. A level next to the true one puts a row on the wrong side of the gap, so few
+/// rows get every level.
 fn frictions(conditions: &Conditions, joint: usize, most: usize) -> Vec<f64> {
-    let mut torques: Vec<f64> =
-        conditions.rows.iter().filter_map(|r| r.torque.get(joint)).map(|t| t.abs()).collect();
+    let torque = |row: &RowInputs| {
+        let torque = *row.torque.get(joint)?;
+        let pulled = if torque > 0.0 { Approach::Negative } else { Approach::Positive };
+        (row.approach.get(joint) != Some(&pulled)).then_some(torque.abs())
+    };
+    let mut torques: Vec<f64> = conditions.rows.iter().filter_map(torque).collect();
     torques.sort_by(f64::total_cmp);
     let stride = torques.len().div_ceil(most).max(1);
+    let always = torques.first().map(|least| least / 2.0);
+    let between = torques.windows(2).step_by(stride).map(|pair| (pair[0] + pair[1]) / 2.0);
     let mut out = vec![0.0];
-    for pair in torques.windows(2).step_by(stride) {
-        // A blob holds it in 1/64 N m.
-        let level = ((pair[0] + pair[1]) / 2.0 * 64.0).round() / 64.0;
+    for level in always.into_iter().chain(between) {
+        let level = (level * STEPS).round() / STEPS;
         if out.last().is_some_and(|last| level > *last) {
             out.push(level);
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn conditions(rows: &[(f64, Approach)]) -> Conditions {
+        let row = |(torque, approach): &(f64, Approach)| RowInputs {
+            torque: vec![*torque],
+            approach: vec![*approach],
+            ..RowInputs::default()
+        };
+        Conditions { rows: rows.iter().map(row).collect(), ..Conditions::default() }
+    }
+
+    /// Gravity and motion put a link on one side where it came to rest against gravity, at any
+    /// friction: of levels that differ in such rows alone the middle is one level.
+    #[test]
+    fn levels_lie_in_the_middle_of_what_sorts_rows_alike() {
+        use Approach::{Negative, Positive, Unknown};
+        let told = [(8.0, Positive), (-16.0, Negative), (40.0, Unknown)];
+        let untold = [(9.0, Negative), (-11.0, Positive), (39.0, Negative), (2.0, Negative)];
+        let all = [&told[..], &untold[..]].concat();
+        assert_eq!(frictions(&conditions(&all), 0, 128), [0.0, 4.0, 12.0, 28.0]);
+        assert_eq!(frictions(&conditions(&untold), 0, 128), [0.0]);
+        assert_eq!(frictions(&conditions(&[]), 0, 128), [0.0]);
+        // A joint that nothing loads.
+        assert_eq!(frictions(&conditions(&[(0.0, Positive), (0.0, Negative)]), 0, 128), [0.0]);
+    }
+
+    /// Of many rows some levels are tried, with the one at which gravity always decides.
+    #[test]
+    fn many_rows_have_no_more_levels_than_are_tried() {
+        let rows: Vec<_> = (1..=1000).map(|k| (0.5 * f64::from(k), Approach::Positive)).collect();
+        let levels = frictions(&conditions(&rows), 0, MOST_FRICTIONS);
+        assert!(levels.len() <= MOST_FRICTIONS + 2, "{}", levels.len());
+        assert!(levels[0] == 0.0 && levels[1] == 0.25, "{levels:?}");
+        assert!(levels.is_sorted());
+    }
 }

@@ -12,8 +12,9 @@ const EFFECT: Effect = Effect::ThermalExpansion;
 pub(super) const FAMILY: Family = Family {
     name: EFFECT.name(),
     offers,
-    // Aluminium grows by 2.4e-5 a kelvin, and joints warm up more than the air does.
-    plausible: -1e-5..6e-5,
+    // Aluminium grows by 2.4e-5 a kelvin, plastics by three times that, and joints warm up
+    // more than the air does that was read.
+    plausible: -1e-5..2e-4,
     several: false,
 };
 

@@ -2,7 +2,7 @@
 //! a file tells without saying it, and columns that say it.
 
 use crate::simulated::{Truth, UR10_LIKE, csv_of, robot, vector};
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
@@ -405,4 +405,38 @@ fn a_drift_is_found_from_the_numbers_of_rows() {
     let outcome = diagnosed(&arm(), &with(&session, "order", |k| k.to_string()));
     assert_eq!(names(&outcome), [("measurement-drift", vec![])]);
     assert_eq!(outcome.effects[0].coefficients[3].unit, "m/1000 rows");
+}
+
+/// About its own vertical an azimuth goes with time, about another axis an elevation: neither is
+/// another thing than a drift, and less is told of it.
+#[test]
+fn an_instrument_that_turns_as_time_goes_is_a_drift() {
+    for (seed, about) in [(31, Vector3::z()), (32, Vector3::x()), (33, Vector3::y())] {
+        let mut session = session(80, seed, &|q, _| q.to_vec(), &|_| Vector3::zeros());
+        for (k, point) in session.points.iter_mut().enumerate() {
+            *point = Rotation3::from_scaled_axis(about * (2e-4 * k as f64 / 80.0)) * *point;
+        }
+        let outcome = diagnosed(&arm(), &with(&session, "time_s", |k| (30 * k).to_string()));
+        assert_eq!(names(&outcome), [("measurement-drift", vec![])], "about {about}");
+        assert!(outcome.described.is_empty(), "about {about}");
+        assert_eq!(outcome.verdict, Verdict::Explained, "about {about}: {:?}", outcome.unnamed);
+    }
+}
+
+/// Rows that one angle of a joint has together are no mistakes of as many causes.
+#[test]
+fn a_bump_of_a_joint_is_no_handful_of_gross_errors() {
+    let bump = |q: &[f64], _: &[f64]| {
+        let mut real = q.to_vec();
+        if (0.75..1.0).contains(&q[2]) {
+            real[2] += 1.5e-3;
+        }
+        real
+    };
+    let session = session(110, 34, &bump, &|_| Vector3::zeros());
+    let bumped = session.poses.iter().filter(|q| (0.75..1.0).contains(&q[2])).count();
+    assert!((4..=8).contains(&bumped), "{bumped} rows");
+    let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
+    assert_ne!(outcome.verdict, Verdict::Clean);
+    assert!(names(&outcome).iter().all(|(name, _)| *name != "outliers"), "{:?}", names(&outcome));
 }

@@ -210,3 +210,20 @@ fn quiet_and_verbose() {
     let (status, _, err) = run(&folder, "truearm -q identify none.toml measurements.csv");
     assert!(status == 1 && err.contains("none.toml"), "{err}");
 }
+
+/// Where one wrong row leads a fit away it is named: nothing is wrong with senses and units.
+#[test]
+fn the_row_that_a_fit_fails_of_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let case =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/hidden-effects/cases/case_008");
+    fs::copy(case.join("robot.toml"), folder.path().join("robot.toml")).unwrap();
+    let text = fs::read_to_string(case.join("measurements.csv")).unwrap();
+    let mut lines: Vec<String> = text.lines().take(41).map(str::to_owned).collect();
+    let (first, rest) = lines[40].split_once(',').unwrap();
+    lines[40] = format!("{},{rest}", first.parse::<f64>().unwrap() + 90.0);
+    fs::write(folder.path().join("m.csv"), lines.join("\n") + "\n").unwrap();
+    let (status, _, told) = run(&folder, "truearm identify robot.toml m.csv");
+    let named = told.contains("1 of 40 rows is far off") && told.contains("row 40");
+    assert!(status == 0 || named, "{told}");
+}

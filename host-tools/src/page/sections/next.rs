@@ -20,6 +20,8 @@ pub struct Next {
     pub out: Option<PathBuf>,
     /// Terms of the arm that the model has.
     pub terms: usize,
+    /// Poses that no fit saw are missed by more than with less of a model.
+    pub worse: bool,
 }
 
 /// A path as a shell takes it for one word and no option.
@@ -51,6 +53,14 @@ pub fn commands(verb: &str, alternatives: &[Alternative], next: &Next) -> Vec<(S
         out.push((
             format!("a model that a controller has room for, {MAX_TERMS} terms"),
             format!("truearm {verb} {robot} {data} --most-terms {MAX_TERMS} --out out"),
+        ));
+        return out;
+    }
+    if next.worse {
+        let first = files.first().map_or("", String::as_str);
+        out.push((
+            "rows that make the model worse than none".to_owned(),
+            format!("truearm check {robot} {first}"),
         ));
         return out;
     }

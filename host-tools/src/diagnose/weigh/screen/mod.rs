@@ -35,8 +35,12 @@ fn has_name(problem: &Problem, part: Part, with: Covariate, shape: Shape) -> boo
         (Part::Lean, Covariate::Joint(0)) if with.turns(problem) => true,
         // It gives way under what follows a joint, heavier than its masses say.
         (Part::Lean, Covariate::Joint(_)) if shape == Shape::Wave(1) => true,
-        // A drift, which settles in a time that is found only once there is one.
-        (Part::Lean | Part::Shift, Covariate::Time | Covariate::Order) => true,
+        // A drift, which settles in a time that is found only once there is one. An instrument
+        // that turns as time goes is one, whatever it turns about.
+        (
+            Part::Lean | Part::Shift | Part::Azimuth | Part::Elevation,
+            Covariate::Time | Covariate::Order,
+        ) => true,
         // Springs.
         (Part::Lean | Part::Shift, Covariate::Payload) => true,
         (Part::Azimuth | Part::Elevation | Part::Distance, Covariate::Joint(_)) => true,
