@@ -22,14 +22,19 @@ pub fn crowded(problem: &Problem, node: &Node) -> bool {
         || (flagged > POLICY.crowd_share * rows && slipped(problem, node).is_some())
 }
 
-/// Whether flagged rows are neighbours more often than chance has them: in the order of
-/// measurement, by a joint's value or by where the arm was.
+/// Whether poses of flagged rows are neighbours more often than chance has them: in the order
+/// of measurement, by a joint's value or by where the arm was. What several readings of one
+/// pose share is one mistake.
 fn together(problem: &Problem, node: &Node) -> bool {
     let data = problem.data;
-    let mut flagged = vec![false; data.rows.len()];
-    node.fit.outliers.iter().for_each(|o| flagged[o.row] = true);
+    let pose = |row: usize| data.rows[row].pose;
+    let mut flagged = vec![false; data.poses];
+    node.fit.outliers.iter().for_each(|o| flagged[pose(o.row)] = true);
     let own = node.fit.outliers.iter().map(|o| o.row);
     let mut rows: Vec<usize> = own.chain(node.fit.kept.iter().copied()).collect();
+    rows.sort_by_key(|row| pose(*row));
+    rows.dedup_by_key(|row| pose(*row));
+    let few = rows.iter().filter(|row| flagged[pose(**row)]).count() as f64;
     let at = problem.linearise(&node.fit.fit.state);
     let mut orders: Vec<Vec<f64>> = Vec::new();
     let mut by = |of: &dyn Fn(usize, &Row) -> f64| {
@@ -38,13 +43,14 @@ fn together(problem: &Problem, node: &Node) -> bool {
     by(&|row, _| data.when(row));
     (0..problem.nominal.len()).for_each(|joint| by(&|_, row| row.q[joint]));
     (0..3).for_each(|axis| by(&|row, _| at.target(row).0[axis]));
-    let (few, all) = (node.fit.outliers.len() as f64, rows.len() as f64);
-    let expected = few * (few - 1.0) / all;
+    let expected = few * (few - 1.0) / rows.len() as f64;
     orders.iter().any(|order| {
         rows.sort_by(|a, b| order[*a].total_cmp(&order[*b]).then(a.cmp(b)));
-        let pairs = rows.windows(2).filter(|pair| pair.iter().all(|row| flagged[*row]));
-        let chance = 1.0 - chi_square(2.0 * expected, 2 * pairs.count());
-        chance * (orders.len() as f64) < POLICY.significant
+        let pairs = rows.windows(2).filter(|pair| pair.iter().all(|row| flagged[pose(*row)]));
+        let pairs = pairs.count();
+        // As many as that or more.
+        let chance = 1.0 - chi_square(2.0 * expected, 2 * pairs);
+        pairs > 0 && chance * (orders.len() as f64) < POLICY.significant
     })
 }
 

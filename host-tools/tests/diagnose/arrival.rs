@@ -440,3 +440,20 @@ fn a_bump_of_a_joint_is_no_handful_of_gross_errors() {
     assert_ne!(outcome.verdict, Verdict::Clean);
     assert!(names(&outcome).iter().all(|(name, _)| *name != "outliers"), "{:?}", names(&outcome));
 }
+
+/// Five readings of one pose that all miss are one mistake, though they are neighbours.
+#[test]
+fn a_pose_whose_readings_all_miss_is_a_gross_error() {
+    let mut session = session(80, 35, &|q, _| q.to_vec(), &|_| Vector3::zeros());
+    let mut rng = ChaCha8Rng::seed_from_u64(36);
+    let (pose, point) = (session.poses[40].clone(), session.points[40]);
+    let shift = Vector3::new(2e-3, -1e-3, 2e-3);
+    session.points[40] += shift;
+    for _ in 0..4 {
+        session.poses.insert(40, pose.clone());
+        session.points.insert(40, point + shift + vector(&mut rng) * SIGMA);
+    }
+    let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
+    assert_eq!(names(&outcome), [("outliers", vec![])]);
+    assert_eq!(outcome.verdict, Verdict::Explained, "{:?}", outcome.unnamed);
+}

@@ -59,7 +59,7 @@ pub fn commands(verb: &str, alternatives: &[Alternative], next: &Next) -> Vec<(S
     if next.worse {
         let first = files.first().map_or("", String::as_str);
         out.push((
-            "rows that make the model worse than none".to_owned(),
+            "wrong rows, if any, that make the model worse".to_owned(),
             format!("truearm check {robot} {first}"),
         ));
         return out;
