@@ -100,14 +100,14 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         Link::correct(&mut links, &p.corrections);
         let nominal = Chain::new(&p.nominal, Pose::identity(), tool);
         let folded = FoldedTerms::new(&p.terms);
+        let real = Chain::new(&links, base, tool);
         let masses = p.masses.filter(|_| folded.needs_load());
-        // Gravity is stated in the frame of the arm's own base, wherever that stands.
-        let gravity = masses.map(|masses| masses.on(&Chain::new(&links, Pose::identity(), tool)));
+        let gravity = masses.map(|masses| masses.on(&real));
         Self {
             robot_id: p.robot_id,
             sequence: p.sequence,
             nominal,
-            real: Chain::new(&links, base, tool),
+            real,
             covered: p.covered,
             limits: p.limits,
             terms: p.terms.clone(),
@@ -279,7 +279,9 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     fn inputs_at(&self, turns: &Turns<T, N>, state: &State<T, N>) -> TermInputs<T, N> {
         let mut inputs = self.inputs_within_joints(turns, state);
         if let (true, Some(gravity)) = (self.folded.tilts_axes(), &self.gravity) {
-            inputs.load.across = Some(gravity.across(&self.real, turns, state.payload));
+            inputs.load.across = Some(
+                gravity.across(&self.real, turns, state.payload, |joint| self.folded.tilts(joint)),
+            );
         }
         inputs
     }

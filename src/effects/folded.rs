@@ -20,6 +20,11 @@ impl<T: Scalar, const N: usize> FoldedTerms<T, N> {
         self.bearings.any()
     }
 
+    /// Whether the axis of a joint does.
+    pub(crate) fn tilts(&self, joint: usize) -> bool {
+        self.bearings.tilts(joint)
+    }
+
     /// What all terms together do.
     #[must_use]
     #[inline]

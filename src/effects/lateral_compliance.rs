@@ -33,31 +33,37 @@ pub(super) fn basis<T: Scalar, const N: usize>(
 pub(super) fn fold<T: Scalar, const N: usize>(term: &Term<T>, folded: &mut FoldedTerms<T, N>) {
     if let Some(compliance) = folded.bearings.compliance.get_mut(usize::from(term.joint)) {
         *compliance += term.coefficient;
-        folded.bearings.any = true;
+        folded.bearings.tilting |= 1_u16.wrapping_shl(u32::from(term.joint));
     }
 }
 
 /// Two products a joint, if the axis of any tilts.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Bearings<T, const N: usize> {
-    any: bool,
+    /// A bit a joint, whatever its compliance: what a term would do is asked of zero, too.
+    tilting: u16,
     /// rad per N m.
     compliance: [T; N],
 }
 
 impl<T: Scalar, const N: usize> Bearings<T, N> {
     pub fn none() -> Self {
-        Self { any: false, compliance: [T::ZERO; N] }
+        Self { tilting: 0, compliance: [T::ZERO; N] }
     }
 
     /// Whether any tilts.
     pub fn any(&self) -> bool {
-        self.any
+        self.tilting != 0
+    }
+
+    /// Whether that of a joint does.
+    pub fn tilts(&self, joint: usize) -> bool {
+        self.tilting.wrapping_shr(joint as u32) & 1 == 1
     }
 
     #[inline]
     pub fn bend(&self, inputs: &TermInputs<T, N>, out: &mut Deflection<T, N>) {
-        if self.any {
+        if self.any() {
             let Some(mut tilts) = inputs.load.across else { return };
             for (tilt, compliance) in tilts.iter_mut().zip(&self.compliance) {
                 *tilt = tilt.map(|moment| moment * *compliance);

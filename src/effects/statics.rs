@@ -1,13 +1,13 @@
 use nalgebra::Vector3;
 
-use crate::kinematics::{Chain, FoldedJoint, Turns, axes, cross, dot};
+use crate::kinematics::{Chain, FoldedJoint, Turns, dot};
 use crate::scalar::Scalar;
 
 /// Masses that load an arm; SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Masses<T, const N: usize> {
-    /// Gravity in the frame of the chain's base, m/s^2.
+    /// Gravity in the frame of the chain's own base, wherever that stands, m/s^2.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub gravity: Vector3<T>,
     /// Mass of each link, kg.
@@ -67,8 +67,7 @@ pub(crate) struct GravityModel<T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> Masses<T, N> {
-    /// Folds the masses for this chain, at load time. The chain's base pose
-    /// must be the frame of `gravity`.
+    /// Folds the masses for this chain, at load time.
     #[must_use]
     pub(crate) fn on(&self, chain: &Chain<T, N>) -> GravityModel<T, N> {
         let mut moment = [[T::ZERO; 3]; N];
@@ -78,26 +77,23 @@ impl<T: Scalar, const N: usize> Masses<T, N> {
             }
         }
         let payload = chain.in_turned_frame(N.saturating_sub(1), &self.payload_com);
-        let (root, base) = (chain.root(), chain.base());
-        let inside = |v: &Vector3<T>| axes(&root.rotation).map(|axis| dot(&axis, v));
-        let arm = root.translation - base.translation;
-        let [x, y, _] = axes(&base.rotation);
-        // x (m x g) = m (g x x).
-        let overturning = [x, y].map(|axis| {
-            let per_moment = cross(&self.gravity, &axis);
-            (inside(&per_moment).into(), dot(&per_moment, &arm))
+        let [x, y, z]: [T; 3] = self.gravity.into();
+        // The base's x (m x g) = m (g x x).
+        let overturning = [[T::ZERO, z, -y], [-z, T::ZERO, x]].map(|per_moment| {
+            let per_mass = per_moment[0] * chain.first_length();
+            (chain.before_first(per_moment).into(), per_mass)
         });
-        let gravity = inside(&self.gravity);
+        let gravity = chain.before_first([x, y, z]);
         GravityModel { gravity, overturning, mass: self.mass, moment, payload }
     }
 
     /// Gravity torque of every joint, moment across its axis, and overturning moment of
     /// the base, at joint values `q` with `payload` kg at the payload point; exact for the
-    /// rigid arm. The chain's base pose must be the frame of `gravity`.
+    /// rigid arm.
     #[must_use]
     pub fn load(&self, chain: &Chain<T, N>, q: &[T; N], payload: T) -> Load<T, N> {
         let (model, turns) = (self.on(chain), chain.turns(q));
-        let across = Some(model.across(chain, &turns, payload));
+        let across = Some(model.across(chain, &turns, payload, |_| true));
         Load { across, ..model.load(chain, &turns, payload) }
     }
 }
@@ -171,17 +167,28 @@ impl<T: Scalar, const N: usize> GravityModel<T, N> {
         (moment, mass)
     }
 
-    /// Moment across each joint's axis, as [`Load::across`] has it.
+    /// Moment across the axes of the `wanted` joints, as [`Load::across`] has it; across those
+    /// of others none.
     // On its own and cold: most arms need none.
     #[cold]
     #[inline(never)]
-    pub fn across(&self, chain: &Chain<T, N>, turns: &Turns<T, N>, payload: T) -> [[T; 2]; N] {
+    pub fn across(
+        &self,
+        chain: &Chain<T, N>,
+        turns: &Turns<T, N>,
+        payload: T,
+        wanted: impl Fn(usize) -> bool,
+    ) -> [[T; 2]; N] {
         let mut out = [[T::ZERO; 2]; N];
         let pull = self.pull(chain, turns);
         let joints = chain.links().iter().zip(turns.each());
-        let mut places = joints.zip(&pull).zip(&mut out).rev();
+        let mut places = joints.zip(&pull).zip(&mut out).enumerate().rev();
         let _ = self.hang(chain, turns, payload, |joint, moment, _| {
-            let Some((((link, (turn, _)), g), out)) = places.next() else { return };
+            let Some((index, (((link, (turn, _)), g), out))) = places.next() else { return };
+            // The frame of a link costs a sine.
+            if !wanted(index) {
+                return;
+            }
             let x = moment[1] * g[2] - moment[2] * g[1];
             let y = moment[2] * g[0] - moment[0] * g[2];
             let [x, y, _] = joint.behind(link).undo(turn.apply([x, y, T::ZERO]));

@@ -153,8 +153,14 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
 
     /// The first link's length, m.
     #[inline]
-    pub(super) fn first_length(&self) -> T {
+    pub(crate) fn first_length(&self) -> T {
         self.links.first().map_or(T::ZERO, |link| link.parameters.a)
+    }
+
+    /// A direction in the frame of the base, in the one that the first joint turns in.
+    pub(crate) fn before_first(&self, v: [T; 3]) -> [T; 3] {
+        let ([sin, cos], [x, y, z]) = (self.alpha, v);
+        [x, cos * y + sin * z, cos * z - sin * y]
     }
 
     /// Two axes and the point of the tool, from the tool to the frame that the first joint

@@ -3,7 +3,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::compensate::{Refusal, Settings, Status, Task};
-use truearm::{Arm, ArmParameters, Chain, Compensator, Pose, Scalar, State};
+use truearm::{Arm, ArmParameters, Compensator, Scalar, State};
 
 use super::arms::{Terms, anywhere, parameters, rail, state};
 use super::common::ur10;
@@ -14,11 +14,6 @@ fn of_torques<T: Scalar, const N: usize>(
 ) -> ArmParameters<'static, T, N> {
     let terms = p.terms.iter().filter(|term| !term.needs_masses()).copied().collect();
     ArmParameters { terms, ..p.clone() }
-}
-
-/// The identified chain in the frame that gravity is stated in.
-fn standing<T: Scalar, const N: usize>(arm: &Arm<'_, T, N>) -> Chain<T, N> {
-    Chain::new(arm.real().links(), Pose::identity(), *arm.real().tool())
 }
 
 /// What masses give, read by sensors: the same bits, with masses and without.
@@ -34,7 +29,7 @@ fn read_or_computed<T: Scalar, const N: usize>(all: &ArmParameters<'static, T, N
         let q = anywhere(&mut rng, &weighed);
         let payload = T::from_f64(rng.random_range(0.0..8.0));
         let computed = State { payload, ..state() };
-        let torque = masses.load(&standing(&weighed), &q, payload).torque;
+        let torque = masses.load(weighed.real(), &q, payload).torque;
         let read = State { torque: Some(torque), ..computed };
         let pose = weighed.real_pose_in(&q, &computed);
         assert_eq!(weighed.real_pose_in(&q, &read), pose);

@@ -340,10 +340,7 @@ fn an_arm_bends_by_its_terms_and_its_state() {
     let gap = Term { coefficient: 1e-4, ..term(Effect::Backlash, 2, 0) };
     let p = parameters(&[soft, warm, gap]);
     let arm = Arm::new(&p);
-    let torque = |payload| {
-        let chain = Chain::new(arm.real().links(), Pose::identity(), Pose::identity());
-        p.masses.unwrap().load(&chain, &Q, payload).torque[1]
-    };
+    let torque = |payload| p.masses.unwrap().load(arm.real(), &Q, payload).torque[1];
     let state = State { approach: [Positive; 6], payload: 5.0, temperature: 31.0, torque: None };
     let deflection = arm.deflection(&Q, &state);
     assert_eq!(deflection.joints, [0.0, 1e-5 * torque(5.0), -1e-4, 0.0, 0.0, 0.0]);
@@ -432,11 +429,9 @@ fn folded_terms_give_the_sum_of_the_terms() {
         };
         let parameters = ArmParameters { terms, ..parameters(&[]) };
         let (arm, masses) = (Arm::new(&parameters), parameters.masses.unwrap());
-        // Gravity is stated in the frame of the arm's own base.
-        let standing = Chain::new(arm.real().links(), Pose::identity(), Pose::identity());
         let inputs = TermInputs {
             q,
-            load: masses.load(&standing, &q, state.payload),
+            load: masses.load(arm.real(), &q, state.payload),
             approach: state.approach,
             warmth: state.temperature - parameters.reference_temperature,
         };

@@ -64,7 +64,8 @@ fn unfolded<const N: usize>(
         .map(|i| (i, case.mass[i], place(&frames[i], case.com[i])))
         .chain([(N - 1, case.payload, place(&frames[N - 1], case.com[0]))])
         .collect();
-    let gravity = vector::<f64>(case.gravity);
+    // Stated in the frame of the base.
+    let gravity = (0..3).map(|k| column(base, k) * case.gravity[k]).sum::<Vector3<f64>>();
     let about = |axis: Vector3<f64>, origin: Vector3<f64>, from: usize| -> f64 {
         let carried = weights.iter().filter(|(link, ..)| *link >= from);
         carried.map(|(_, m, p)| axis.dot(&(p - origin).cross(&(gravity * *m)))).sum()

@@ -19,10 +19,10 @@ pub(super) const FAMILY: Family = Family {
 
 /// Friction levels tried for a joint.
 const MOST_FRICTIONS: usize = 128;
-/// A blob holds friction in 1/64 N m.
-const STEPS: f64 = 64.0;
 /// And where sides of approach are guessed from the order of the rows.
 const FEW_FRICTIONS: usize = 8;
+/// A blob holds friction in 1/64 N m.
+const STEPS: f64 = 64.0;
 
 fn offers(data: &Data) -> Result<Vec<Offer>, &'static str> {
     if !data.conditions.direction {
