@@ -188,10 +188,10 @@ impl Conditions {
     #[must_use]
     pub fn with_loads(mut self, data: &Measurements, robot: &Robot, links: &[Link<f64>]) -> Self {
         let surroundings = Surroundings::at(robot, links);
-        for (inputs, row) in self.rows.iter_mut().zip(&data.rows) {
-            let RowInputs { torque, moment, across, .. } = surroundings.inputs(row, &row.q);
+        self.rows.par_iter_mut().zip(&data.rows).for_each(|(inputs, row)| {
+            let RowInputs { torque, moment, across, .. } = surroundings.computed(row, &row.q);
             (inputs.torque, inputs.moment, inputs.across) = (torque, moment, across);
-        }
+        });
         self
     }
 
