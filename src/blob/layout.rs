@@ -6,7 +6,7 @@ use super::crc32c::Crc32c;
 
 /// First four bytes of every blob.
 pub const MAGIC: [u8; 4] = *b"TARM";
-/// The layout this version writes and reads: formats 1.0 to 1.5.
+/// The layout this version writes and reads: formats 1.0 to 1.6.
 pub const LAYOUT: u16 = 3;
 /// Bytes of an authentication tag.
 pub const TAG: usize = 32;

@@ -3,7 +3,7 @@
 use super::error::{DecodeError, FieldName, Flaw, Record};
 use super::layout::{FLAG_MASSES, FLAG_TORQUES, TERM};
 use super::reader::Reader;
-use crate::effects::{ActsOn, Effect, Order, Term};
+use crate::effects::{ActsOn, Effect, FINE, Order, Term};
 use crate::scalar::Scalar;
 
 /// Bits 0 to 3 of an effect's code, and where bits 4 and 5 of it stand, which no
@@ -12,6 +12,10 @@ const EFFECT: u8 = 0x0f;
 const EFFECT_HIGH: u8 = 0xc0;
 const COMPONENT: u8 = 0x10;
 const ALL_LINKS: u8 = 0x20;
+/// Of a friction, which has no components: its order is in steps of [`FINE`].
+const FINE_STEPS: u8 = COMPONENT;
+/// Fine steps that are a whole coarse one, as a power of two less one.
+const COARSE: u16 = 63;
 
 type Result<T> = core::result::Result<T, DecodeError>;
 
@@ -47,13 +51,20 @@ pub(super) fn to_bytes<T: Scalar>(index: u8, term: &Term<T>) -> Result<[u8; TERM
     let mut order = 0;
     if effect.order() != Order::None {
         let value = term.order.to_f64();
-        let steps = value / effect.order().step() + 0.5;
+        let step = effect.order().step(value);
+        let steps = value / step + 0.5;
         // Few enough steps; and none at all for 0 only, which with a friction
         // torque would mean that gravity never decides. NaN fails, too.
         if !(value == 0.0 || value > 0.0 && (1.0..65536.0).contains(&steps)) {
             return Err(refuse("order"));
         }
         order = steps as u16;
+        if step == FINE {
+            match order & COARSE {
+                0 => order /= COARSE + 1,
+                _ => first |= FINE_STEPS,
+            }
+        }
     }
     let [o0, o1] = order.to_le_bytes();
     let [c0, c1, c2, c3] = (term.coefficient.to_f64() as f32).to_le_bytes();
@@ -66,12 +77,13 @@ pub(super) fn from_bytes<T: Scalar>(bytes: &[u8; TERM]) -> Option<Term<T>> {
     let [first, joints, o0, o1, c0, c1, c2, c3] = *bytes;
     let code = first & EFFECT | (first & EFFECT_HIGH) >> 2;
     let effect = *Effect::ALL.get(usize::from(code))?;
-    let step = effect.order().step() as f32;
+    let fine = first & FINE_STEPS != 0 && effect.order() == Order::Friction;
+    let step = if fine { FINE } else { effect.order().step(f64::INFINITY) } as f32;
     Some(Term {
         effect,
         joint: if first & ALL_LINKS != 0 { Term::<T>::ALL } else { joints & 0x0f },
         source: joints >> 4,
-        component: u8::from(first & COMPONENT != 0),
+        component: u8::from(first & COMPONENT != 0 && !fine),
         order: T::from_f32(f32::from(u16::from_le_bytes([o0, o1])) * step),
         coefficient: T::from_f32(f32::from_le_bytes([c0, c1, c2, c3])),
     })
@@ -88,7 +100,7 @@ pub(super) fn check(
 ) -> Result<bool> {
     let unknown = |field| Err(flaw(index, field, Flaw::Unknown));
     let implausible = |field| Err(flaw(index, field, Flaw::Implausible));
-    let [first, numbers, ..] = *bytes;
+    let [first, numbers, low, ..] = *bytes;
     let Some(term) = from_bytes::<f32>(bytes) else { return unknown("effect") };
     let all = first & ALL_LINKS != 0;
     if all && term.effect.acts_on() != ActsOn::Lengths {
@@ -107,7 +119,9 @@ pub(super) fn check(
     }
     let order = term.effect.order();
     let other = order == Order::TimeConstant && *late.get_or_insert(term.order) != term.order;
-    if other || !order.takes(term.order) {
+    // One number has one form.
+    let fine = order == Order::Friction && first & FINE_STEPS != 0;
+    if other || !order.takes(term.order) || fine && u16::from(low) & COARSE == 0 {
         return implausible("order");
     }
     if !term.coefficient.is_finite() {

@@ -18,7 +18,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     warmth: false,
     revolute_only: false,
     units: Units::any("rad/Nm"),
-    plausible: 1e-2,
+    plausible: 1e-1,
 };
 
 pub(super) fn basis<T: Scalar, const N: usize>(

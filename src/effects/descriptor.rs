@@ -59,6 +59,11 @@ pub enum Order {
     TimeConstant,
 }
 
+/// Steps of small frictions, N m or N: a small arm's wrist carries a tenth of a newton metre.
+pub(crate) const FINE: f64 = 1.0 / 4096.0;
+/// Frictions below it have them, as 16 bits hold.
+const MOST_FINE: f64 = 65535.5 * FINE;
+
 impl Order {
     /// Whether it is a number of cycles a turn.
     #[must_use]
@@ -66,12 +71,14 @@ impl Order {
         matches!(self, Self::Harmonic | Self::Cycles)
     }
 
-    /// What one step of a term's number in a blob is: cycles a turn, N m or N, s.
+    /// What one step of a term's number of this size in a blob is: cycles a turn, N m or
+    /// N, s.
     #[must_use]
-    pub const fn step(self) -> f64 {
+    pub const fn step(self, order: f64) -> f64 {
         match self {
             // 1/64 of a minute: up to 17 hours.
             Self::TimeConstant => 60.0 / 64.0,
+            Self::Friction if order < MOST_FINE => FINE,
             _ => 1.0 / 64.0,
         }
     }

@@ -17,7 +17,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     warmth: false,
     revolute_only: false,
     units: Units::joint("rad/Nm", "m/N"),
-    plausible: 1e-2,
+    plausible: 1e-1,
 };
 
 pub(super) fn basis<T: Scalar, const N: usize>(

@@ -62,6 +62,7 @@ fn golden_blobs_mean_what_they_meant() {
     layout_3_lateral().holds();
     layout_3_lag().holds();
     layout_3_torques().holds();
+    layout_3_friction().holds();
     #[cfg(feature = "curves")]
     layout_3_curves().holds();
     #[cfg(feature = "curves")]
@@ -78,6 +79,7 @@ fn write_missing_golden_blobs() {
     layout_3_lateral().write_if_missing();
     layout_3_lag().write_if_missing();
     layout_3_torques().write_if_missing();
+    layout_3_friction().write_if_missing();
     #[cfg(feature = "curves")]
     layout_3_curves().write_if_missing();
     #[cfg(feature = "curves")]
@@ -124,6 +126,15 @@ fn layout_3_torques() -> Golden<1> {
     let terms = heapless::Vec::from_iter([term(Effect::JointCompliance, 0, 0.0, 9e-6)]);
     let parameters = ArmParameters { terms, ..least() };
     Golden { name: "layout-3-torques.blob", layout: 3, parameters, factor: None }
+}
+
+/// One joint with play whose friction, 0.1 N m, is in the steps that format 1.6 added, and
+/// a spring softer than those before it.
+fn layout_3_friction() -> Golden<1> {
+    let soft = loaded("layout-3-friction.blob", Effect::JointCompliance, 0.03);
+    let mut parameters = soft.parameters;
+    parameters.terms.push(term(Effect::Backlash, 0, 410.0 / 4096.0, 5e-4)).unwrap();
+    Golden { parameters, ..soft }
 }
 
 /// One joint with a curve that is not known everywhere, which format 1.5 added.

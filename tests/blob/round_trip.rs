@@ -342,6 +342,10 @@ fn bad_terms_are_named() {
     assert_eq!(refused(3, 2, &[192, 0]), range("term 3 order"));
     assert_eq!(refused(5, 2, &[0, 0]), range("term 5 order"));
     assert_eq!(refused(6, 2, &[1, 0]), range("term 6 order"));
+    // A friction of whole coarse steps has no fine ones.
+    let backlash = Effect::ALL.iter().position(|e| *e == Effect::Backlash).unwrap() as u8;
+    assert_eq!(refused(8, 0, &[backlash | 0x10, 0, 64, 0]), range("term 8 order"));
+    assert_eq!(refused(8, 0, &[backlash | 0x10, 0, 0, 0]), range("term 8 order"));
 }
 
 #[test]
@@ -364,7 +368,7 @@ fn terms_that_a_blob_cannot_hold_are_not_written() {
     }
     let encoder = term(Effect::EncoderEccentricity, 0, 1.5, 0.0);
     assert_eq!(refused(encoder, true), message("order"));
-    for friction in [0.001, -0.001] {
+    for friction in [0.0001, -0.001, 1024.0, f32::NAN] {
         let backlash = term(Effect::Backlash, 0, friction, 0.0);
         assert_eq!(refused(backlash, true), message("order"), "{friction}");
     }
@@ -396,6 +400,33 @@ fn orders_are_rounded_to_64ths() {
     encode(&p, &mut bytes).unwrap();
     let read = Blob::check(&bytes).unwrap().parameters::<f32, 3>().unwrap();
     assert_eq!(read.terms[0].order, 202.0 / 64.0);
+}
+
+/// Frictions below 16 N m are held in steps of 1/4096, those above in 1/64: a step is never
+/// more than a hundredth of what a wrist of 0.1 N m has. Every one that was read is written
+/// as the same bytes.
+#[test]
+fn frictions_are_held_in_steps_of_their_size() {
+    let written = |friction: f32| {
+        let terms = [term(Effect::Backlash, 0, friction, 1e-5)];
+        let p = ArmParameters { terms: heapless::Vec::from_iter(terms), ..parameters() };
+        let mut bytes = [0; 1024];
+        let len = encode(&p, &mut bytes).unwrap();
+        let read = Blob::check(&bytes[..len]).unwrap().parameters::<f32, 3>().unwrap();
+        assert_eq!(read.terms[0].component, 0);
+        let mut again = [0; 1024];
+        encode(&read, &mut again).unwrap();
+        assert_eq!(again, bytes, "{friction}");
+        read.terms[0].order
+    };
+    for steps in (1..=65_535_u16).step_by(7).chain([63, 64, 65, 65_535]) {
+        let fine = f32::from(steps) / 4096.0;
+        assert_eq!(written(fine), fine);
+        assert_eq!(written(fine * 64.0), fine * 64.0);
+    }
+    assert_eq!(written(0.1), 410.0 / 4096.0);
+    assert_eq!(written(15.999_9), 16.0);
+    assert_eq!(written(16.01), 16.015_625);
 }
 
 #[test]

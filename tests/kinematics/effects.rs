@@ -456,7 +456,7 @@ fn descriptors_are_consistent() {
         assert_eq!(Effect::from_name(name), Some(*effect));
         assert!(name.chars().all(|c| c.is_ascii_lowercase() || c == '-'), "{name}");
         assert!(matches!(effect.components().len(), 0 | 2), "{name}");
-        assert!((1e-6..0.1).contains(&effect.plausible()), "{name}");
+        assert!((1e-6..=0.1).contains(&effect.plausible()), "{name}");
         let friction = effect.order() == Order::Friction;
         assert!(friction || effect.load() != NeedsLoad::WithFriction, "{name}");
         assert!(effect.suits(JointKind::Revolute), "{name}");

@@ -13,7 +13,7 @@ use crate::model::{ErrorCurve, friction, friction_unit, part};
 #[must_use]
 pub fn describe(blob: &Blob, given: usize) -> String {
     let mut text = format!(
-        "truearm parameter blob, layout {} (format 1.5), {} bytes, checksum good\n",
+        "truearm parameter blob, layout {} (format 1.6), {} bytes, checksum good\n",
         blob::LAYOUT,
         blob.size()
     );

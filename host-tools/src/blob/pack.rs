@@ -178,7 +178,8 @@ pub fn notes(model: &Model) -> Vec<String> {
             order if order.is_cycles() => "order",
             _ => "friction",
         };
-        let rounded = (term.order / order.step()).round() * order.step();
+        let step = order.step(term.order);
+        let rounded = (term.order / step).round() * step;
         // What was written as the nearest number to one that a blob holds is that one.
         if (rounded - term.order).abs() > 1e-9 * term.order {
             out.push(format!(

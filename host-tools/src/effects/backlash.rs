@@ -21,8 +21,6 @@ pub(super) const FAMILY: Family = Family {
 const MOST_FRICTIONS: usize = 128;
 /// And where sides of approach are guessed from the order of the rows.
 const FEW_FRICTIONS: usize = 8;
-/// A blob holds friction in 1/64 N m.
-const STEPS: f64 = 64.0;
 
 fn offers(data: &Data) -> Result<Vec<Offer>, &'static str> {
     if !data.conditions.direction {
@@ -57,7 +55,9 @@ fn frictions(conditions: &Conditions, joint: usize, most: usize) -> Vec<f64> {
     let between = torques.windows(2).step_by(stride).map(|pair| (pair[0] + pair[1]) / 2.0);
     let mut out = vec![0.0];
     for level in always.into_iter().chain(between) {
-        let level = (level * STEPS).round() / STEPS;
+        // As a blob holds it.
+        let step = EFFECT.order().step(level);
+        let level = (level / step).round() * step;
         if out.last().is_some_and(|last| level > *last) {
             out.push(level);
         }

@@ -10,6 +10,6 @@ pub(super) const FAMILY: Family = Family {
         data.massive().map(|()| vec![Offer::of_arm(Effect::BaseCompliance, &[], &[0.0], 1)])
     },
     // The base gives way to its load.
-    plausible: 0.0..1e-2,
+    plausible: 0.0..1e-1,
     several: false,
 };

@@ -8,6 +8,6 @@ pub(super) const FAMILY: Family = Family {
     name: Effect::JointCompliance.name(),
     offers: |data| data.loaded().map(|()| data.one_a_joint(Effect::JointCompliance)),
     // A joint gives way to its load.
-    plausible: 0.0..1e-2,
+    plausible: 0.0..1e-1,
     several: false,
 };

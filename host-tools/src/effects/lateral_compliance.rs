@@ -11,7 +11,7 @@ pub(super) const FAMILY: Family = Family {
     name: EFFECT.name(),
     offers,
     // A bearing gives way to its load.
-    plausible: 0.0..1e-2,
+    plausible: 0.0..1e-1,
     several: false,
 };
 

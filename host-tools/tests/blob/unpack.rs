@@ -56,6 +56,7 @@ fn every_valid_blob_comes_back() {
         "golden/layout-3-least",
         "golden/layout-3-curves",
         "golden/layout-3-torques",
+        "golden/layout-3-friction",
         "golden/layout-3-gaps",
         "firmware/ur10-terms",
     ] {

@@ -76,6 +76,6 @@ fn best(q: &Question, node: &Node, weights: &Weights, scale: f64) -> f64 {
 
 /// As a blob holds it, s.
 fn held(time_constant: f64) -> f64 {
-    let step = Order::TimeConstant.step();
+    let step = Order::TimeConstant.step(0.0);
     step * (time_constant / step).round().max(1.0)
 }
