@@ -36,8 +36,8 @@ mod thermal_expansion;
 use heapless::Vec;
 
 pub use approach::Approach;
-pub use descriptor::{ActsOn, NeedsLoad, Order};
 pub(crate) use descriptor::FINE;
+pub use descriptor::{ActsOn, NeedsLoad, Order};
 pub use inputs::TermInputs;
 pub use joint_error_curve::{Curve, Curves, Gaps};
 pub(crate) use joint_error_curve::{EXPONENTS, HEAD as CURVE_HEAD, first as first_curve};

@@ -98,8 +98,8 @@ pub fn offered(
     let reseated = whole(&columns.target, &|_| true)
         .filter(|step| listed < AS_GOOD * step.explained)
         .map(|step| Nameless::Reseated { row: postures[step.at] });
-    let shifted = whole(&columns.base, &|_| true)
-        .map(|step| Nameless::Shifted { row: postures[step.at] });
+    let shifted =
+        whole(&columns.base, &|_| true).map(|step| Nameless::Shifted { row: postures[step.at] });
     for what in reseated.into_iter().chain(shifted) {
         out.push(numbers.nameless(what, rows.len()));
     }
