@@ -114,7 +114,7 @@ fn what_a_controller_cannot_take_is_refused() {
     assert!(message.contains("[[links]]"), "{message}");
 
     let mut wild = model();
-    *wild.terms[0].coefficient_mut() = 0.02;
+    *wild.terms[0].coefficient_mut() = 0.11;
     let message = refused(&wild);
     assert!(message.contains("term 1 coefficient is outside its plausible range"), "{message}");
 }
