@@ -114,3 +114,35 @@ fn node(q: &Question, added: Vec<Candidate>, problem: &Problem, fit: RobustFit) 
     let freedom = (problem.equations(&fit.kept) as f64 - unknowns).max(1.0);
     Node { added, misfit: square + prior, reduced: square / freedom, freedom, fit }
 }
+
+#[cfg(test)]
+mod tests {
+    use truearm::effects::Term;
+
+    use super::*;
+    use crate::model::arm::RowInputs;
+
+    /// What may be a spring depends on what it gives way by, above what large arms have.
+    #[test]
+    fn soft_springs_are_those_of_small_arms() {
+        let spring = |effect, coefficient| {
+            ModelTerm::Arm(Term {
+                effect,
+                joint: 0,
+                source: 0,
+                component: 0,
+                order: 0.0,
+                coefficient,
+            })
+        };
+        let at = |torque: f64| {
+            let row = RowInputs { torque: vec![torque], ..RowInputs::default() };
+            Conditions { rows: vec![row], ..Conditions::default() }
+        };
+        let may = |size, torque| plausible(&spring(Effect::JointCompliance, size), &at(torque));
+        assert!(may(0.03, 0.1) && may(0.03, 0.66) && !may(0.03, 0.67) && !may(0.03, -0.67));
+        assert!(may(0.0999, 0.2) && !may(0.1001, 0.1));
+        // As it always was.
+        assert!(may(0.0099, 50.0) && !may(-0.0099, 0.1));
+    }
+}

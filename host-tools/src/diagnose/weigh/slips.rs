@@ -13,11 +13,10 @@ use crate::observations::postures;
 /// Share of a step's column that geometry must not imitate.
 const SEEN: f64 = 1e-4;
 
-/// A step of the target where a series begins is a remount, which is listed: one elsewhere
-/// is looked for only if the best at such a place explains less than this share of it. A few
-/// rows beside the place are on the wrong side by noise (row 36 in place of 37 of 61, for a
-/// shift of 1.5 floors; the remount was lost to it).
-const AS_GOOD: f64 = 0.8;
+/// A step of the target so few rows beside the first of a series is the remount, which is
+/// listed: noise puts a row or two on the wrong side (row 36 of 61 in place of 37, for a shift
+/// of 1.5 floors, which was lost to it).
+const BESIDE: usize = 3;
 
 /// The step of a joint's value that explains most.
 #[derive(Debug, Clone, Copy, Default)]
@@ -43,11 +42,6 @@ pub fn in_order(problem: &Problem, postures: &[usize]) -> Vec<usize> {
 /// of all that come after it.
 #[must_use]
 pub fn strongest(column: &JointColumn, order: &[usize]) -> Step {
-    strongest_of(column, order, |_| true)
-}
-
-/// The same of steps at some places.
-fn strongest_of(column: &JointColumn, order: &[usize], at: impl Fn(usize) -> bool) -> Step {
     let mut best = Step::default();
     let (mut square, mut right) = (0.0, 0.0);
     let mut imitated = DVector::zeros(column.imitated.nrows());
@@ -57,19 +51,18 @@ fn strongest_of(column: &JointColumn, order: &[usize], at: impl Fn(usize) -> boo
         imitated += column.imitated.column(*k);
         let left = square - imitated.norm_squared();
         let explained = right * right / left;
-        if left > SEEN * square && explained > best.explained && at(*k) {
+        if left > SEEN * square && explained > best.explained {
             best = Step { explained, shift: right / left, at: *k };
         }
     }
     best
 }
 
-/// First rows of series that came one after another, but of the first, as places among
-/// `postures`; none where series came in turns.
+/// Where series begin that came one after another, but the first, as places in the order of
+/// measurement; none where they came in turns.
 fn beginnings(problem: &Problem, postures: &[usize], order: &[usize]) -> Vec<usize> {
-    let series = |k: usize| &problem.data.rows[postures[k]].series;
-    let pairs = order.windows(2).filter(|pair| series(pair[0]) != series(pair[1]));
-    let out: Vec<usize> = pairs.map(|pair| pair[1]).collect();
+    let series = |k: usize| &problem.data.rows[postures[order[k]]].series;
+    let out: Vec<usize> = (1..order.len()).filter(|k| series(*k) != series(k - 1)).collect();
     if out.len() < problem.conditions.series.len() { out } else { Vec::new() }
 }
 
@@ -89,17 +82,19 @@ pub fn offered(
     let mut out: Vec<Possible> =
         found.map(|step| numbers.nameless(slip(step), of_joints)).collect();
     // What moves as a whole shows along one of its axes first.
-    let whole = |columns: &[JointColumn], at: &dyn Fn(usize) -> bool| {
-        let steps = columns.iter().map(|column| strongest_of(column, &order, at));
-        steps.max_by(|a, b| a.explained.total_cmp(&b.explained)).filter(|s| s.explained > 0.0)
+    let whole = |columns: &[JointColumn]| {
+        let steps = columns.iter().map(|column| strongest(column, &order));
+        let best = steps.max_by(|a, b| a.explained.total_cmp(&b.explained));
+        best.filter(|step| step.explained > 0.0).map(|step| postures[step.at])
     };
     let begins = beginnings(problem, &postures, &order);
-    let listed = whole(&columns.target, &|k| begins.contains(&k)).map_or(0.0, |s| s.explained);
-    let reseated = whole(&columns.target, &|_| true)
-        .filter(|step| listed < AS_GOOD * step.explained)
-        .map(|step| Nameless::Reseated { row: postures[step.at] });
-    let shifted =
-        whole(&columns.base, &|_| true).map(|step| Nameless::Shifted { row: postures[step.at] });
+    let listed = |row: &usize| {
+        let at = order.iter().position(|k| postures[*k] == *row);
+        at.is_some_and(|at| begins.iter().any(|begin| begin.abs_diff(at) <= BESIDE))
+    };
+    let reseated = whole(&columns.target).filter(|row| !listed(row));
+    let reseated = reseated.map(|row| Nameless::Reseated { row });
+    let shifted = whole(&columns.base).map(|row| Nameless::Shifted { row });
     for what in reseated.into_iter().chain(shifted) {
         out.push(numbers.nameless(what, rows.len()));
     }

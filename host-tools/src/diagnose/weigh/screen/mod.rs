@@ -56,11 +56,12 @@ fn has_name(problem: &Problem, part: Part, with: Covariate, shape: Shape) -> boo
 const BESIDE_DRIFT: usize = 10;
 
 /// How many ways the price of a pair counts for each there is.
-fn ways(follows: &Follows) -> usize {
+fn ways(problem: &Problem, follows: &Follows) -> usize {
+    let drifts = problem.conditions.time || problem.conditions.ordered;
     let of_arm = matches!(follows.part, Part::Joint(_));
     let as_time_goes =
         matches!(follows.with, Covariate::Time | Covariate::Order | Covariate::Temperature);
-    if as_time_goes && !of_arm { BESIDE_DRIFT } else { 1 }
+    if drifts && as_time_goes && !of_arm { BESIDE_DRIFT } else { 1 }
 }
 
 /// All pairs that the rows can tell, with how many of the part there are.
@@ -87,7 +88,7 @@ pub fn pairs(problem: &Problem, rows: &[usize]) -> Vec<(Follows, usize)> {
     let seen = recorded.iter().any(|(with, ..)| *with == Covariate::Distance);
     let all: Vec<Follows> = Part::all(problem.nominal.len(), seen).flat_map(of_part).collect();
     let tried = |f: &Follows| all.iter().filter(|o| o.part.number() == f.part.number()).count();
-    all.iter().map(|f| (*f, tried(f) * ways(f))).collect()
+    all.iter().map(|f| (*f, tried(f) * ways(problem, f))).collect()
 }
 
 /// Values nearer to each other than this share of the range are one.
