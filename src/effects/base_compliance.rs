@@ -19,6 +19,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     revolute_only: false,
     units: Units::any("rad/Nm"),
     plausible: 1e-1,
+    usual: 2e-4,
 };
 
 pub(super) fn basis<T: Scalar, const N: usize>(

@@ -24,6 +24,8 @@ pub(super) struct Descriptor {
     pub units: Units,
     /// A coefficient beyond this is no such effect but a wrong model.
     pub plausible: f32,
+    /// What a coefficient changes by in the life of an arm.
+    pub usual: f32,
 }
 
 /// What a term deflects.

@@ -16,4 +16,5 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     revolute_only: true,
     units: Units::joint("rad", "m"),
     plausible: 5e-2,
+    usual: 1e-3,
 };

@@ -18,6 +18,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     revolute_only: false,
     units: Units::joint("rad/Nm", "m/N"),
     plausible: 1e-1,
+    usual: 2e-4,
 };
 
 pub(super) fn basis<T: Scalar, const N: usize>(

@@ -20,6 +20,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     revolute_only: false,
     units: Units::joints([["rad/rad", "rad/m"], ["m/rad", "m/m"]]),
     plausible: 5e-2,
+    usual: 1e-3,
 };
 
 pub(super) fn basis<T: Scalar, const N: usize>(

@@ -17,6 +17,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     revolute_only: false,
     units: Units::joint("rad/rad", "m/m"),
     plausible: 5e-2,
+    usual: 1e-3,
 };
 
 pub(super) fn basis<T: Scalar, const N: usize>(

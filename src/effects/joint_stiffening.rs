@@ -21,6 +21,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     units: Units::joint("rad/(N m)^2", "m/N^2"),
     // 600 urad at 10 N m is 6e-6.
     plausible: 1e-4,
+    usual: 2e-6,
 };
 
 pub(super) fn basis<T: Scalar, const N: usize>(

@@ -20,6 +20,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     revolute_only: true,
     units: Units::any("rad/Nm"),
     plausible: 1e-1,
+    usual: 2e-4,
 };
 
 pub(super) fn basis<T: Scalar, const N: usize>(

@@ -116,6 +116,12 @@ macro_rules! repertoire {
             pub const fn plausible(self) -> f32 {
                 match self { $(Self::$effect => const { $module::DESCRIPTOR.plausible },)+ }
             }
+
+            /// What a coefficient changes by in the life of an arm, a scale for its prior.
+            #[must_use]
+            pub const fn usual(self) -> f32 {
+                match self { $(Self::$effect => const { $module::DESCRIPTOR.usual },)+ }
+            }
         }
 
         impl<T: Scalar> Term<T> {

@@ -21,6 +21,7 @@ pub(super) const DESCRIPTOR: Descriptor = Descriptor {
     revolute_only: false,
     units: Units::any("1/K"),
     plausible: 1e-3,
+    usual: 2e-5,
 };
 
 pub(super) fn basis<T: Scalar, const N: usize>(

@@ -198,7 +198,7 @@ impl Parameter {
     /// |---|---|
     /// | joint offset, tool, base | 20 mrad, 20 mm |
     /// | the rest of a link | 1 mrad, 1 mm |
-    /// | coefficient of a term | a fiftieth of the largest plausible |
+    /// | coefficient of a term | [`Effect::usual`](crate::effects::Effect::usual): 0.2 mrad/(N m) of a spring, 1 mrad of a gap |
     /// | tracker, plane, anchor | infinite: no prior |
     #[must_use]
     pub fn usual_scale<T: Scalar, const N: usize>(self, arm: &ArmParameters<'_, T, N>) -> T {
@@ -213,7 +213,7 @@ impl Parameter {
             Self::Term(term) => arm
                 .terms
                 .get(usize::from(term))
-                .map_or(T::ZERO, |term| T::from_f32(term.effect.plausible()) * T::from_f64(0.02)),
+                .map_or(T::ZERO, |term| T::from_f32(term.effect.usual())),
             _ if !self.is_of_arm() => T::ONE / T::ZERO,
             _ => T::from_f64(USUAL_SCALE),
         }

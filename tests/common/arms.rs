@@ -63,7 +63,7 @@ pub fn with_terms<T: Scalar, const N: usize>(arm: &mut ArmParameters<'static, T,
             source: ((k + 1) % N) as u8,
             component: (k % 2) as u8,
             order: T::from_f64(order),
-            coefficient: T::from_f32(effect.plausible() * 0.001),
+            coefficient: T::from_f32(effect.usual() * 0.05),
         };
         arm.terms.push(term).unwrap();
     }

@@ -417,7 +417,7 @@ fn folded_terms_give_the_sum_of_the_terms() {
         let mut terms = heapless::Vec::new();
         while !terms.is_full() {
             let any = repertoire[rng.random_range(0..repertoire.len())];
-            let most = 0.02 * f64::from(any.effect.plausible());
+            let most = f64::from(any.effect.usual());
             terms.push(Term { coefficient: rng.random_range(-most..most), ..any }).unwrap();
         }
         let q = [0; 6].map(|_| rng.random_range(-6.2..6.2));
@@ -457,6 +457,7 @@ fn descriptors_are_consistent() {
         assert!(name.chars().all(|c| c.is_ascii_lowercase() || c == '-'), "{name}");
         assert!(matches!(effect.components().len(), 0 | 2), "{name}");
         assert!((1e-6..=0.1).contains(&effect.plausible()), "{name}");
+        assert!(effect.usual() <= 0.021 * effect.plausible(), "{name}");
         let friction = effect.order() == Order::Friction;
         assert!(friction || effect.load() != NeedsLoad::WithFriction, "{name}");
         assert!(effect.suits(JointKind::Revolute), "{name}");
