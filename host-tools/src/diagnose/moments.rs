@@ -25,6 +25,8 @@ pub struct Moments {
     stated: Robot,
     /// Nothing but the direction of gravity was stated.
     assumed: bool,
+    /// Links that nobody weighed, see [`PLACEHOLDER`].
+    unweighed: Vec<bool>,
     /// Standard deviation of each, [`OF_A_LINK`] a link: kg m about x, about y, kg.
     units: Vec<f64>,
     /// What was found beyond what was stated, in units.
@@ -37,6 +39,11 @@ pub struct Moments {
 const OF_A_LINK: usize = 3;
 /// No mass is found to be less than this share of what was stated.
 const LEAST_MASS: f64 = 0.1;
+/// A link of less than this share of the arm stands for one that nobody weighed: drawings
+/// are exported with 0 or 1 g there. The lightest flanges are of four thousandths.
+const PLACEHOLDER: f64 = 1e-3;
+/// Standard deviation of such a mass and its moments over those of the whole arm.
+const UNWEIGHED: f64 = 0.1;
 
 impl Moments {
     /// Of a robot with masses, stated or only assumed; `None` without.
@@ -44,19 +51,30 @@ impl Moments {
     pub fn of(robot: &Robot, assumed: bool) -> Option<Self> {
         let moment = |l: &LinkMass| l.mass * l.com.norm();
         let all: f64 = robot.links.iter().map(moment).sum();
-        let unit = |link: &LinkMass| match assumed {
+        let weight: f64 = robot.links.iter().map(|l| l.mass).sum();
+        let least = PLACEHOLDER * weight;
+        // The first joint seldom feels its link.
+        let light = |(k, link): (usize, &LinkMass)| !assumed && k > 0 && link.mass < least;
+        let unweighed: Vec<bool> = robot.links.iter().enumerate().map(light).collect();
+        let unit = |(link, unweighed): (&LinkMass, &bool)| match assumed {
             // What is common to all is the spring's.
             true => [POLICY.assumed_moments * all, POLICY.assumed_moments * all, 0.0],
+            false if *unweighed => [UNWEIGHED * all, UNWEIGHED * all, UNWEIGHED * weight],
             false => {
                 let [mass, centre] = [POLICY.stated_masses, POLICY.stated_centres];
                 [centre * moment(link), centre * moment(link), mass * link.mass]
             }
         };
-        let units: Vec<f64> = robot.links.iter().flat_map(unit).collect();
+        let units: Vec<f64> = robot.links.iter().zip(&unweighed).flat_map(unit).collect();
         let known = robot.gravity.is_some() && all > 0.0;
         let found = vec![0.0; units.len()];
         let links = robot.nominal();
-        known.then(|| Self { stated: robot.clone(), assumed, units, found, links })
+        let mut stated = robot.clone();
+        for (link, _) in stated.links.iter_mut().zip(&unweighed).filter(|(_, light)| **light) {
+            // Something to hang moments on.
+            link.mass = least;
+        }
+        known.then_some(Self { stated, assumed, unweighed, units, found, links })
     }
 
     /// Whether masses were only assumed.
@@ -73,7 +91,16 @@ impl Moments {
         }
         let found = self.with(&self.found);
         // What was stated is near enough.
-        let mut robot = if self.assumed { within_reach(found, &self.links) } else { found };
+        let light: Vec<usize> = (0..self.unweighed.len()).filter(|k| self.unweighed[*k]).collect();
+        let far = self.assumed || !light.is_empty();
+        let mut robot = if far { within_reach(found, &self.links) } else { found };
+        for k in light {
+            robot.warnings.push(format!(
+                "{}: link {} weighs less than a thousandth of the arm: taken for not weighed",
+                robot.path.display(),
+                k + 1
+            ));
+        }
         robot.warnings.push(format!(
             "{}: the masses of its links were fitted beside the springs",
             robot.path.display()
@@ -265,6 +292,31 @@ fn of_arm(term: &ModelTerm) -> Option<Term<f64>> {
 mod tests {
     use super::*;
     use crate::model::Row;
+
+    /// Links below a thousandth of the arm are not held where they were stated, others are;
+    /// the first one is, however light.
+    #[test]
+    fn what_nobody_weighed_is_not_held() {
+        let text = include_str!("../../../tests/data/ur10-ipa/robot.toml");
+        let mut robot = Robot::parse("robot.toml".as_ref(), text).unwrap();
+        robot.gravity = Some(Vector3::new(0.0, 0.0, -9.81));
+        let others: f64 = robot.links[1..5].iter().map(|l| l.mass).sum();
+        let with = |first: f64, last: f64| {
+            let mut robot = robot.clone();
+            (robot.links[0].mass, robot.links[5].mass) = (first, last);
+            Moments::of(&robot, false).unwrap()
+        };
+        for (share, light) in [(1.01e-3, false), (0.99e-3, true), (1e-9, true)] {
+            let own = with(1e-6, share * others);
+            assert_eq!(own.unweighed, [false, false, false, false, false, light], "{share}");
+            let mass = own.units[OF_A_LINK * 6 - 1] / others;
+            let held = POLICY.stated_masses * share;
+            let expected = if light { UNWEIGHED } else { held };
+            assert!((mass / expected - 1.0).abs() < 0.01, "{share}: {mass}");
+            assert_eq!(own.units[OF_A_LINK - 1], POLICY.stated_masses * 1e-6);
+        }
+        assert!(!Moments::of(&robot, true).unwrap().unweighed.contains(&true));
+    }
 
     /// On a rail, too: the same torques in all joints that turn.
     #[test]

@@ -1,6 +1,7 @@
 //! An arm of which nobody said how it is mounted: it stands; where springs would give way
 //! upwards then it hangs; and where they do so either way nobody knows.
 
+use super::moments::bends;
 use super::{Diagnosis, Verdict};
 use crate::error::Result;
 use crate::model::Mounting;
@@ -9,7 +10,8 @@ use crate::model::Mounting;
 const NEITHER: &str = "springs, but neither as of an arm that stands nor of one that hangs: state \
                        gravity_m_s2";
 
-/// The diagnosis as the arm is mounted.
+/// The diagnosis as the arm is mounted. Springs that are named and leave nothing but noise
+/// say that it stands, though another of a joint that hardly bends was refused on the way.
 ///
 /// # Errors
 /// As of the first.
@@ -18,12 +20,21 @@ pub fn tried(with: &dyn Fn(Mounting) -> Result<Diagnosis>) -> Result<Diagnosis> 
     if !upright.against_gravity {
         return Ok(upright);
     }
+    let stands = upright.outcome.verdict == Verdict::Explained && has_springs(&upright);
     match with(Mounting::Hanging) {
-        Ok(hanging) if !hanging.against_gravity => Ok(hanging),
+        Ok(hanging) if !hanging.against_gravity && (has_springs(&hanging) || !stands) => {
+            Ok(hanging)
+        }
+        _ if stands => Ok(upright),
         _ => {
             upright.outcome.verdict = Verdict::Unexplained;
             upright.outcome.unnamed.push(NEITHER.to_owned());
             Ok(upright)
         }
     }
+}
+
+/// Whether springs are named.
+fn has_springs(of: &Diagnosis) -> bool {
+    of.outcome.effects.iter().any(|effect| bends(effect.name))
 }
