@@ -173,6 +173,12 @@ fn diagnosed(
     if anew.is_some() {
         answer = answered(&mut question, &start, progress)?;
     }
+    let handed = answer.1.moments.as_ref().and_then(Moments::with_hand);
+    if let Some(moments) = &handed {
+        let mut question = Question { moments: Some(moments), ..question };
+        let other = answered(&mut question, &start, progress);
+        answer = other.ok().filter(|other| predicts_better(&other.1, &answer.1)).unwrap_or(answer);
+    }
     let (root, weighed) = answer;
     let added = kept(&weighed);
     // Masses are found by what they bend: of a model without springs they stay.
@@ -293,6 +299,12 @@ fn noise_floor(data: &Measurements) -> f64 {
     let rows = &data.rows;
     let variance: f64 = rows.iter().map(|r| kind(r).noise(r).powi(2)).sum();
     (variance / rows.len() as f64).sqrt()
+}
+
+/// Whether poses are missed by less where everything was decided without them.
+fn predicts_better(this: &Weighed, other: &Weighed) -> bool {
+    let [this, other] = [this, other].map(|weighed| nested(weighed, &weighed.best));
+    this.zip(other).is_some_and(|(this, other)| this < other)
 }
 
 /// RMS of the kept rows, predicted with everything decided without their fold.

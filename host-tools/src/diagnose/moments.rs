@@ -27,6 +27,8 @@ pub struct Moments {
     assumed: bool,
     /// Links that nobody weighed, see [`PLACEHOLDER`].
     unweighed: Vec<bool>,
+    /// What hangs on the last link is not among them.
+    hand: bool,
     /// Standard deviation of each, [`OF_A_LINK`] a link: kg m about x, about y, kg.
     units: Vec<f64>,
     /// What was found beyond what was stated, in units.
@@ -42,8 +44,11 @@ const LEAST_MASS: f64 = 0.1;
 /// A link of less than this share of the arm stands for one that nobody weighed: drawings
 /// are exported with 0 or 1 g there. The lightest flanges are of four thousandths.
 const PLACEHOLDER: f64 = 1e-3;
-/// Standard deviation of such a mass and its moments over those of the whole arm.
+/// Standard deviation of such a mass and its moments over those of the whole arm; of a hand
+/// that is not among the links, too.
 const UNWEIGHED: f64 = 0.1;
+/// Stated masses of the wrist are refuted from so many standard deviations on.
+const REFUTED: f64 = 2.5;
 
 impl Moments {
     /// Of a robot with masses, stated or only assumed; `None` without.
@@ -74,7 +79,27 @@ impl Moments {
             // Something to hang moments on.
             link.mass = least;
         }
-        known.then_some(Self { stated, assumed, unweighed, units, found, links })
+        known.then_some(Self { stated, assumed, unweighed, hand: false, units, found, links })
+    }
+
+    /// Where what was found refutes the masses stated of the last two links: those and a hand
+    /// that nobody stated, which hangs on the last one and, by its distance along the last
+    /// axis, on the one before.
+    #[must_use]
+    pub fn with_hand(&self) -> Option<Self> {
+        let wrist = self.units.len().checked_sub(2 * OF_A_LINK)?;
+        let refuted = self.found[wrist..].iter().any(|found| found.abs() > REFUTED);
+        if self.assumed || self.hand || !refuted {
+            return None;
+        }
+        let moment = |l: &LinkMass| l.mass * l.com.norm();
+        let moments = UNWEIGHED * self.stated.links.iter().map(moment).sum::<f64>();
+        let mass = UNWEIGHED * self.stated.links.iter().map(|l| l.mass).sum::<f64>();
+        let hand = [moments, moments, 0.0, moments, moments, mass];
+        let mut with = Self { hand: true, ..self.clone() };
+        with.found.fill(0.0);
+        with.units[wrist..].iter_mut().zip(hand).for_each(|(unit, own)| *unit = unit.max(own));
+        Some(with)
     }
 
     /// Whether masses were only assumed.
@@ -92,7 +117,7 @@ impl Moments {
         let found = self.with(&self.found);
         // What was stated is near enough.
         let light: Vec<usize> = (0..self.unweighed.len()).filter(|k| self.unweighed[*k]).collect();
-        let far = self.assumed || !light.is_empty();
+        let far = self.assumed || self.hand || !light.is_empty();
         let mut robot = if far { within_reach(found, &self.links) } else { found };
         for k in light {
             robot.warnings.push(format!(
@@ -102,8 +127,13 @@ impl Moments {
             ));
         }
         robot.warnings.push(format!(
-            "{}: the masses of its links were fitted beside the springs",
-            robot.path.display()
+            "{}: the masses of its links were fitted beside the springs{}",
+            robot.path.display(),
+            if self.hand {
+                ", and what hangs on the last one: it is not among [[links]]"
+            } else {
+                ""
+            }
         ));
         Some(robot)
     }
@@ -316,6 +346,35 @@ mod tests {
             assert_eq!(own.units[OF_A_LINK - 1], POLICY.stated_masses * 1e-6);
         }
         assert!(!Moments::of(&robot, true).unwrap().unweighed.contains(&true));
+    }
+
+    /// A hand is looked for where a mass or moment of the wrist was found too far from what was
+    /// stated, once, and where something was stated.
+    #[test]
+    fn a_hand_is_looked_for_where_the_wrist_is_refuted() {
+        let text = include_str!("../../../tests/data/ur10-ipa/robot.toml");
+        let robot = Robot::parse("robot.toml".as_ref(), text).unwrap();
+        let own = Moments::of(&robot, false).unwrap();
+        let found = |k: usize, found: f64| {
+            let mut own = own.clone();
+            own.found[k] = found;
+            own
+        };
+        for k in 0..OF_A_LINK * 6 {
+            assert!(found(k, 0.99 * REFUTED).with_hand().is_none(), "{k}");
+            for off in [-1.01 * REFUTED, 1.01 * REFUTED] {
+                assert_eq!(found(k, off).with_hand().is_some(), k >= OF_A_LINK * 4, "{k}");
+            }
+        }
+        let with = found(OF_A_LINK * 6 - 1, 3.0).with_hand().unwrap();
+        assert!(with.found.iter().all(|found| *found == 0.0));
+        let wider: Vec<bool> = with.units.iter().zip(&own.units).map(|(a, b)| a > b).collect();
+        let hand = [12, 13, 15, 16, 17];
+        assert!(wider.iter().enumerate().all(|(k, wider)| *wider == hand.contains(&k)));
+        let again = Moments { found: vec![9.0; 18], ..with };
+        assert!(again.with_hand().is_none());
+        let assumed = Moments { assumed: true, ..found(17, 9.0) };
+        assert!(assumed.with_hand().is_none());
     }
 
     /// On a rail, too: the same torques in all joints that turn.
