@@ -44,11 +44,10 @@ use crate::identify::{
 };
 use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Mounting, Robot};
 use crate::observations::kind;
-use crate::statistics::Stats;
 use candidates::Candidate;
 use moments::Moments;
 use node::Node;
-use pipeline::answered;
+use pipeline::{answered, with_hand};
 use policy::POLICY;
 use question::Question;
 use show::{HeldOut, Show};
@@ -173,13 +172,7 @@ fn diagnosed(
     if anew.is_some() {
         answer = answered(&mut question, &start, progress)?;
     }
-    let handed = answer.1.moments.as_ref().and_then(Moments::with_hand);
-    if let Some(moments) = &handed {
-        let mut question = Question { moments: Some(moments), ..question };
-        let other = answered(&mut question, &start, progress);
-        answer = other.ok().filter(|other| predicts_better(&other.1, &answer.1)).unwrap_or(answer);
-    }
-    let (root, weighed) = answer;
+    let (root, weighed) = with_hand(&question, &start, answer, progress);
     let added = kept(&weighed);
     // Masses are found by what they bend: of a model without springs they stay.
     let bends = added.iter().any(|candidate| moments::bends(candidate.name()));
@@ -275,7 +268,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         described,
         noise_scale,
         beyond_repeats: remarks::over_repeats(problem, &best),
-        nested_rms_mm: nested(&weighed, &best),
+        nested_rms_mm: weighed.nested_rms_mm(&best),
         noise_floor_mm: noise_floor(problem.data) * 1e3 / weighed.scale,
         reduced_chi_square: best.reduced,
         geometry_reduced_chi_square: root.reduced,
@@ -299,18 +292,6 @@ fn noise_floor(data: &Measurements) -> f64 {
     let rows = &data.rows;
     let variance: f64 = rows.iter().map(|r| kind(r).noise(r).powi(2)).sum();
     (variance / rows.len() as f64).sqrt()
-}
-
-/// Whether poses are missed by less where everything was decided without them.
-fn predicts_better(this: &Weighed, other: &Weighed) -> bool {
-    let [this, other] = [this, other].map(|weighed| nested(weighed, &weighed.best));
-    this.zip(other).is_some_and(|(this, other)| this < other)
-}
-
-/// RMS of the kept rows, predicted with everything decided without their fold.
-fn nested(weighed: &Weighed, best: &Node) -> Option<f64> {
-    let held = best.fit.kept.iter().filter_map(|row| weighed.nested[*row]);
-    Stats::of(held).map(|stats| stats.rms_mm)
 }
 
 /// The final model as an estimate, with its held-out errors.

@@ -42,7 +42,7 @@ const OF_A_LINK: usize = 3;
 /// No mass is found to be less than this share of what was stated.
 const LEAST_MASS: f64 = 0.1;
 /// A link of less than this share of the arm stands for one that nobody weighed: drawings
-/// are exported with 0 or 1 g there. The lightest flanges are of four thousandths.
+/// are exported with 1 g there, and the lightest link of the UR10 is sixty times as much.
 const PLACEHOLDER: f64 = 1e-3;
 /// Standard deviation of such a mass and its moments over those of the whole arm; of a hand
 /// that is not among the links, too.
@@ -54,9 +54,7 @@ impl Moments {
     /// Of a robot with masses, stated or only assumed; `None` without.
     #[must_use]
     pub fn of(robot: &Robot, assumed: bool) -> Option<Self> {
-        let moment = |l: &LinkMass| l.mass * l.com.norm();
-        let all: f64 = robot.links.iter().map(moment).sum();
-        let weight: f64 = robot.links.iter().map(|l| l.mass).sum();
+        let (weight, all) = whole(&robot.links);
         let least = PLACEHOLDER * weight;
         // The first joint seldom feels its link.
         let light = |(k, link): (usize, &LinkMass)| !assumed && k > 0 && link.mass < least;
@@ -92,9 +90,8 @@ impl Moments {
         if self.assumed || self.hand || !refuted {
             return None;
         }
-        let moment = |l: &LinkMass| l.mass * l.com.norm();
-        let moments = UNWEIGHED * self.stated.links.iter().map(moment).sum::<f64>();
-        let mass = UNWEIGHED * self.stated.links.iter().map(|l| l.mass).sum::<f64>();
+        let (weight, all) = whole(&self.stated.links);
+        let (mass, moments) = (UNWEIGHED * weight, UNWEIGHED * all);
         let hand = [moments, moments, 0.0, moments, moments, mass];
         let mut with = Self { hand: true, ..self.clone() };
         with.found.fill(0.0);
@@ -207,6 +204,16 @@ impl Moments {
     pub fn moved_from(&self, others: &Self) -> bool {
         self.found.iter().zip(&others.found).any(|(a, b)| (a - b).abs() > 0.1)
     }
+}
+
+/// First moment of a link about its joint's origin, kg m.
+fn moment(link: &LinkMass) -> f64 {
+    link.mass * link.com.norm()
+}
+
+/// Mass of all links, kg, and the sum of their moments, kg m.
+fn whole(links: &[LinkMass]) -> (f64, f64) {
+    (links.iter().map(|link| link.mass).sum(), links.iter().map(moment).sum())
 }
 
 /// No centre of mass is farther from its joint, m: a link of the same moment has

@@ -1,5 +1,6 @@
 //! From a registered arm to what the data hold beyond geometry.
 
+use super::moments::Moments;
 use super::node::{self, Node};
 use super::policy::POLICY;
 use super::question::Question;
@@ -25,6 +26,28 @@ pub fn answered(
     progress("weighing effects");
     let weighed = weigh(question, &root, &|| progress("weighing effects"))?;
     Ok((root, weighed))
+}
+
+/// An answer, or the one with a hand where the masses stated of the wrist are refuted and
+/// poses whose fold took no part in anything are missed by less then.
+#[must_use]
+pub fn with_hand(
+    question: &Question,
+    start: &State,
+    answer: (Node, Weighed),
+    progress: &dyn Fn(&'static str),
+) -> (Node, Weighed) {
+    let missed = |answer: &(Node, Weighed)| answer.1.nested_rms_mm(&answer.1.best);
+    let Some(moments) = answer.1.moments.as_ref().and_then(Moments::with_hand) else {
+        return answer;
+    };
+    let mut question = Question { moments: Some(&moments), ..*question };
+    // Where that does not converge the first answer stands.
+    let Ok(other) = answered(&mut question, start, progress) else { return answer };
+    match missed(&other).zip(missed(&answer)) {
+        Some((with, without)) if with < without => other,
+        _ => answer,
+    }
 }
 
 /// The tolerances of the prior are a guess; corrections that are larger all

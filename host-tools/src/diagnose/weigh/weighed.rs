@@ -11,6 +11,7 @@ use crate::diagnose::moments::Moments;
 use crate::diagnose::node::Node;
 use crate::model::ErrorCurve;
 use crate::observations::Residual;
+use crate::statistics::Stats;
 
 /// A name at a place, and what speaks for it.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,6 +74,16 @@ pub struct Weighed {
     pub by_curves: ByCurves,
     /// Where there are curves: the way from curves alone to the best model.
     pub stages: Vec<Stage>,
+}
+
+impl Weighed {
+    /// RMS of the rows that a node keeps, predicted with everything decided without their
+    /// fold; `None` where no row is.
+    #[must_use]
+    pub fn nested_rms_mm(&self, node: &Node) -> Option<f64> {
+        let held = node.fit.kept.iter().filter_map(|row| self.nested[*row]);
+        Stats::of(held).map(|stats| stats.rms_mm)
+    }
 }
 
 /// An error curve of a joint.
