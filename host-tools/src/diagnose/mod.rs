@@ -254,6 +254,8 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
     let worse = remarks::worse_elsewhere(problem.data, show.holdout, &gap);
     identified.figures.warnings.extend(worse);
+    let hold_out = show.hold_out(&best)?;
+    identified.figures.warnings.extend(hold_out.iter().flat_map(remarks::standing_out));
     identified.figures.warnings.extend(zeros::found(&identified.model.instruments));
     let kinds = &mut identified.figures.kinds;
     kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
@@ -273,6 +275,7 @@ fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         reduced_chi_square: best.reduced,
         geometry_reduced_chi_square: root.reduced,
         gap,
+        hold_out,
         alternatives,
         not_testable,
         whereabouts,

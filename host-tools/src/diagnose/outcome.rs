@@ -94,6 +94,24 @@ pub struct GapRow {
     pub holdout_rms_sigmas: Option<f64>,
 }
 
+/// Rows of the hold-out file that stand out from the final model, by more than ten robust
+/// standard deviations of its rows.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct HoldOut {
+    /// The file.
+    pub file: String,
+    /// Its rows.
+    pub rows: usize,
+    /// The worst, at most 1 % of them, counted from 1: left out of its figures.
+    pub left_out: Vec<usize>,
+    /// The others, counted from 1: in its figures.
+    pub standing_out: Vec<usize>,
+    /// RMS of the final model with those that are left out, mm.
+    pub all_rows_rms_mm: f64,
+    /// The same in standard deviations of each kind's noise.
+    pub all_rows_rms_sigmas: f64,
+}
+
 /// By so much more a model may miss poses that no fit saw than less of a model does, before it
 /// is said: no study set it.
 const WORSE: f64 = 1.03;
@@ -291,6 +309,9 @@ pub struct Outcome {
     pub nested_rms_mm: Option<f64>,
     /// From nominal to the final model.
     pub gap: Vec<GapRow>,
+    /// What stands out in the hold-out file, where one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hold_out: Option<HoldOut>,
     /// 3-D RMS of a perfect model by the stated standard deviations, mm.
     pub noise_floor_mm: f64,
     /// Chi-square over degrees of freedom of the final model, by the noise that

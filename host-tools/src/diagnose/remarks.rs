@@ -5,10 +5,11 @@ use truearm::effects::{Effect, MAX_TERMS};
 
 use super::candidates::{self, Candidate};
 use super::node::Node;
-use super::outcome::{GapRow, Worse, worse};
+use super::outcome::{GapRow, HoldOut, Worse, worse};
 use super::policy::POLICY;
 use super::tell::place;
 use super::weigh::{Doubt, Named, Weighed, scatter};
+use crate::error::listed;
 use crate::evidence::poses::Scatter;
 use crate::identify::Problem;
 use crate::model::{Measurements, ModelTerm};
@@ -52,6 +53,30 @@ pub fn worse_elsewhere(
     let crossed = (data, "poses of a fold that was left out", crossed);
     let held = holdout.map(|holdout| (holdout, "its poses", held));
     [crossed].into_iter().chain(held).filter_map(remark).collect()
+}
+
+/// Remarks on rows of the hold-out file that stand out: those that its figures leave out, and
+/// those that they have.
+pub fn standing_out(of: &HoldOut) -> Vec<String> {
+    let (file, all) = (&of.file, of.all_rows_rms_mm);
+    let left_out = (!of.left_out.is_empty()).then(|| {
+        format!(
+            "{file}: left out of the hold-out figures, as they stand out by more than 10 robust \
+             standard deviations: rows {}; {all:.3} mm RMS with all",
+            listed(&of.left_out)
+        )
+    });
+    let counted = (!of.standing_out.is_empty()).then(|| {
+        format!(
+            "{file}: {} of {} rows stand out by more than 10 robust standard deviations and count in \
+             the hold-out figures: rows {}; look for wrong rows among them, or for what the model misses \
+             there",
+            of.standing_out.len(),
+            of.rows,
+            listed(&of.standing_out)
+        )
+    });
+    [left_out, counted].into_iter().flatten().collect()
 }
 
 /// A remark where the model has a function of a joint's angle that few angles show: what

@@ -13,10 +13,20 @@ const FEW: usize = 30;
 /// Medians of the chi distribution with one, two and three degrees of freedom.
 const MIDDLES: [f64; 3] = [0.674_490, 1.177_410, 1.538_172];
 
-/// Rows to leave out on their own evidence: beyond 10 robust standard deviations of the rows
-/// of their kind, each unit of it on its own, the worst first, at most 1 % of the rows.
+/// Rows beyond 10 robust standard deviations of the rows of their kind, each unit of it on its
+/// own. A few are slips of the measurement; of more it is the model that misses them, or the
+/// file that is wrong, and their errors count.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct StandingOut {
+    /// The worst, at most 1 % of the rows: left out.
+    pub left_out: Vec<usize>,
+    /// The others: counted.
+    pub counted: Vec<usize>,
+}
+
+/// Rows that stand out, each list in their order.
 #[must_use]
-pub fn own_evidence(data: &Measurements, residuals: &[Residual]) -> Vec<usize> {
+pub fn own_evidence(data: &Measurements, residuals: &[Residual]) -> StandingOut {
     let mut far = vec![0.0_f64; residuals.len()];
     for group in groups(data) {
         for (row, off) in deviations(data, residuals, group) {
@@ -26,9 +36,10 @@ pub fn own_evidence(data: &Measurements, residuals: &[Residual]) -> Vec<usize> {
     let mut rows: Vec<usize> = (0..far.len()).filter(|row| far[*row] > BEYOND).collect();
     rows.sort_by(|a, b| far[*b].total_cmp(&far[*a]));
     let measured = residuals.iter().filter(|r| !r.is_empty()).count();
-    rows.truncate(measured / 100);
+    let mut counted = rows.split_off(rows.len().min(measured / 100));
     rows.sort_unstable();
-    rows
+    counted.sort_unstable();
+    StandingOut { left_out: rows, counted }
 }
 
 /// How far off the rows of a group are, in its own robust standard deviations.

@@ -183,7 +183,7 @@ pub(super) fn registered(
     };
     let mut rows = measuring(&data.rows);
     let mut state = fit(&problem, &rows, None, &start, Freedom::Frames)?.state;
-    let out = own_evidence(data, &residuals(data, &problem.conditions, &state));
+    let out = own_evidence(data, &residuals(data, &problem.conditions, &state)).left_out;
     if !out.is_empty() {
         rows.retain(|r| !out.contains(r));
         state = fit(&problem, &rows, None, &start, Freedom::Frames)?.state;

@@ -14,7 +14,7 @@ use crate::identify::{Conditions, Predictor, State, View};
 use crate::model::{Measurements, Model};
 use crate::observations::Residual;
 use crate::statistics::Stats;
-pub use evidence::own_evidence;
+pub use evidence::{StandingOut, own_evidence};
 pub use frames::{known_instruments, state_on};
 use frames::{registered, with_bases};
 
@@ -30,6 +30,8 @@ pub struct Validation {
     /// Rows left out on their own evidence (beyond 10 robust standard
     /// deviations of their kind, at most 1 % of the rows), counted from 1.
     pub left_out: Vec<usize>,
+    /// Other rows that are as far off, counted from 1; their errors count.
+    pub standing_out: Vec<usize>,
     /// Errors of the rows; nothing where no row says how far off something is.
     #[serde(flatten)]
     pub stats: Option<Stats>,
@@ -86,7 +88,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
     let rigid = Conditions::at(data, &model.robot, &model.links());
     let state = state_on(model, data, frames)?;
     let residuals = residuals(data, &conditions, &state);
-    let left_out = own_evidence(data, &residuals);
+    let StandingOut { left_out, counted } = own_evidence(data, &residuals);
     let kept: Vec<_> =
         (0..residuals.len()).filter(|i| !left_out.contains(i)).map(|i| residuals[i]).collect();
     if residuals.iter().all(|r| r.is_empty()) {
@@ -113,6 +115,7 @@ pub fn evaluate(model: &Model, data: &Measurements, frames: Reregister) -> Resul
         rows: data.rows.len(),
         reregistered: frames.name(),
         left_out: left_out.iter().map(|i| i + 1).collect(),
+        standing_out: counted.iter().map(|i| i + 1).collect(),
         stats: stats(&kept),
         all_rows: stats(&residuals),
         nominal_rms_mm: rms_without(&nominal, &rigid),

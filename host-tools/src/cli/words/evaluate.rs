@@ -22,6 +22,12 @@ pub fn validation(v: &Validation) -> String {
         let rows = list(&v.left_out);
         out += &format!("rows {rows} left out: beyond 10 robust standard deviations\n");
     }
+    if !v.standing_out.is_empty() {
+        let (many, rows) = (v.standing_out.len(), list(&v.standing_out));
+        out += &format!(
+            "{many} rows stand out as far and count, look for wrong ones among them: {rows}\n"
+        );
+    }
     if v.reregistered != "none" {
         out += &format!("{} fitted on this file itself, as asked\n", v.reregistered);
     }

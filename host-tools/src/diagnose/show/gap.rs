@@ -6,11 +6,11 @@ use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::outcome::{GapRow, Rms};
 use crate::diagnose::question::Question;
 use crate::diagnose::weigh::{Stage, with_curves};
-use crate::error::{Error, ErrorKind, Label, Result};
-use crate::evaluate::{known_instruments, own_evidence, residuals};
+use crate::error::Result;
+use crate::evaluate::{own_evidence, residuals};
 use crate::identify::cross_validation::Parts;
 use crate::identify::fit::folds::Fold;
-use crate::identify::{Conditions, Layout, Noise, Problem, State, in_deviations};
+use crate::identify::{Noise, Problem, State, in_deviations};
 use crate::model::{CURVE, ErrorCurve, Measurements, Robot};
 use crate::observations::Residual;
 use crate::statistics::Stats;
@@ -142,57 +142,6 @@ impl Show<'_> {
         let held_out = stages.last().map_or(HeldOut::new(), |stage| stage.held_out.clone());
         Ok(Shown { best, gap, held_out })
     }
-
-    /// Refuses rows that tell where a station stands which the training left where the
-    /// robot file has it.
-    fn stands_somewhere(&self, holdout: &Measurements) -> Result<()> {
-        let data = self.question.problem.data;
-        let known = |label: &String| {
-            let place = data.stations.iter().position(|l| l == label);
-            place.is_some_and(|s| self.rigid.unknowns.station(s).is_some())
-        };
-        let of = Layout::of(holdout).stations;
-        let asked = holdout.stations.iter().zip(of).find(|(label, tells)| *tells && !known(label));
-        match asked {
-            None => Ok(()),
-            Some((label, _)) => Err(Error::data(
-                ErrorKind::UnknownStation,
-                format!(
-                    "{}: rows that are measured in the frame of station \"{label}\", which no row of \
-                     the training tells",
-                    holdout.path.display()
-                ),
-                JUDGED,
-            )),
-        }
-    }
-
-    /// Residuals of a hold-out file in the frames of the training.
-    fn on_holdout(
-        &self,
-        holdout: &Measurements,
-        tables: &[ErrorCurve],
-        state: &State,
-    ) -> Result<Vec<Residual>> {
-        let data = self.question.problem.data;
-        let place = |known: &[String], label: &String, what: Label| {
-            known.iter().position(|l| l == label).ok_or_else(|| unknown_label(holdout, what, label))
-        };
-        let mut bases = Vec::new();
-        for label in &holdout.stations {
-            bases.push(state.bases[place(&data.stations, label, Label::Station)?]);
-        }
-        let mut markers = Vec::new();
-        for label in &holdout.markers {
-            markers.push(state.markers[place(&data.markers, label, Label::Marker)?]);
-        }
-        self.stands_somewhere(holdout)?;
-        let instruments = known_instruments(&state.instruments, holdout, JUDGED)?;
-        let state = State { bases, markers, instruments, ..state.clone() };
-        let conditions = Conditions::at(holdout, self.robot, &state.links);
-        let conditions = conditions.with_curves(holdout, tables);
-        Ok(residuals(holdout, &conditions, &state))
-    }
 }
 
 /// What the gap table calls the stage that adds an effect.
@@ -215,7 +164,7 @@ impl Figures {
         let left_out = match show.holdout {
             Some(holdout) => {
                 let state = &last.fit.fit.state;
-                own_evidence(holdout, &show.on_holdout(holdout, show.tables, state)?)
+                own_evidence(holdout, &show.on_holdout(holdout, show.tables, state)?).left_out
             }
             None => Vec::new(),
         };
@@ -250,7 +199,12 @@ pub struct Shown {
 }
 
 /// Of the rows that say something and are not left out.
-fn rms(data: &Measurements, noise: &Noise, left: &[Option<Residual>], without: &[usize]) -> Rms {
+pub(super) fn rms(
+    data: &Measurements,
+    noise: &Noise,
+    left: &[Option<Residual>],
+    without: &[usize],
+) -> Rms {
     let used = |i: &usize| !without.contains(i) && left[*i].is_some_and(|r| !r.is_empty());
     let rows: Vec<usize> = (0..left.len()).filter(used).collect();
     let own: Vec<Residual> = rows.iter().filter_map(|i| left[*i]).collect();
@@ -264,22 +218,3 @@ fn rms(data: &Measurements, noise: &Noise, left: &[Option<Residual>], without: &
 
 /// Held-out residuals of rows, where the others determine them.
 pub type HeldOut = Vec<Option<Residual>>;
-
-/// What to do where a hold-out file refers to something else.
-const JUDGED: &str = "hold out rows of the kinds, anchors, surfaces and plates that the training has, \
-                      state this one in instruments.toml, or give some of these rows to the \
-                      training; `truearm evaluate --reregister base+tool` finds it on the file itself";
-
-/// A station or marker of a hold-out file that the training did not have.
-fn unknown_label(data: &Measurements, of: Label, label: &str) -> Error {
-    let what = of.name();
-    let refit = if of == Label::Marker { "base+tool" } else { "base" };
-    Error::data(
-        of.unknown(),
-        format!("{}: {what} \"{label}\" is not in the training data", data.path.display()),
-        format!(
-            "hold-out poses are judged in the frames of the training; for another {what} use \
-             `truearm evaluate --reregister {refit}`"
-        ),
-    )
-}

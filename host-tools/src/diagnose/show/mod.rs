@@ -6,6 +6,7 @@ mod alternatives;
 mod certainty;
 mod effects;
 mod gap;
+mod hold_out;
 mod late;
 mod stages;
 
