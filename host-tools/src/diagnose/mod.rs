@@ -4,6 +4,7 @@
 //! ([`weigh`]) -> *show* the gap shrink on held-out poses -> verdict on what is
 //! left.
 
+mod beside;
 pub mod candidates;
 mod chi_square;
 mod crowd;
@@ -13,6 +14,7 @@ pub mod moments;
 mod mounting;
 mod naming;
 mod node;
+mod orders;
 mod outcome;
 mod pipeline;
 pub mod policy;

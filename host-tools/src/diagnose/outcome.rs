@@ -31,6 +31,9 @@ pub struct Effect {
     pub joints: Vec<usize>,
     /// Cycles a turn of a periodic effect.
     pub order: Option<f64>,
+    /// One standard deviation of it, where it was found from the data and not from a gear.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub order_sigma: Option<f64>,
     /// Thermal expansion: time constant with which the arm follows the temperature that was
     /// read, s; none where it does at once.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -50,6 +53,20 @@ pub struct Effect {
     pub doubt: Option<Doubt>,
     /// 1 - RMS with over RMS without it, on held-out poses.
     pub holdout_gain: f64,
+}
+
+/// A blob holds orders in 1/64 of a cycle: less doubt than this is none.
+const LEAST_DOUBT: f64 = 1.0 / 64.0;
+
+impl Effect {
+    /// Its order where the data leave it open: `82 +- 2`.
+    #[must_use]
+    pub fn order_left_open(&self) -> Option<String> {
+        let (order, sigma) = self.order.zip(self.order_sigma)?;
+        // One digit of the doubt, and no more digits of what is doubtful.
+        let digits = usize::try_from(-sigma.log10().floor() as i32).unwrap_or(0);
+        (sigma > LEAST_DOUBT).then(|| format!("{order:.digits$} +- {sigma:.digits$}"))
+    }
 }
 
 /// One coefficient.
@@ -342,6 +359,32 @@ mod tests {
             cross_validated_rms_sigmas: None,
             holdout_rms_sigmas: None,
         }
+    }
+
+    #[test]
+    fn an_order_has_the_digits_that_are_known() {
+        let of = |order: f64, sigma: Option<f64>| {
+            let effect = Effect {
+                name: "joint-periodic-error",
+                joints: vec![2],
+                order: Some(order),
+                order_sigma: sigma,
+                time_constant_s: None,
+                time_constant_sigma_s: None,
+                coefficients: Vec::new(),
+                probability: 1.0,
+                half_gain: [0.0; 2],
+                doubt: None,
+                holdout_gain: 0.0,
+            };
+            effect.order_left_open()
+        };
+        assert_eq!(of(128.0, None), None);
+        assert_eq!(of(80.015625, Some(0.01)), None);
+        assert_eq!(of(80.015625, Some(0.04)), Some("80.02 +- 0.04".to_owned()));
+        assert_eq!(of(81.6, Some(0.7)), Some("81.6 +- 0.7".to_owned()));
+        assert_eq!(of(81.6, Some(2.4)), Some("82 +- 2".to_owned()));
+        assert_eq!(of(81.6, Some(24.0)), Some("82 +- 24".to_owned()));
     }
 
     #[test]

@@ -68,7 +68,7 @@ impl Findings<'_> {
             redundancy.rank -= 1;
             redundancy.redundant.insert(0, scale::SCALE_OPEN.to_owned());
         }
-        let own = |cv: &[Option<Residual>]| lengths(judged(results, cv).into_iter());
+        let own = |cv: &[Option<Residual>]| lengths(judged(results, cv));
         let flags: Vec<FlaggedRow> =
             found.robust.outliers.iter().map(|o| flagged_row(data, o)).collect();
         Figures {
@@ -221,12 +221,15 @@ fn provenance(figures: &Figures) -> Provenance {
 
 /// Held-out residuals that count: a row is left out only if it is flagged and
 /// its own held-out residual is beyond 10 robust standard deviations.
-fn judged(results: &[RowResult], held_out: &[Option<Residual>]) -> Vec<Residual> {
+fn judged<'r>(
+    results: &'r [RowResult],
+    held_out: &'r [Option<Residual>],
+) -> impl Iterator<Item = Residual> + 'r {
     let distances: Vec<f64> = held_out.iter().flatten().map(|r| r.norm()).collect();
     let limit = 10.0 * robust_distance_scale(&distances);
-    let counts = |(row, r): &(&RowResult, Residual)| !(row.flagged && r.norm() > limit);
+    let counts = move |(row, r): &(&RowResult, Residual)| !(row.flagged && r.norm() > limit);
     let rows = results.iter().zip(held_out).filter_map(|(row, r)| Some((row, (*r)?)));
-    rows.filter(counts).map(|(_, r)| r).collect()
+    rows.filter(counts).map(|(_, r)| r)
 }
 
 fn flagged_row(data: &Measurements, outlier: &robust::Outlier) -> FlaggedRow {

@@ -8,6 +8,7 @@ mod hold_out;
 #[path = "../judged/mod.rs"]
 mod judged;
 mod late;
+mod lines;
 mod other_arms;
 mod repeats;
 #[path = "../simulated/mod.rs"]

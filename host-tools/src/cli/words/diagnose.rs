@@ -152,7 +152,7 @@ fn alternative(a: &Alternative, r: &Outcome) -> String {
 
 fn effect(e: &Effect, suspected: bool) -> String {
     let mut out = place(e.name, &e.joints);
-    if let Some(order) = e.order {
+    if let Some(order) = e.order_left_open().or(e.order.map(|n| n.to_string())) {
         out += &format!(", {order} cycles a turn");
     }
     if let Some(late) = late(e) {
@@ -196,17 +196,18 @@ fn spectrum(effects: &[&Effect]) -> String {
     let least = effects.iter().map(|e| e.probability).fold(1.0, f64::min);
     let mut out = format!("  {name}; probability {}; {}\n", said(least), gained(gain));
     for joint in joints {
-        let mut lines: Vec<(f64, f64)> = Vec::new();
+        let mut lines: Vec<(f64, String)> = Vec::new();
         for e in effects {
             let mine = e.coefficients.iter().filter(|c| c.joint == Some(joint));
             let square: f64 = mine.map(|c| c.value * c.value).sum();
             if square > 0.0 {
-                lines.push((square.sqrt() * MILLI, e.order.unwrap_or(0.0)));
+                let order = e.order.map_or(String::new(), |n| format!("{n:.1}"));
+                lines.push((square.sqrt() * MILLI, e.order_left_open().unwrap_or(order)));
             }
         }
         lines.sort_by(|a, b| b.0.total_cmp(&a.0));
         let list: Vec<String> =
-            lines.iter().map(|(mrad, order)| format!("{order:.1} ({mrad:.2})")).collect();
+            lines.iter().map(|(mrad, order)| format!("{order} ({mrad:.2})")).collect();
         out += &format!("    joint {joint}, cycles a turn (mrad): {}\n", list.join(", "));
     }
     out

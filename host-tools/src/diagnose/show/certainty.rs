@@ -3,9 +3,12 @@
 use nalgebra::DMatrix;
 
 use super::late;
+use crate::diagnose::beside::{Beside, Fitted};
 use crate::diagnose::moments::Moments;
+use crate::diagnose::orders::{self, Line};
 use crate::identify::Findings;
-use crate::identify::problem::accumulate::{CHUNK, tree};
+use crate::model::ModelTerm;
+use crate::model::arm::Derivatives;
 
 /// How sure a model is.
 pub struct Certainty {
@@ -13,6 +16,17 @@ pub struct Certainty {
     pub sigmas: Vec<f64>,
     /// Of the time constant with which the arm follows its temperature, s.
     pub time_constant: Option<f64>,
+    /// Of the orders of lines.
+    pub lines: Vec<Line>,
+}
+
+impl Certainty {
+    /// One standard deviation of the order of the line that a term is of, cycles a turn.
+    #[must_use]
+    pub fn of_order(&self, term: &ModelTerm) -> Option<f64> {
+        let line = self.lines.iter().find(|line| line.has(term))?;
+        Some(line.sigma).filter(|sigma| sigma.is_finite())
+    }
 }
 
 /// What is not known of masses and of how late the arm warms up included. A
@@ -21,26 +35,14 @@ pub struct Certainty {
 #[must_use]
 pub fn certainty(findings: &Findings, moments: Option<&Moments>) -> Certainty {
     let (problem, state) = (findings.problem, &findings.found.fit.state);
+    let of = Fitted::of(findings);
     let covariances = findings.covariances();
     let covariance = &covariances.noise + &covariances.bias;
     let mut variances = covariance.diagonal();
     if let Some(bending) = moments.and_then(|moments| moments.bending(state)) {
         let (unknowns, loads) = (covariance.nrows(), bending.found().len());
-        let at = problem.linearise(state);
-        // Sums of the loads' columns with those of the unknowns, and with each other.
-        let leaf = |rows: &[usize]| {
-            let mut coupled = DMatrix::zeros(unknowns, loads);
-            let mut own = DMatrix::zeros(loads, loads);
-            for row in rows {
-                let e = at.equations_beside(*row, &|i, d| bending.columns(problem, i, d));
-                let block = e.block.columns(unknowns, loads);
-                coupled += e.block.columns(0, unknowns).tr_mul(&block);
-                own += block.tr_mul(&block);
-            }
-            (coupled, own)
-        };
-        let join = |a: (DMatrix<f64>, DMatrix<f64>), b: (_, _)| (a.0 + b.0, a.1 + b.1);
-        let (coupled, own) = tree(&findings.found.robust.kept, CHUNK, &leaf, &join);
+        let columns = |i: usize, d: &Derivatives| bending.columns(problem, i, d);
+        let Beside { coupled, own } = of.beside(&columns, (unknowns, loads));
         // The inverse of both together, by Schur's complement; a unit of a load is one
         // standard deviation of what is believed of it.
         let spread = &covariance * &coupled;
@@ -59,6 +61,7 @@ pub fn certainty(findings: &Findings, moments: Option<&Moments>) -> Certainty {
     let sigma = |(v, unit): (&f64, &f64)| v.max(0.0).sqrt() * unit;
     Certainty {
         sigmas: variances.iter().zip(&problem.units()).map(sigma).collect(),
+        lines: orders::lines(&of, &covariance),
         time_constant: late.map(|late| late.variance.sqrt()),
     }
 }

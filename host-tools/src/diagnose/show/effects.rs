@@ -38,6 +38,7 @@ pub fn effects(
                 name,
                 joints,
                 order: term.order(),
+                order_sigma: certainty.of_order(term),
                 time_constant_s: term.time_constant(),
                 time_constant_sigma_s: term.time_constant().and(certainty.time_constant),
                 coefficients: vec![coefficient(term, &kinds, certainty.sigmas[first + i])],
@@ -70,6 +71,7 @@ fn curves(weighed: &Weighed, gap: &[GapRow]) -> (Vec<Effect>, Vec<Effect>) {
             name: CURVE,
             joints: own.iter().map(|c| usize::from(c.table.joint()) + 1).collect(),
             order: None,
+            order_sigma: None,
             time_constant_s: None,
             time_constant_sigma_s: None,
             coefficients: own.iter().map(|c| curve_size(c)).collect(),
@@ -117,6 +119,7 @@ fn gross_rows(findings: &Findings) -> Effect {
         name: OUTLIERS,
         joints: Vec::new(),
         order: None,
+        order_sigma: None,
         time_constant_s: None,
         time_constant_sigma_s: None,
         coefficients: Vec::new(),
@@ -139,6 +142,7 @@ fn add(out: &mut Vec<Effect>, term: &ModelTerm, new: Effect) {
     entry.coefficients.extend(new.coefficients);
     // What is said of several joints holds for each.
     entry.probability = entry.probability.min(new.probability);
+    entry.order_sigma = entry.order_sigma.zip(new.order_sigma).map(|(own, new)| own.max(new));
     if new.half_gain.iter().sum::<f64>() < entry.half_gain.iter().sum() {
         entry.half_gain = new.half_gain;
     }

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, Vector3};
 use truearm::effects::Term;
 
+use crate::diagnose::beside::{Beside, Fitted};
 use crate::identify::Findings;
-use crate::identify::problem::accumulate::{CHUNK, tree};
 use crate::model::arm::{Derivatives, RowInputs};
 use crate::model::{ModelTerm, Row, Warming};
 
@@ -35,7 +35,6 @@ pub fn late(findings: &Findings, covariance: &DMatrix<f64>) -> Option<Late> {
     let tau = state.terms.iter().find_map(ModelTerm::time_constant)?;
     let sessions = sessions(&problem.data.rows);
     let (unknowns, more) = (covariance.nrows(), 1 + sessions.len());
-    let at = problem.linearise(state);
     let columns = |i: usize, d: &Derivatives| {
         let (row, inputs) = (&problem.data.rows[i], &problem.conditions.rows[i]);
         let grown = |warmth: f64| -> Vector3<f64> {
@@ -55,19 +54,8 @@ pub fn late(findings: &Findings, covariance: &DMatrix<f64>) -> Option<Late> {
         }));
         out
     };
-    let leaf = |rows: &[usize]| {
-        let mut coupled = DMatrix::zeros(unknowns, more);
-        let mut own = DMatrix::zeros(more, more);
-        for row in rows {
-            let e = at.equations_beside(*row, &columns);
-            let block = e.block.columns(unknowns, more);
-            coupled += e.block.columns(0, unknowns).tr_mul(&block);
-            own += block.tr_mul(&block);
-        }
-        (coupled, own)
-    };
-    let join = |a: (DMatrix<f64>, DMatrix<f64>), b: (_, _)| (a.0 + b.0, a.1 + b.1);
-    let (coupled, own) = tree(&findings.found.robust.kept, CHUNK, &leaf, &join);
+    let of = Fitted::of(findings);
+    let Beside { coupled, own } = of.beside(&columns, (unknowns, more));
     let moved = covariance * &coupled;
     let told = &own - coupled.tr_mul(&moved);
     let of_tau = told[(0, 0)];

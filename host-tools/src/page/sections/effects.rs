@@ -24,13 +24,18 @@ pub fn short(e: &Effect) -> String {
         _ => format!(" of joints {}", runs(&e.joints)),
     };
     match e.order {
-        Some(n) if n > 1.0 => format!("{name}{joints}, {} (every {})", cycles(n), period(n)),
-        Some(n) => format!("{name}{joints}, {}", cycles(n)),
+        Some(n) if n > 1.0 => format!("{name}{joints}, {} (every {})", cycles_of(e, n), period(n)),
+        Some(n) => format!("{name}{joints}, {}", cycles_of(e, n)),
         None => match e.time_constant_s {
             Some(tau) => format!("{name}{joints}, {} late", duration(tau)),
             None => format!("{name}{joints}"),
         },
     }
+}
+
+/// How often it comes back, and how sure that is.
+fn cycles_of(e: &Effect, order: f64) -> String {
+    e.order_left_open().map_or_else(|| cycles(order), |words| format!("{words} cycles a turn"))
 }
 
 fn coupled(e: &Effect) -> bool {
@@ -62,7 +67,7 @@ fn sentence(e: &Effect) -> String {
         return format!(
             "{who}: {} that comes back {}, a period of {}, amplitude {}.",
             e.name.replace('-', " "),
-            cycles(order),
+            cycles_of(e, order),
             period(order),
             waves.join(", ")
         );
@@ -173,7 +178,7 @@ fn rows(e: &Effect, first: bool) -> Vec<Vec<String>> {
     let gain = format!("{:.0} %", 100.0 * e.holdout_gain);
     let mut gains = first.then_some(gain).into_iter();
     let name = match e.order {
-        Some(n) => format!("{}, {}", e.name, cycles(n)),
+        Some(n) => format!("{}, {}", e.name, cycles_of(e, n)),
         None => e.name.to_owned(),
     };
     let line = |c: &Coefficient| {
