@@ -14,13 +14,14 @@ use crate::identify::Problem;
 pub struct Described {
     /// What errs: `joint`, `axis` of a joint, `link` behind one, `links` that grow, `base`
     /// (shifts), `base tilt`, `target`, or of the instrument its `azimuth`, `elevation` or
-    /// `distance`, as seen from the origin of the frame that it measures in.
+    /// `distance`, as seen from the origin of the frame that it measures in; a touched `surface`,
+    /// or a `length` to an anchor.
     pub part: &'static str,
     /// Its joint, counted from 1.
     pub joint: Option<usize>,
     /// With what: `joint` (its angle, or position), `time`, `order`, `temperature`, `payload`,
-    /// `load`, `last move` of the joint, `azimuth`, `elevation`, `distance`; `row`: from one
-    /// on.
+    /// `load`, `last move` of the joint, `azimuth`, `elevation`, `distance`, `length`, the place
+    /// along `x`, `y` or `z` of the base; `row`: from one on.
     pub with: &'static str,
     /// The joint of that, counted from 1.
     pub with_joint: Option<usize>,

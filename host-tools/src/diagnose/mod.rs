@@ -38,7 +38,7 @@ use crate::identify::fit::estimate::Estimate;
 use crate::identify::fit::folds;
 use crate::identify::fit::robust::{Crowd, Flags};
 use crate::identify::start::registration::register;
-use crate::identify::start::zeros;
+use crate::identify::start::{cameras, zeros};
 use crate::identify::typical::as_measured;
 use crate::identify::{
     Conditions, Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, blamed, enough,
@@ -110,7 +110,10 @@ pub fn diagnose(
     let few = Options { allow_few_poses: options.allow_few_poses, ..Options::default() };
     let affordable =
         |freed: &Measurements| enough(&Problem::new(freed, robot, Scaling::Prior), &few).is_ok();
+    let stated = data;
     let freed = zeros::freed(data).filter(affordable);
+    let seen = cameras::freed(robot, freed.as_ref().unwrap_or(data)).filter(affordable);
+    let freed = seen.or(freed);
     let with_zeros = |held| freed.as_ref().map(|freed| zeros::as_found(held, &freed.instruments));
     let held = holdout.and_then(with_zeros);
     let (data, holdout) = (freed.as_ref().unwrap_or(data), held.as_deref().or(holdout));
@@ -120,7 +123,10 @@ pub fn diagnose(
         Err(error) if error.kind() == ErrorKind::Contradiction => with(Crowd::Described, mounting),
         done => done,
     };
-    mounting::tried(&mounted).map_err(|error| blamed(robot, data, error))
+    let mut found = mounting::tried(&mounted).map_err(|error| blamed(robot, data, error))?;
+    let of_cameras = cameras::found(&stated.instruments, &found.model.instruments);
+    found.outcome.figures.warnings.extend(of_cameras);
+    Ok(found)
 }
 
 fn diagnosed(

@@ -227,25 +227,30 @@ impl Outcome {
         worse(&self.gap).iter().any(Option::is_some)
     }
 
+    /// What is left of the kind that is farthest beyond its stated noise, over that.
+    fn times_stated(&self) -> f64 {
+        let left = self.gap.last().map_or(1.0, |last| last.train_rms_sigmas.max(1.0));
+        let kinds = self.figures.kinds.iter().map(|kind| kind.noise_scale);
+        left * kinds.fold(self.noise_scale, f64::max)
+    }
+
     /// Whether what is left may be called noise: poses do not miss by more than their repeats
-    /// scatter, and rows by no more than any instrument is misstated by.
+    /// scatter, and rows of no kind by more than any instrument is misstated by.
     #[must_use]
     pub fn leaves_noise(&self) -> bool {
-        let left = self.gap.last().map_or(1.0, |last| last.train_rms_sigmas.max(1.0));
-        self.beyond_repeats.is_none() && left * self.noise_scale <= POLICY.beyond_stated
+        self.beyond_repeats.is_none() && self.times_stated() <= POLICY.beyond_stated
     }
 
     /// What else it is, in words.
     #[must_use]
     pub fn what_is_left(&self) -> String {
-        let left = self.gap.last().map_or(1.0, |last| last.train_rms_sigmas.max(1.0));
         match self.beyond_repeats {
             Some(times) => format!(
                 "has no name, though poses are off by {times:.1} times what their repeats scatter"
             ),
             None => format!(
                 "has no name, though it is {:.1} times the stated noise",
-                left * self.noise_scale
+                self.times_stated()
             ),
         }
     }

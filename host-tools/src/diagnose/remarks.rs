@@ -4,6 +4,7 @@ use truearm::JointKind;
 use truearm::effects::{Effect, MAX_TERMS};
 
 use super::candidates::{self, Candidate};
+use super::moments::{Moments, bends};
 use super::node::Node;
 use super::outcome::{GapRow, HoldOut, Worse, worse};
 use super::policy::POLICY;
@@ -27,6 +28,7 @@ pub fn all<'a>(
         loads(data, best),
         beyond_repeats(problem, best),
         few_angles(data, best, &weighed.names),
+        weightless(best, weighed),
     ]
     .into_iter()
     .flatten()
@@ -148,6 +150,18 @@ fn loads(data: &Measurements, best: &Node) -> Option<String> {
              those that the joints hold",
             data.path.display()
         )
+    })
+}
+
+/// A remark where nobody said what the links weigh: a spring half as stiff under loads half as
+/// large bends alike.
+fn weightless(best: &Node, weighed: &Weighed) -> Option<String> {
+    let assumed = weighed.moments.as_ref().is_some_and(Moments::are_assumed);
+    let springs = best.added.iter().any(|candidate| bends(candidate.name()));
+    (assumed && springs).then(|| {
+        "no [[links]] say what the arm weighs: the +- of springs has a factor that is common to all of \
+         them and not known; what they move the target by is known better"
+            .to_owned()
     })
 }
 

@@ -46,7 +46,9 @@ pub fn verdict(
     }
     // What geometry alone leaves, where nothing was added to it.
     let alone = best.added.is_empty() && weighed.curves.is_empty();
-    left.extend(goes_with.filter(|_| alone && noise > POLICY.beyond_stated));
+    // Of the kind that is farthest off: beside others that fit one alone may err.
+    let loudest = weighed.scale * problem.noise.largest(problem.data);
+    left.extend(goes_with.filter(|_| alone && loudest > POLICY.beyond_stated));
     if weighed.no_room > 0 && best.added.is_empty() {
         left.push(format!("{} effects that --most-terms has no room for", weighed.no_room));
     }

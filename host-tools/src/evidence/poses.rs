@@ -28,10 +28,20 @@ pub struct Scatter {
     pub between: f64,
 }
 
+/// Equations that a fit has used up.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Used {
+    /// Of the means of poses.
+    pub means: f64,
+    /// Of what readings are apart from the mean of their pose: nothing where they are readings
+    /// of one thing.
+    pub apart: f64,
+}
+
 /// Share of the variance that is common to the readings of a pose, from the
-/// residuals of all poses; `used` equations were used up by the fit.
+/// residuals of all poses.
 #[must_use]
-pub fn common_share(poses: &[Readings], used: f64) -> f64 {
+pub fn common_share(poses: &[Readings], used: Used) -> f64 {
     if poses.iter().all(|p| p.ncols() < 2) {
         return 0.0;
     }
@@ -44,7 +54,7 @@ pub fn common_share(poses: &[Readings], used: f64) -> f64 {
 
 /// How readings and poses scatter; `None` where too few poses are repeated.
 #[must_use]
-pub fn scatter(poses: &[Readings], used: f64) -> Option<Scatter> {
+pub fn scatter(poses: &[Readings], used: Used) -> Option<Scatter> {
     if poses.iter().filter(|p| p.ncols() > 1).count() < ENOUGH {
         return None;
     }
@@ -59,8 +69,8 @@ pub fn scatter(poses: &[Readings], used: f64) -> Option<Scatter> {
         equations += m;
         noise += m / r;
     }
-    let within = within / freedom;
-    let between = between / (equations - used).max(1.0) - within * noise / equations;
+    let within = within / (freedom - used.apart).max(1.0);
+    let between = between / (equations - used.means).max(1.0) - within * noise / equations;
     Some(Scatter { within, between })
 }
 
@@ -297,9 +307,9 @@ mod tests {
             DMatrix::from_fn(3, 3, |e, _| common[e] + noise())
         };
         let poses: Vec<Readings> = (0..400).map(&mut pose).collect();
-        assert!((common_share(&poses, 0.0) - 0.8).abs() < 0.03);
-        assert_eq!(common_share(&poses[..4], 0.0), USUAL);
+        assert!((common_share(&poses, Used::default()) - 0.8).abs() < 0.03);
+        assert_eq!(common_share(&poses[..4], Used::default()), USUAL);
         let single: Vec<Readings> = poses.iter().map(|p| p.columns(0, 1).into_owned()).collect();
-        assert_eq!(common_share(&single, 0.0), 0.0);
+        assert_eq!(common_share(&single, Used::default()), 0.0);
     }
 }

@@ -150,6 +150,11 @@ pub trait Kind: Sync {
         None
     }
 
+    /// Whether rows of one pose are parts of one image.
+    fn is_image(&self) -> bool {
+        false
+    }
+
     /// How far the x and y of the marker's frame lean from the level, rad.
     fn lean(&self, _row: &Row) -> Option<[f64; 2]> {
         None

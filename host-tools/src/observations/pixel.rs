@@ -77,6 +77,10 @@ impl Kind for Pixel {
         true
     }
 
+    fn is_image(&self) -> bool {
+        true
+    }
+
     fn corner(&self, row: &Row) -> Option<(Vector3<f64>, [f64; 2])> {
         let corner =
             Vector3::new(*row.measured.get(2)?, *row.measured.get(3)?, *row.measured.get(4)?);

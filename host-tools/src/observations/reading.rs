@@ -4,7 +4,8 @@ use super::kind;
 use crate::model::{KindId, Row};
 
 /// What readings of one thing have in common: where the arm stood, at both ends of a
-/// pair, and what was measured there. A corner of a board is another than the next one.
+/// pair, and what was measured there. A hole of a plate is another than the next one. The
+/// corners that a camera sees in a pose are one image: what the arm is off by there moves all.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Reading<'a> {
     kind: KindId,
@@ -21,7 +22,9 @@ impl<'a> Reading<'a> {
     #[must_use]
     pub fn of(rows: &'a [Row], index: usize) -> Self {
         let row = &rows[index];
-        let known = row.measured.iter().skip(kind(row).columns().len());
+        let columns = kind(row).columns().len();
+        let own = if kind(row).is_image() { row.measured.len() } else { columns };
+        let known = row.measured.iter().skip(own);
         Self {
             kind: row.kind,
             station: row.station,

@@ -10,6 +10,7 @@ mod judged;
 mod late;
 mod lines;
 mod other_arms;
+mod other_cells;
 mod repeats;
 #[path = "../simulated/mod.rs"]
 mod simulated;

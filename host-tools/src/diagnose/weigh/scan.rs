@@ -39,9 +39,6 @@ impl Columns {
     }
 }
 
-/// Parts whose ways are scanned for nothing else, beside joints that slide.
-const PARTS: [Part; 4] = [Part::Lean, Part::Azimuth, Part::Elevation, Part::Distance];
-
 /// All at the rows. A noise scale of 0 is not known yet.
 #[must_use]
 pub fn columns(
@@ -58,10 +55,10 @@ pub fn columns(
     let geometry = gram.geometry(&precision, scale);
     let joints = revolute(problem);
     let slides = (0..problem.nominal.len()).filter(|j| !joints.contains(j)).map(Part::Joint);
-    let others: Vec<Part> = slides.chain(PARTS).collect();
-    let ways = |d: &Derivatives| -> Vec<Vector3<f64>> {
+    let others: Vec<Part> = slides.chain(Part::apart(problem, true)).collect();
+    let ways = |row: usize, d: &Derivatives| -> Vec<Vector3<f64>> {
         let turned = |j: &usize| *d.links[*j].joint(problem.nominal[*j].kind);
-        let parts = others.iter().flat_map(|part| part.moves(problem, d));
+        let parts = others.iter().flat_map(|part| part.moves(problem, row, d));
         joints.iter().map(turned).chain(d.tool).chain(d.base).chain(parts).collect()
     };
     let own = joints.len() + TARGET + BASE;

@@ -7,9 +7,10 @@ use rayon::prelude::*;
 use super::sheet::{Weights, along, by_pose, counted};
 use crate::diagnose::node::Node;
 use crate::evidence::directed::{self, Seen};
-use crate::evidence::poses::{self, Readings, Scatter, common_share};
+use crate::evidence::poses::{self, Readings, Scatter, Used, common_share};
 use crate::evidence::tails::{Rest, Tails};
 use crate::identify::Problem;
+use crate::observations::{equations_of, kind};
 
 /// What rows weigh after a fit, some joints of which scatter.
 #[must_use]
@@ -18,7 +19,8 @@ pub fn after(problem: &Problem, node: &Node, scattering: &[usize]) -> Weights {
     let (residuals, scattering) = scattered(problem, node, scattering);
     let used = problem.unknowns.list().len() as f64;
     // Share of the noise that the readings of a pose have in common.
-    let common = common_share(&readings(problem, kept, &residuals), used);
+    let readings = readings(problem, kept, &residuals);
+    let common = common_share(&readings, by_means(problem, kept, used));
     let counted = counted(problem, kept, common);
     let rest = |(r, count): (&Vec<f64>, &f64)| Rest {
         square: r.iter().map(|x| x * x).sum(),
@@ -81,9 +83,26 @@ fn scattered(
 pub fn scatter(problem: &Problem, node: &Node) -> Option<Scatter> {
     let at = problem.linearise(&node.fit.fit.state);
     let of = |row: &usize| at.scaled_residual(*row).to_vec();
-    let residuals: Vec<Vec<f64>> = node.fit.kept.iter().map(of).collect();
+    let mut kept = node.fit.kept.clone();
+    // An image is taken once.
+    kept.retain(|row| !kind(&problem.data.rows[*row]).is_image());
+    let residuals: Vec<Vec<f64>> = kept.iter().map(of).collect();
     let used = problem.unknowns.list().len() as f64;
-    poses::scatter(&readings(problem, &node.fit.kept, &residuals), used)
+    poses::scatter(&readings(problem, &kept, &residuals), Used { means: used, apart: 0.0 })
+}
+
+/// Of what unknowns use up, the share of the means of poses. Readings of one thing are told
+/// apart by nothing; what corners of an image are apart tells as much as where it is.
+fn by_means(problem: &Problem, kept: &[usize], used: f64) -> Used {
+    let (mut means, mut all) = (0.0, 0.0);
+    for readings in by_pose(problem, kept) {
+        let row = &problem.data.rows[kept[readings[0]]];
+        let equations = equations_of(row) as f64;
+        let each = if kind(row).is_image() { readings.len() as f64 } else { 1.0 };
+        (means, all) = (means + equations, all + equations * each);
+    }
+    let share = means / f64::max(all, 1.0);
+    Used { means: used * share, apart: used * (1.0 - share) }
 }
 
 /// Residuals by the pose that they were read at.

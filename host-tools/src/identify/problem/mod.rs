@@ -1,6 +1,7 @@
 //! The measured rows as a least-squares problem.
 
 pub mod accumulate;
+mod cell;
 mod conditions;
 mod linearised;
 mod motion;
@@ -14,6 +15,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 use truearm::{Link, MdhParameters};
 
+pub use cell::Cell;
 pub use conditions::{Conditions, Surroundings};
 pub use linearised::{Equations, Linearised};
 pub use motion::Beside;
@@ -62,6 +64,8 @@ pub struct Problem<'a> {
     /// What each row is off by for a reason that no unknown stands for, SI; empty where there
     /// is none.
     pub aside: Arc<Vec<Values>>,
+    /// Where rows were measured, by registration.
+    pub cell: Arc<Cell>,
 }
 
 impl<'a> Problem<'a> {
@@ -84,7 +88,7 @@ impl<'a> Problem<'a> {
         let unknowns = Unknowns::of(&Layout::of(data), 0, nominal.len());
         let (noise, scattering, targets) = (Noise::default(), Vec::new(), Vec::new());
         let priors = robot.joints.iter().map(|joint| joint.prior).collect();
-        let aside = Arc::default();
+        let (aside, cell) = (Arc::default(), Arc::default());
         Self {
             data,
             conditions,
@@ -96,14 +100,16 @@ impl<'a> Problem<'a> {
             scattering,
             targets,
             aside,
+            cell,
         }
     }
 
-    /// The same with targets about where a state has them.
+    /// The same with targets and what they are measured with about where a state has them.
     #[must_use]
     pub fn about(self, start: &State) -> Self {
         let targets = targets::of(self.data, &self.nominal, &start.markers);
-        Self { targets, ..self }
+        let cell = Arc::new(Cell::about(self.data, &self.conditions, start));
+        Self { targets, cell, ..self }
     }
 
     /// Rows that measure something, once where they were written several times:

@@ -26,7 +26,14 @@ pub enum Covariate {
     Elevation,
     /// Of the same from that frame's origin, m.
     Distance,
+    /// Of the target, along an axis of the arm's base, counted from 0, m.
+    Place(usize),
+    /// That was measured, to an anchor, m.
+    Length,
 }
+
+/// Axes of the base.
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Points from which on an instrument is looked at.
 const POINTS: usize = 20;
@@ -42,7 +49,7 @@ impl Covariate {
         let has = |c: &Self| (0..rows).filter(|row| c.at(problem, *row).is_some()).count();
         // Of other kinds of measurements the instrument is another.
         let enough = |c: &Self| match c {
-            Self::Azimuth | Self::Elevation | Self::Distance => has(c) >= POINTS,
+            Self::Azimuth | Self::Elevation | Self::Distance | Self::Length => has(c) >= POINTS,
             _ => has(c) as f64 >= MOST * rows as f64,
         };
         let rest = [
@@ -52,7 +59,9 @@ impl Covariate {
             Self::Azimuth,
             Self::Elevation,
             Self::Distance,
+            Self::Length,
         ];
+        let rest = rest.into_iter().chain((0..AXES.len()).map(Self::Place));
         let joints = (0..problem.nominal.len()).map(Self::Joint);
         joints.chain(rest).filter(enough).collect()
     }
@@ -78,6 +87,8 @@ impl Covariate {
             Self::Azimuth => point().map(|p| p.y.atan2(p.x)),
             Self::Elevation => point().map(|p| p.z.atan2(p.x.hypot(p.y))),
             Self::Distance => point().map(|p| p.norm()),
+            Self::Place(axis) => problem.cell.place(index).map(|p| p[axis]),
+            Self::Length => kind(row).distance(row),
         }
     }
 
@@ -102,7 +113,9 @@ impl Covariate {
             Self::Elevation => 4,
             Self::Distance => 5,
             Self::Order => 6,
-            Self::Joint(joint) => 7 + joint,
+            Self::Length => 7,
+            Self::Place(axis) => 8 + axis,
+            Self::Joint(joint) => 8 + AXES.len() + joint,
         }
     }
 
@@ -124,6 +137,8 @@ impl Covariate {
             Self::Azimuth => "azimuth",
             Self::Elevation => "elevation",
             Self::Distance => "distance",
+            Self::Place(axis) => AXES[axis],
+            Self::Length => "length",
         }
     }
 
@@ -142,6 +157,8 @@ impl Covariate {
             Self::Azimuth => "the azimuth".to_owned(),
             Self::Elevation => "the elevation".to_owned(),
             Self::Distance => "the distance".to_owned(),
+            Self::Place(axis) => format!("the place along the base's {}", AXES[axis]),
+            Self::Length => "the length".to_owned(),
         }
     }
 
@@ -152,7 +169,7 @@ impl Covariate {
         match self {
             Self::Joint(_) if self.turns(problem) => degrees,
             Self::Azimuth | Self::Elevation => degrees,
-            Self::Joint(_) | Self::Distance => (1e3, "mm"),
+            Self::Joint(_) | Self::Distance | Self::Place(_) | Self::Length => (1e3, "mm"),
             Self::Time => (1.0, "s"),
             Self::Order => (1.0, "rows"),
             Self::Temperature => (1.0, "degC"),

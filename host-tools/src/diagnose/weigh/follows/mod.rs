@@ -33,7 +33,7 @@ impl Follows {
         // Of rows that have none, nothing: nearly all have it, or it is not looked at.
         let at = self.with.within(problem, index, self.how.range).map(|value| self.how.at(value));
         let at = at.unwrap_or_else(|| vec![0.0; self.how.shape.count()]);
-        let moves = self.part.moves(problem, d);
+        let moves = self.part.moves(problem, index, d);
         moves.iter().flat_map(|way| at.iter().map(move |f| way * *f)).collect()
     }
 
@@ -52,6 +52,6 @@ impl Follows {
     /// What it says.
     #[must_use]
     pub fn words(&self, problem: &Problem) -> String {
-        format!("{} as {} goes", self.part.words(), self.with.words(problem))
+        format!("{} as {} goes", self.part.words(problem), self.with.words(problem))
     }
 }

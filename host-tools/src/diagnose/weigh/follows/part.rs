@@ -22,7 +22,15 @@ pub enum Part {
     Elevation,
     /// Its distance.
     Distance,
+    /// A surface that is touched, by its place in the list of instruments, is not where it
+    /// should be.
+    Surface(usize),
+    /// Lengths to an anchor, by its place in the list of instruments, or to all.
+    Length(Option<usize>),
 }
+
+/// Rows from which on what they are measured with is looked at.
+const ENOUGH: usize = 20;
 
 /// How everything moves that turns about an axis through the origin of the frame it is
 /// measured in, as the base turns and shifts: linear in the derivatives, so that it holds of
@@ -42,14 +50,46 @@ fn shifted(d: &Derivatives, way: &Vector3<f64>) -> Vector3<f64> {
 }
 
 impl Part {
-    /// All of an arm whose points an instrument sees, or not.
-    pub fn all(joints: usize, seen: bool) -> impl Iterator<Item = Self> {
+    /// All of a cell in which an instrument sees points, or not.
+    pub fn all(problem: &Problem, seen: bool) -> impl Iterator<Item = Self> {
+        let joints = (0..problem.nominal.len()).map(Self::Joint);
+        joints.chain([Self::Shift, Self::Target]).chain(Self::apart(problem, seen))
+    }
+
+    /// Those that are looked at for nothing else.
+    pub fn apart(problem: &Problem, seen: bool) -> impl Iterator<Item = Self> {
         let instrument = [Self::Azimuth, Self::Elevation, Self::Distance];
         let instrument = instrument.into_iter().filter(move |_| seen);
-        (0..joints)
-            .map(Self::Joint)
-            .chain([Self::Lean, Self::Shift, Self::Target])
-            .chain(instrument)
+        let lean = std::iter::once(Self::Lean);
+        lean.chain(instrument).chain(Self::against(problem))
+    }
+
+    /// What rows are measured against.
+    fn against(problem: &Problem) -> Vec<Self> {
+        let (cell, data) = (&problem.cell, problem.data);
+        let enough = |part: &Self| {
+            let own = |row: &usize| part.is_of(problem, *row);
+            (0..data.rows.len()).filter(own).take(ENOUGH).count() == ENOUGH
+        };
+        let each = 0..cell.instruments().len();
+        let mut out: Vec<Self> =
+            each.flat_map(|k| [Self::Surface(k), Self::Length(Some(k))]).filter(enough).collect();
+        let lengths = |part: &&Self| matches!(part, Self::Length(_));
+        if out.iter().filter(lengths).count() > 1 {
+            out.push(Self::Length(None));
+        }
+        out
+    }
+
+    /// Whether a row is measured against it.
+    fn is_of(self, problem: &Problem, row: usize) -> bool {
+        let (cell, data) = (&problem.cell, problem.data);
+        match self {
+            Self::Surface(k) => cell.surface(data, row) == Some(k),
+            Self::Length(Some(k)) => cell.anchor(data, row) == Some(k),
+            Self::Length(None) => cell.anchor(data, row).is_some(),
+            _ => true,
+        }
     }
 
     /// Number of the kind.
@@ -63,6 +103,9 @@ impl Part {
             Self::Azimuth => 4,
             Self::Elevation => 5,
             Self::Distance => 6,
+            Self::Length(None) => 7,
+            Self::Length(Some(k)) => 8 + 2 * k,
+            Self::Surface(k) => 9 + 2 * k,
         }
     }
 
@@ -84,8 +127,12 @@ impl Part {
 
     /// How the target moves along each, m per rad or m.
     #[must_use]
-    pub fn moves(self, problem: &Problem, d: &Derivatives) -> Vec<Vector3<f64>> {
+    pub fn moves(self, problem: &Problem, row: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
         let p = d.point;
+        let own = |instrument: Option<usize>| instrument.filter(|_| self.is_of(problem, row));
+        let away = |instrument: Option<usize>| {
+            own(instrument).map_or_else(Vector3::zeros, |k| problem.cell.away(k, &p))
+        };
         let flat = Vector3::new(p.x, p.y, 0.0);
         let out = flat.try_normalize(0.0).unwrap_or_default();
         match self {
@@ -97,6 +144,10 @@ impl Part {
             // Right above the instrument no direction is up.
             Self::Elevation => vec![turned(d, &out.cross(&Vector3::z()))],
             Self::Distance => vec![shifted(d, &p.try_normalize(0.0).unwrap_or_default())],
+            Self::Surface(k) => vec![shifted(d, &away(Some(k)))],
+            Self::Length(_) => {
+                vec![shifted(d, &away(problem.cell.anchor(problem.data, row)))]
+            }
         }
     }
 
@@ -111,12 +162,18 @@ impl Part {
             Self::Azimuth => "azimuth",
             Self::Elevation => "elevation",
             Self::Distance => "distance",
+            Self::Surface(_) => "surface",
+            Self::Length(_) => "length",
         }
     }
 
     /// What it does, in a sentence.
     #[must_use]
-    pub fn words(self) -> String {
+    pub fn words(self, problem: &Problem) -> String {
+        let label = |k: usize| match problem.data.instruments[k].label.as_str() {
+            "" => String::new(),
+            label => format!(" \"{label}\""),
+        };
         match self {
             Self::Joint(joint) => format!("joint {} is off", joint + 1),
             Self::Lean => "the base leans".to_owned(),
@@ -125,6 +182,9 @@ impl Part {
             Self::Azimuth => "the azimuth of the instrument errs".to_owned(),
             Self::Elevation => "the elevation of the instrument errs".to_owned(),
             Self::Distance => "the distance of the instrument errs".to_owned(),
+            Self::Surface(k) => format!("the surface{} that is touched is off", label(k)),
+            Self::Length(None) => "all lengths are off".to_owned(),
+            Self::Length(Some(k)) => format!("lengths to the anchor{} are off", label(k)),
         }
     }
 
@@ -136,7 +196,7 @@ impl Part {
             Self::Joint(_) | Self::Azimuth | Self::Elevation => (&[""], 1e3, "mrad"),
             Self::Lean => (&["x", "y"], 1e3, "mrad"),
             Self::Shift | Self::Target => (&["x", "y", "z"], 1e3, "mm"),
-            Self::Distance => (&[""], 1e3, "mm"),
+            Self::Distance | Self::Surface(_) | Self::Length(_) => (&[""], 1e3, "mm"),
         }
     }
 }

@@ -22,6 +22,16 @@ use crate::observations::postures;
 fn has_name(problem: &Problem, part: Part, with: Covariate, shape: Shape) -> bool {
     let straight = shape == Shape::Bow(1);
     match (part, with) {
+        // What is measured against errs with where it is touched, which a tilt does in
+        // proportion, or with what is measured, or with time.
+        (Part::Surface(_), Covariate::Place(_)) => straight,
+        (
+            Part::Length(_),
+            Covariate::Length | Covariate::Time | Covariate::Order | Covariate::Temperature,
+        ) => false,
+        (Part::Surface(_) | Part::Length(_), _) | (_, Covariate::Place(_) | Covariate::Length) => {
+            true
+        }
         // Curves, lines, and of a joint that slides its gain; a share is a coupling.
         (Part::Joint(joint), Covariate::Joint(other)) => joint == other || straight,
         // It creeps.
@@ -86,7 +96,7 @@ pub fn pairs(problem: &Problem, rows: &[usize]) -> Vec<(Follows, usize)> {
         recorded.iter().flat_map(of)
     };
     let seen = recorded.iter().any(|(with, ..)| *with == Covariate::Distance);
-    let all: Vec<Follows> = Part::all(problem.nominal.len(), seen).flat_map(of_part).collect();
+    let all: Vec<Follows> = Part::all(problem, seen).flat_map(of_part).collect();
     let tried = |f: &Follows| all.iter().filter(|o| o.part.number() == f.part.number()).count();
     all.iter().map(|f| (*f, tried(f) * ways(problem, f))).collect()
 }
@@ -133,7 +143,7 @@ pub fn offered(
         columns.of(part).iter().map(of_way).collect()
     };
     let parts: Vec<(Part, Vec<JointColumn>)> =
-        Part::all(problem.nominal.len(), true).map(|part| (part, of_looked(part))).collect();
+        Part::all(problem, true).map(|part| (part, of_looked(part))).collect();
     let rate = |(follows, tried): &(Follows, usize)| {
         let own = courses.iter().position(|c| number(c) == number(&(follows.with, follows.how)))?;
         let (_, ways) = parts.iter().find(|(part, _)| *part == follows.part)?;

@@ -54,7 +54,7 @@ fn an_instrument_errs_as_if_all_before_it_moved() {
             (Part::Elevation, -across, still),
             (Part::Distance, still, ray),
         ] {
-            let e = at.equations_beside(row, &|_, d| part.moves(&problem, d));
+            let e = at.equations_beside(row, &|i, d| part.moves(&problem, i, d));
             let column = e.block.column(e.block.ncols() - 1);
             let moved = |by: f64| {
                 problem.linearise(&carried(&state, turn * by, shift * by)).scaled_residual(row)
@@ -64,6 +64,40 @@ fn an_instrument_errs_as_if_all_before_it_moved() {
                 let off = (slope[c] - column[c]).abs();
                 assert!(off < 1e-5 * column.amax(), "{part:?} row {row}: {slope:?} {column}");
             }
+        }
+    }
+}
+
+/// A target that gets farther by a metre from what it touches, or from an anchor, is measured a
+/// metre off; rows that have nothing to do with it stay.
+#[test]
+fn surfaces_and_lengths_move_what_is_measured_against_them() {
+    let robot = arm();
+    let data = rows_of(&[("distance", 24), ("touch", 24)], &robot);
+    let problem = Problem::new(&data, &robot, Scaling::Prior);
+    let state = start(&problem, &robot);
+    let problem = problem.about(&state);
+    let at = problem.linearise(&state);
+    let own = |part: &Part| matches!(part, Part::Surface(_) | Part::Length(_));
+    let parts: Vec<Part> = Part::all(&problem, false).filter(own).collect();
+    let of = |part: Part| {
+        let column = |row: usize| {
+            let e = at.equations_beside(row, &|i, d| part.moves(&problem, i, d));
+            e.block[(0, e.block.ncols() - 1)] * e.scale[0]
+        };
+        (0..data.rows.len()).map(column).collect::<Vec<f64>>()
+    };
+    let measures = |part: Part, row: usize| match part {
+        Part::Surface(k) => problem.cell.surface(&data, row) == Some(k),
+        Part::Length(Some(k)) => problem.cell.anchor(&data, row) == Some(k),
+        _ => problem.cell.anchor(&data, row).is_some(),
+    };
+    assert!(parts.iter().any(|p| matches!(p, Part::Surface(_))), "{parts:?}");
+    assert!(parts.iter().any(|p| matches!(p, Part::Length(_))), "{parts:?}");
+    for part in parts {
+        for (row, moved) in of(part).into_iter().enumerate() {
+            let right = if measures(part, row) { 1.0 } else { 0.0 };
+            assert!((moved - right).abs() < 1e-6, "{part:?} row {row}: {moved}");
         }
     }
 }

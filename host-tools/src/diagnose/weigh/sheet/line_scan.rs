@@ -10,8 +10,8 @@ use crate::model::Values;
 use crate::model::arm::Derivatives;
 use crate::observations::postures;
 
-/// How the target moves along each of some ways.
-pub type Ways<'w> = dyn Fn(&Derivatives) -> Vec<Vector3<f64>> + Sync + 'w;
+/// How the target of a row moves along each of some ways.
+pub type Ways<'w> = dyn Fn(usize, &Derivatives) -> Vec<Vector3<f64>> + Sync + 'w;
 
 impl Sheet<'_> {
     /// How the target moves along each of `count` ways wherever the arm stood, in the order
@@ -35,7 +35,7 @@ impl Sheet<'_> {
         let one = |(index, counts): (&usize, &f64)| {
             let ends = postures(data, &[*index]);
             let own = |i: usize, d: &Derivatives, end: usize| match i == end {
-                true => ways(d),
+                true => ways(i, d),
                 false => vec![Vector3::zeros(); count],
             };
             let beside = |i: usize, d: &Derivatives| {

@@ -24,7 +24,7 @@ use crate::identify::problem::accumulate::tree;
 use crate::identify::{Linearised, Problem, State, Unknown};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
-use crate::observations::postures;
+use crate::observations::{kind, postures};
 use beside_springs::shares;
 use repeats::differs;
 pub use repeats::{by_pose, counted};
@@ -284,6 +284,10 @@ impl<'a> Sheet<'a> {
         whiten(&mut block, readings.len(), self.weights.common);
         let mut left = DMatrix::from_vec(residual.len(), 1, residual);
         whiten(&mut left, readings.len(), self.weights.common);
+        // What corners of an image are apart is evidence as any other.
+        if kind(&self.problem.data.rows[readings[0]]).is_image() {
+            return (block, Repeats::default());
+        }
         let [p, _] = self.size();
         let differing: Vec<usize> = self.differing.iter().map(|column| p + column).collect();
         let mut differing = block.select_columns(&differing).insert_column(differing.len(), 0.0);
