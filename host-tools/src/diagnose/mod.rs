@@ -21,6 +21,7 @@ pub mod policy;
 pub mod question;
 mod remarks;
 mod show;
+mod shown;
 mod tell;
 mod torques;
 mod verdict;
@@ -34,25 +35,20 @@ pub use tell::{instead, late, otherwise, place};
 pub use weigh::Doubt;
 
 use crate::error::{ErrorKind, Result};
-use crate::identify::fit::estimate::Estimate;
 use crate::identify::fit::folds;
 use crate::identify::fit::robust::{Crowd, Flags};
 use crate::identify::start::registration::register;
 use crate::identify::start::{cameras, zeros};
 use crate::identify::typical::as_measured;
-use crate::identify::{
-    Conditions, Findings, LambdaRule, Options, Problem, RowResult, Scaling, State, blamed, enough,
-    nominal_state,
-};
-use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Mounting, Robot};
-use crate::observations::kind;
+use crate::identify::{Conditions, Options, Problem, RowResult, Scaling, State, blamed, enough};
+use crate::model::{ErrorCurve, Measurements, Model, Mounting, Robot};
 use candidates::Candidate;
 use moments::Moments;
-use node::Node;
 use pipeline::{answered, with_hand};
 use policy::POLICY;
 use question::Question;
-use show::{HeldOut, Show};
+use show::Show;
+use shown::{Found, shown};
 use torques::same_torques;
 use weigh::{Weighed, with_curves};
 
@@ -71,6 +67,15 @@ pub struct Diagnosis {
     pub alternatives: Vec<State>,
     /// Springs fitted, but gave way against gravity as it was assumed.
     pub against_gravity: bool,
+}
+
+impl Diagnosis {
+    /// RMS by which poses held out are missed, in stated deviations of what was measured.
+    fn misses(&self) -> f64 {
+        let last = self.outcome.gap.last();
+        let held = last.and_then(|last| last.cross_validated_rms_sigmas);
+        held.map_or(f64::INFINITY, |held| held * self.outcome.noise_scale)
+    }
 }
 
 /// What the user may choose.
@@ -110,23 +115,39 @@ pub fn diagnose(
     let few = Options { allow_few_poses: options.allow_few_poses, ..Options::default() };
     let affordable =
         |freed: &Measurements| enough(&Problem::new(freed, robot, Scaling::Prior), &few).is_ok();
-    let stated = data;
     let freed = zeros::freed(data).filter(affordable);
-    let seen = cameras::freed(robot, freed.as_ref().unwrap_or(data)).filter(affordable);
-    let freed = seen.or(freed);
     let with_zeros = |held| freed.as_ref().map(|freed| zeros::as_found(held, &freed.instruments));
     let held = holdout.and_then(with_zeros);
     let (data, holdout) = (freed.as_ref().unwrap_or(data), held.as_deref().or(holdout));
+    let of = |data: &Measurements| whatever_holds(robot, data, holdout, options, progress);
+    let found = of(data);
+    let Some(other) = cameras::freed(robot, data).filter(affordable) else { return found };
+    match of(&other) {
+        Ok(other) if found.as_ref().is_ok_and(|found| found.misses() <= other.misses()) => found,
+        Ok(mut other) => {
+            let cameras = cameras::found(&data.instruments, &other.model.instruments);
+            other.outcome.figures.warnings.extend(cameras);
+            Ok(other)
+        }
+        Err(_) => found,
+    }
+}
+
+/// However the arm is mounted, and if more rows are off than can be gross errors.
+fn whatever_holds(
+    robot: &Robot,
+    data: &Measurements,
+    holdout: Option<&Measurements>,
+    options: &DiagnoseOptions,
+    progress: &dyn Fn(&'static str),
+) -> Result<Diagnosis> {
     let with =
         |crowd, mounting| diagnosed(robot, data, holdout, options, (crowd, mounting), progress);
     let mounted = |mounting| match with(Crowd::Refused, mounting) {
         Err(error) if error.kind() == ErrorKind::Contradiction => with(Crowd::Described, mounting),
         done => done,
     };
-    let mut found = mounting::tried(&mounted).map_err(|error| blamed(robot, data, error))?;
-    let of_cameras = cameras::found(&stated.instruments, &found.model.instruments);
-    found.outcome.figures.warnings.extend(of_cameras);
-    Ok(found)
+    mounting::tried(&mounted).map_err(|error| blamed(robot, data, error))
 }
 
 fn diagnosed(
@@ -198,16 +219,10 @@ fn diagnosed(
     problem.scattering.clone_from(&weighed.scattering);
     let question = Question { problem: &problem, ..question };
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
-    let unloaded = assumed.is_some().then_some(&unloaded);
+    let unloaded = &unloaded;
     let show =
         Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot, unloaded };
     shown(&show, Found { weighed, best, root, start, not_testable })
-}
-
-/// Whether a term of a state bends under loads.
-fn has_loads(state: &State) -> bool {
-    let loaded = |t: &ModelTerm| matches!(t, ModelTerm::Arm(term) if term.needs_load());
-    state.terms.iter().any(loaded)
 }
 
 /// Effects of the most probable model; where there are curves, those of the last stage.
@@ -217,126 +232,4 @@ fn kept(weighed: &Weighed) -> Vec<Candidate> {
         added.retain(|candidate| stage.names.contains(&candidate.name()));
     }
     added
-}
-
-/// What was found.
-struct Found {
-    weighed: Weighed,
-    best: Node,
-    root: Node,
-    /// Where the first fit began.
-    start: State,
-    not_testable: Vec<String>,
-}
-
-/// The model, and what shows how good it is.
-fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
-    let Found { weighed, best, root, start, not_testable } = found;
-    let problem = show.question.problem;
-    let holdout = show.holdout.map(|held| held.with_noise(weighed.scale));
-    let show = &Show { holdout: holdout.as_ref(), ..*show };
-    let nominal = nominal_state(show.rigid, &best.fit.kept, &start)?;
-    let shown = match weighed.stages.is_empty() {
-        true => show.with_held_out_gain(&root, best, &nominal)?,
-        false => show.beside_curves(&root, best, &nominal, &weighed.stages)?,
-    };
-    let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
-    let (whereabouts, least) = tell::sentences(show.rigid, &root, show.question.flags.lambda);
-    let goes_with = least.filter(|(p, _)| *p < POLICY.beyond_chance).map(|(_, words)| words);
-    let described = described::described(problem, &weighed);
-    let judged = (&weighed, &described[..]);
-    let (verdict, unnamed) = verdict::verdict(problem, judged, &best, &gap, goes_with);
-    let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
-    let (alternatives, rivals): (_, Vec<State>) = alternatives.into_iter().unzip();
-    // What was assumed and moves nothing is in no model.
-    let bent = rivals.iter().chain([&best.fit.fit.state]).any(has_loads);
-    let robot = show.unloaded.filter(|_| !bent).unwrap_or(show.robot);
-    let show = &Show { robot, ..*show };
-    let terms = problem.with_terms(best.fit.fit.state.terms.len());
-    let findings = findings(show, &terms, &best, nominal, held_out)?;
-    let against_gravity = show.unloaded.is_some_and(|stated| stated.gravity.is_none())
-        && weighed.refused.iter().any(|c| moments::bends(c.name()));
-    let mut identified = findings.summarise();
-    let point = &mut identified.figures.uncertainty.tool_point;
-    *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
-    identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
-    let worse = remarks::worse_elsewhere(problem.data, show.holdout, &gap);
-    identified.figures.warnings.extend(worse);
-    let hold_out = show.hold_out(&best)?;
-    identified.figures.warnings.extend(hold_out.iter().flat_map(remarks::standing_out));
-    identified.figures.warnings.extend(zeros::found(&identified.model.instruments));
-    let kinds = &mut identified.figures.kinds;
-    kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
-    let noise_scale = weighed.scale * problem.noise.middle(problem.data);
-    let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed);
-    let outcome = Outcome {
-        figures: identified.figures,
-        verdict,
-        effects,
-        suspected,
-        unnamed,
-        described,
-        noise_scale,
-        beyond_repeats: remarks::over_repeats(problem, &best),
-        nested_rms_mm: weighed.nested_rms_mm(&best),
-        noise_floor_mm: noise_floor(problem.data) * 1e3 / weighed.scale,
-        reduced_chi_square: best.reduced,
-        geometry_reduced_chi_square: root.reduced,
-        gap,
-        hold_out,
-        alternatives,
-        not_testable,
-        whereabouts,
-    };
-    Ok(Diagnosis {
-        model: identified.model,
-        outcome,
-        rows: identified.rows,
-        state: best.fit.fit.state,
-        alternatives: rivals,
-        against_gravity,
-    })
-}
-
-/// 3-D RMS that the stated standard deviations leave, m.
-fn noise_floor(data: &Measurements) -> f64 {
-    let rows = &data.rows;
-    let variance: f64 = rows.iter().map(|r| kind(r).noise(r).powi(2)).sum();
-    (variance / rows.len() as f64).sqrt()
-}
-
-/// The final model as an estimate, with its held-out errors.
-fn findings<'a>(
-    show: &Show<'a>,
-    problem: &'a Problem<'a>,
-    best: &Node,
-    nominal: State,
-    held_out: HeldOut,
-) -> Result<Findings<'a>> {
-    let q = show.question;
-    let blocked = match folds::blocked(problem.data, q.rows) {
-        Some(folds) if show.tables.is_empty() => Some(show.held_out(best, &folds)?),
-        _ => None,
-    };
-    Ok(Findings {
-        rule: LambdaRule::MaximumLikelihood,
-        robot: show.robot,
-        problem,
-        rigid: show.rigid,
-        nominal,
-        found: Estimate {
-            fit: best.fit.fit.clone(),
-            robust: best.fit.clone(),
-            lambda: q.flags.lambda,
-            choice: None,
-            solved: None,
-        },
-        curves: show.tables.to_vec(),
-        held_out,
-        blocked,
-        cross_validation: format!(
-            "{} folds of poses, flags redone in each, terms held",
-            q.folds.len()
-        ),
-    })
 }

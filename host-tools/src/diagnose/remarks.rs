@@ -1,5 +1,7 @@
 //! What a reader of the model should know of how it came about.
 
+use std::collections::BTreeMap;
+
 use truearm::JointKind;
 use truearm::effects::{Effect, MAX_TERMS};
 
@@ -14,6 +16,8 @@ use crate::error::listed;
 use crate::evidence::poses::Scatter;
 use crate::identify::Problem;
 use crate::model::{Measurements, ModelTerm};
+use crate::observations::kind;
+use crate::units::to_mm;
 
 /// All of them.
 pub fn all<'a>(
@@ -32,6 +36,7 @@ pub fn all<'a>(
     ]
     .into_iter()
     .flatten()
+    .chain(wrong_holes(data, best))
     .chain(weighed.scattering.iter().map(move |joint| scattering(problem, *joint)))
 }
 
@@ -151,6 +156,33 @@ fn loads(data: &Measurements, best: &Node) -> Option<String> {
             data.path.display()
         )
     })
+}
+
+/// Remarks on holes of plates of which every row is a gross error.
+fn wrong_holes(data: &Measurements, best: &Node) -> Vec<String> {
+    let mut holes: BTreeMap<(usize, [u64; 3]), (usize, usize)> = BTreeMap::new();
+    let at = |row: usize| {
+        let row = &data.rows[row];
+        let hole = kind(row).hole(row)?;
+        Some((*row.refers.first()?, [hole.x, hole.y, hole.z].map(f64::to_bits)))
+    };
+    for hole in (0..data.rows.len()).filter_map(at) {
+        holes.entry(hole).or_default().0 += 1;
+    }
+    for hole in best.fit.outliers.iter().filter_map(|o| at(o.row)) {
+        holes.entry(hole).or_default().1 += 1;
+    }
+    let wrong = holes.into_iter().filter(|(_, (all, flagged))| *all > 1 && all == flagged);
+    let remark = |((plate, hole), (all, _)): ((usize, [u64; 3]), _)| {
+        let [x, y, z] = hole.map(|bits| to_mm(f64::from_bits(bits)));
+        format!(
+            "{}: all {all} rows at the hole at ({x:.3}, {y:.3}, {z:.3}) mm of plate \"{}\" are gross \
+             errors: look at its coordinates and its label",
+            data.path.display(),
+            data.instruments[plate].label
+        )
+    };
+    wrong.map(remark).collect()
 }
 
 /// A remark where nobody said what the links weigh: a spring half as stiff under loads half as

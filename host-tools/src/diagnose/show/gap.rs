@@ -28,8 +28,8 @@ pub struct Show<'a> {
     pub holdout: Option<&'a Measurements>,
     /// The nominal arm.
     pub robot: &'a Robot,
-    /// The same without loads that nobody stated, where there are such.
-    pub unloaded: Option<&'a Robot>,
+    /// The same with loads as they were stated, or without.
+    pub unloaded: &'a Robot,
 }
 
 impl Show<'_> {

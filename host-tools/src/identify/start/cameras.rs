@@ -11,12 +11,14 @@ use crate::observations::kind;
 
 /// Numbers of an instrument behind the six of its place.
 const NUMBERS: usize = 6;
-/// Corners of one camera that tell its constants and something of the arm.
-const ENOUGH: usize = 100;
-/// Fall of the squares, over what is left of an equation, beyond which it is no chance. Chance
-/// is nine; where an arm scatters by three times the noise of a corner, each image as a whole,
-/// some hundred are.
-const SURE: f64 = 300.0;
+/// Places in images of one camera that tell its constants and something of the arm.
+const ENOUGH: usize = 30;
+/// Fall of the squares, over what is left of an equation, beyond which it is no chance, which
+/// is nine a camera.
+const SURE: f64 = 100.0;
+/// And the share of them that may be left: of an effect of the arm, or of what it scatters by,
+/// constants take less.
+const LEFT: f64 = 0.7;
 
 /// Measurements in which the constants of cameras are unknown that were stated, where they do
 /// not fit; `None` where they do, or nothing can be said.
@@ -46,7 +48,7 @@ pub fn freed(robot: &Robot, data: &Measurements) -> Option<Measurements> {
     let equations: usize = both.iter().map(|r| kind(&data.rows[*r]).components().len()).sum();
     let [before, after] = [&stated, &found].map(|fitted| fitted.left(&both));
     let each = after / equations.max(1) as f64;
-    (before - after > SURE * each).then_some(open)
+    (before - after > SURE * each && after < LEFT * before).then_some(open)
 }
 
 /// Constants that were found in place of stated ones, a sentence a camera.
