@@ -7,14 +7,19 @@ use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
 use truearm_host::effects::OUTLIERS;
 use truearm_host::model::{Measurements, Robot};
 
-/// What is said of a cell: nothing of its arm.
-fn unnamed(cell: &str) -> Outcome {
+/// What is said of a cell.
+fn told(cell: &str) -> Outcome {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/other-cells").join(cell);
     let robot = Robot::read(&folder.join("robot.toml")).unwrap();
     let read = |file: &str| Measurements::read(&folder.join(file), &robot).unwrap();
     let (data, fresh) = (read("measurements.csv"), read("fresh.csv"));
     let options = DiagnoseOptions::default();
-    let told = diagnose(&robot, &data, Some(&fresh), &options, &|_| ()).unwrap().outcome;
+    diagnose(&robot, &data, Some(&fresh), &options, &|_| ()).unwrap().outcome
+}
+
+/// The same: nothing of its arm.
+fn unnamed(cell: &str) -> Outcome {
+    let told = told(cell);
     let named = told.effects.iter().chain(&told.suspected).filter(|e| e.name != OUTLIERS);
     let named: Vec<_> = named.map(|e| (e.name, &e.joints, e.probability)).collect();
     assert!(named.is_empty(), "{cell}: {named:?}");
@@ -59,6 +64,16 @@ fn what_an_arm_scatters_by_is_one_for_all_corners_of_an_image() {
     let told = unnamed("scatter-in-images");
     assert_eq!(told.verdict, Verdict::Clean, "{:?}", told.unnamed);
     // Its constants fit: they would take up a part of the scatter.
+    assert!(!says_that_the_lens_is_wrong(&told));
+}
+
+/// Before anything is named other constants of the cameras fit better, as a spring looks like them.
+#[test]
+fn a_spring_is_no_lens() {
+    let told = told("spring-before-cameras");
+    let named: Vec<_> = told.effects.iter().map(|e| (e.name, &e.joints[..])).collect();
+    assert_eq!(named, [("joint-compliance", &[2][..])]);
+    assert!(told.suspected.is_empty() && told.verdict == Verdict::Explained);
     assert!(!says_that_the_lens_is_wrong(&told));
 }
 

@@ -23,9 +23,10 @@ pub fn validation(v: &Validation) -> String {
         out += &format!("rows {rows} left out: beyond 10 robust standard deviations\n");
     }
     if !v.standing_out.is_empty() {
-        let (many, rows) = (v.standing_out.len(), list(&v.standing_out));
         out += &format!(
-            "{many} rows stand out as far and count, look for wrong ones among them: {rows}\n"
+            "rows {} stand out by more than 10 robust standard deviations and count: look for wrong \
+             ones among them\n",
+            list(&v.standing_out)
         );
     }
     if v.reregistered != "none" {

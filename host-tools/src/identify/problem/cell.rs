@@ -9,10 +9,15 @@ use super::unknowns::State;
 use crate::model::{Form, Instrument, Measurements};
 use crate::observations::{Seen, kind};
 
+/// Cosine from which on an axis is the normal of a plane rather than one on it.
+const UPRIGHT: f64 = 0.8;
+
 /// Where rows are measured that touch surfaces or are lengths to anchors; nothing of others.
 #[derive(Debug, Clone, Default)]
 pub struct Cell {
     instruments: Vec<Instrument>,
+    /// The z axis of each in the frame of the arm's base.
+    axes: Vec<Vector3<f64>>,
     /// Of every row, m: the target in the frame of the arm's base.
     places: Vec<Vector3<f64>>,
 }
@@ -32,7 +37,21 @@ impl Cell {
             base.inverse().transform_point(&view.point(row))
         };
         let places = (0..data.rows.len()).map(place).collect();
-        Self { instruments: instruments.clone(), places }
+        let axis = |(k, own): (usize, &Instrument)| {
+            let row = data.rows.iter().find(|row| row.refers.contains(&k));
+            let base = &start.bases[row.map_or(0, |row| row.station)];
+            base.rotation.tr_mul(&own.place.rotation.column(2)).into()
+        };
+        let axes = instruments.iter().enumerate().map(axis).collect();
+        Self { instruments: instruments.clone(), axes, places }
+    }
+
+    /// Whether a place along an axis of the arm's base, counted from 0, is one on a surface: of a
+    /// plane along its normal all places are one.
+    #[must_use]
+    pub fn lies_on(&self, surface: usize, axis: usize) -> bool {
+        let plane = self.instruments.get(surface).is_some_and(|own| own.form == Form::Plane);
+        !plane || self.axes[surface][axis].abs() < UPRIGHT
     }
 
     /// Where the target of a row is in the frame of the arm's base, m.

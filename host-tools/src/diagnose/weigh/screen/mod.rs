@@ -24,7 +24,7 @@ fn has_name(problem: &Problem, part: Part, with: Covariate, shape: Shape) -> boo
     match (part, with) {
         // What is measured against errs with where it is touched, which a tilt does in
         // proportion, or with what is measured, or with time.
-        (Part::Surface(_), Covariate::Place(_)) => straight,
+        (Part::Surface(k), Covariate::Place(axis)) => straight || !problem.cell.lies_on(k, axis),
         (
             Part::Length(_),
             Covariate::Length | Covariate::Time | Covariate::Order | Covariate::Temperature,

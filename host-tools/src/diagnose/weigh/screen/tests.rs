@@ -10,7 +10,7 @@ use truearm_simulate::robots::ALL;
 use super::*;
 use crate::diagnose::weigh::nameless::without;
 use crate::identify::{Scaling, State};
-use crate::model::{Measurements, Robot};
+use crate::model::{Form, Measurements, Robot};
 use crate::observations::equations_of;
 use crate::observations::tests::{cell, read, start};
 
@@ -73,7 +73,7 @@ fn an_instrument_errs_as_if_all_before_it_moved() {
 #[test]
 fn surfaces_and_lengths_move_what_is_measured_against_them() {
     let robot = arm();
-    let data = rows_of(&[("distance", 24), ("touch", 24)], &robot);
+    let data = rows_of(&[("distance", 150), ("touch", 150)], &robot);
     let problem = Problem::new(&data, &robot, Scaling::Prior);
     let state = start(&problem, &robot);
     let problem = problem.about(&state);
@@ -99,6 +99,24 @@ fn surfaces_and_lengths_move_what_is_measured_against_them() {
             let right = if measures(part, row) { 1.0 } else { 0.0 };
             assert!((moved - right).abs() < 1e-6, "{part:?} row {row}: {moved}");
         }
+    }
+}
+
+/// A plane has two axes of three, whatever way the arm stands.
+#[test]
+fn a_plane_is_off_as_places_on_it_go() {
+    let robot = arm();
+    let data = rows_of(&[("touch", 24)], &robot);
+    let problem = Problem::new(&data, &robot, Scaling::Prior);
+    let mut state = start(&problem, &robot);
+    let plane = state.instruments.iter().position(|i| i.form == Form::Plane).unwrap();
+    state.bases[0].rotation = *Rotation3::from_euler_angles(0.3, -1.1, 2.0).matrix();
+    for (way, normal) in [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().enumerate() {
+        let turn = Rotation3::rotation_between(&Vector3::z(), &normal).unwrap();
+        state.instruments[plane].place.rotation = state.bases[0].rotation * turn.matrix();
+        let about = problem.clone().about(&state);
+        let on: Vec<usize> = (0..3).filter(|axis| about.cell.lies_on(plane, *axis)).collect();
+        assert_eq!(on, (0..3).filter(|axis| *axis != way).collect::<Vec<_>>());
     }
 }
 
