@@ -40,7 +40,7 @@ impl Cell {
         let axis = |(k, own): (usize, &Instrument)| {
             let row = data.rows.iter().find(|row| row.refers.contains(&k));
             let base = &start.bases[row.map_or(0, |row| row.station)];
-            base.rotation.tr_mul(&own.place.rotation.column(2)).into()
+            base.rotation.tr_mul(&own.place.rotation.column(2))
         };
         let axes = instruments.iter().enumerate().map(axis).collect();
         Self { instruments: instruments.clone(), axes, places }
