@@ -6,7 +6,7 @@ use truearm::JointKind;
 
 use super::naming::said;
 use super::policy::POLICY;
-use super::weigh::{Follows, Nameless, Part, Unnamed, Weighed};
+use super::weigh::{Follows, Nameless, Unnamed, Weighed};
 use crate::identify::Problem;
 
 /// Structure that no effect of the repertoire explains.
@@ -50,8 +50,8 @@ pub struct ErrorCourse {
     pub at_unit: &'static str,
     /// Unit of the value and its deviation.
     pub unit: &'static str,
-    /// Covariate, value (but for a constant, and of a surface a tilt, which geometry has) and one
-    /// standard deviation, within what was measured.
+    /// Covariate, value (but for a constant, and of a surface whose place is found a tilt, which
+    /// geometry has) and one standard deviation, within what was measured.
     pub points: Vec<[f64; 3]>,
 }
 
@@ -110,15 +110,14 @@ fn curves(problem: &Problem, follows: &Follows, unnamed: &Unnamed) -> Vec<ErrorC
     let (at_times, at_unit) = follows.with.unit(problem);
     let [low, high] = follows.how.range;
     let count = follows.how.shape.count();
-    // A tilt of a surface is where it stands, which is found.
-    let straight_is_free = matches!(follows.part, Part::Surface(_));
+    let has_slope = follows.part.has_slope(problem);
     let way = |(way, axis): (usize, &&'static str)| {
         let mean = mean.rows(way * count, count);
         let covariance = covariance.view((way * count, way * count), (count, count));
         let point = |k: u16| {
             let value = low + (high - low) * f64::from(k) / f64::from(POINTS - 1);
             let mut f = nalgebra::DVector::from_vec(follows.how.at(value));
-            if straight_is_free {
+            if has_slope {
                 f[0] = 0.0;
             }
             let sigma = f.dot(&(covariance * &f)).max(0.0).sqrt();

@@ -219,9 +219,14 @@ fn diagnosed(
     problem.scattering.clone_from(&weighed.scattering);
     let question = Question { problem: &problem, ..question };
     let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
-    let unloaded = &unloaded;
-    let show =
-        Show { question: &question, rigid: &rigid, tables: &tables, holdout, robot, unloaded };
+    let show = Show {
+        question: &question,
+        rigid: &rigid,
+        tables: &tables,
+        holdout,
+        robot,
+        unloaded: &unloaded,
+    };
     shown(&show, Found { weighed, best, root, start, not_testable })
 }
 

@@ -62,6 +62,25 @@ pub fn worse_elsewhere(
     [crossed].into_iter().chain(held).filter_map(remark).collect()
 }
 
+/// Poses of the hold-out file that are missed by so many times what poses of the training are
+/// that were held out: no study set it.
+const ELSEWHERE: f64 = 5.0;
+
+/// A remark where the hold-out file is missed by far more than poses held out in folds are, as
+/// all its rows may be: none of them stands out then.
+pub fn far_off(holdout: Option<&Measurements>, gap: &[GapRow]) -> Option<String> {
+    let (file, last) = (&holdout?.path, gap.last()?);
+    let times = last.holdout_rms_sigmas? / last.cross_validated_rms_sigmas?;
+    (times > ELSEWHERE).then(|| {
+        format!(
+            "{}: its poses are missed by {times:.0} times what poses held out in folds are: they are of \
+             another arm, tool or place of what measures, their rows are wrong, or they lie where \
+             little was fitted",
+            file.display()
+        )
+    })
+}
+
 /// Remarks on rows of the hold-out file that stand out: those that its figures leave out, and
 /// those that they have.
 pub fn standing_out(of: &HoldOut) -> Vec<String> {

@@ -64,6 +64,7 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
     let worse = remarks::worse_elsewhere(problem.data, show.holdout, &gap);
     identified.figures.warnings.extend(worse);
+    identified.figures.warnings.extend(remarks::far_off(show.holdout, &gap));
     let hold_out = show.hold_out(&best)?;
     identified.figures.warnings.extend(hold_out.iter().flat_map(remarks::standing_out));
     identified.figures.warnings.extend(zeros::found(&identified.model.instruments));

@@ -65,6 +65,8 @@ struct Judged {
     /// The figure of the last model, and that with all rows, mm.
     rms: [f64; 2],
     said: Vec<String>,
+    /// Whether the whole file is said to be missed by far more than folds are.
+    is_far_off: bool,
 }
 
 fn with_wrong(wrong: impl Fn(usize) -> bool) -> Judged {
@@ -90,12 +92,14 @@ fn with_wrong(wrong: impl Fn(usize) -> bool) -> Judged {
         standing_out: rows("standing_out").collect(),
         rms: [&last["holdout_rms_mm"], &of["all_rows_rms_mm"]].map(|x| x.as_f64().unwrap()),
         said: warnings(&report, "stand out"),
+        is_far_off: !warnings(&report, "held out in folds").is_empty(),
     }
 }
 
 #[test]
 fn what_a_hold_out_figure_leaves_out_is_said() {
     let right = with_wrong(|_| false);
+    assert!(!right.is_far_off);
     assert!(right.left_out.is_empty() && right.standing_out.is_empty());
     assert!(right.said.is_empty(), "{:?}", right.said);
     assert_eq!(right.rms[0].to_bits(), right.rms[1].to_bits());
@@ -117,6 +121,14 @@ fn wrong_rows_of_a_hold_out_file_count_and_are_named() {
     assert!(many.rms[0] > 0.9 && many.rms[1] > many.rms[0], "{:?}", many.rms);
     let [_, said] = &many.said[..] else { panic!("{:?}", many.said) };
     assert!(said.contains("13 of 100 rows") && said.contains("count in"), "{said}");
+}
+
+/// Of rows that are all wrong alike none stands out.
+#[test]
+fn a_hold_out_file_that_is_wrong_as_a_whole_is_said_to_be() {
+    let all = with_wrong(|_| true);
+    assert!(all.is_far_off && all.said.is_empty(), "{:?}", all.said);
+    assert!(all.rms[0] > 2.9, "{:?}", all.rms);
 }
 
 #[test]

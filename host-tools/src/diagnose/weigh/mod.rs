@@ -37,7 +37,7 @@ use super::policy::POLICY;
 use super::question::Question;
 use crate::error::Result;
 use crate::evidence::{Effort, Known, explain};
-pub use follows::{Follows, Part};
+pub use follows::Follows;
 use given_back::given_back;
 use joint_curves::choice::Chosen;
 use lines::Held;

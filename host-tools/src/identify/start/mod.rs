@@ -1,5 +1,6 @@
 //! Where a fit begins: frames of base and tracker, what rows refer to, the tool.
 
+mod alone;
 pub mod cameras;
 mod instruments;
 pub mod registration;

@@ -5,10 +5,8 @@
 
 use std::borrow::Cow;
 
-use super::registration::register;
-use crate::identify::fit::robust::{Flags, robust_fit};
-use crate::identify::noise_estimate;
-use crate::identify::problem::{Problem, Scaling, Unknown};
+use super::alone::Alone;
+use crate::identify::problem::Unknown;
 use crate::model::{Form, Instrument, Measurements, Robot};
 use crate::observations::{kind, refer_to_zeros};
 use crate::tikhonov::covariance;
@@ -24,12 +22,7 @@ const ENOUGH: usize = 20;
 pub fn doubtful(robot: &Robot, data: &Measurements) -> Vec<String> {
     let found = || {
         let open = freed(data)?;
-        let problem = Problem::new(&open, robot, Scaling::Prior);
-        let start = register(&open, &problem.nominal, robot.tool).ok()?;
-        let mut problem = problem.about(&start);
-        let rows = problem.counted();
-        problem.noise = noise_estimate::noise(&problem, &rows, &start).ok()?;
-        let found = robust_fit(&problem, &rows, &start, Flags::default()).ok()?;
+        let Alone { problem, fit: found } = Alone::of(robot, &open)?;
         let cov = covariance(&found.fit.normal, problem.unknowns.free(), 1.0);
         let zero = |(k, unknown): (usize, &Unknown)| {
             let Unknown::Instrument(i, ..) = unknown else { return None };

@@ -35,8 +35,8 @@ pub enum Covariate {
 /// Axes of the base.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Points from which on an instrument is looked at.
-const POINTS: usize = 20;
+/// Rows from which on what they are measured with is looked at.
+pub(super) const ENOUGH: usize = 20;
 
 /// Share of the rows that have what is looked at: what others are off by is nothing then.
 const MOST: f64 = 0.95;
@@ -49,7 +49,7 @@ impl Covariate {
         let has = |c: &Self| (0..rows).filter(|row| c.at(problem, *row).is_some()).count();
         // Of other kinds of measurements the instrument is another.
         let enough = |c: &Self| match c {
-            Self::Azimuth | Self::Elevation | Self::Distance | Self::Length => has(c) >= POINTS,
+            Self::Azimuth | Self::Elevation | Self::Distance | Self::Length => has(c) >= ENOUGH,
             _ => has(c) as f64 >= MOST * rows as f64,
         };
         let rest = [

@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 
+use super::covariate::ENOUGH;
 use crate::identify::Problem;
+use crate::model::Form;
 use crate::model::arm::Derivatives;
 
 /// A part; joints are counted from 0.
@@ -28,9 +30,6 @@ pub enum Part {
     /// Lengths to an anchor, by its place in the list of instruments, or to all.
     Length(Option<usize>),
 }
-
-/// Rows from which on what they are measured with is looked at.
-const ENOUGH: usize = 20;
 
 /// How everything moves that turns about an axis through the origin of the frame it is
 /// measured in, as the base turns and shifts: linear in the derivatives, so that it holds of
@@ -68,7 +67,7 @@ impl Part {
     fn against(problem: &Problem) -> Vec<Self> {
         let (cell, data) = (&problem.cell, problem.data);
         let enough = |part: &Self| {
-            let own = |row: &usize| part.is_of(problem, *row);
+            let own = |row: &usize| part.of_row(problem, *row).is_some();
             (0..data.rows.len()).filter(own).take(ENOUGH).count() == ENOUGH
         };
         let each = 0..cell.instruments().len();
@@ -81,15 +80,23 @@ impl Part {
         out
     }
 
-    /// Whether a row is measured against it.
-    fn is_of(self, problem: &Problem, row: usize) -> bool {
+    /// What a row is measured against, if it is this.
+    fn of_row(self, problem: &Problem, row: usize) -> Option<usize> {
         let (cell, data) = (&problem.cell, problem.data);
         match self {
-            Self::Surface(k) => cell.surface(data, row) == Some(k),
-            Self::Length(Some(k)) => cell.anchor(data, row) == Some(k),
-            Self::Length(None) => cell.anchor(data, row).is_some(),
-            _ => true,
+            Self::Surface(k) => cell.surface(data, row).filter(|own| *own == k),
+            Self::Length(k) => cell.anchor(data, row).filter(|own| k.is_none_or(|k| *own == k)),
+            _ => None,
         }
+    }
+
+    /// Whether what goes in proportion to a place is geometry's: of a plane that is found its
+    /// tilt, of a sphere where it is. A cylinder may be a cone.
+    #[must_use]
+    pub fn has_slope(self, problem: &Problem) -> bool {
+        let Self::Surface(k) = self else { return false };
+        let own = &problem.data.instruments[k];
+        own.form != Form::Cylinder && own.free.contains(&true)
     }
 
     /// Number of the kind.
@@ -129,10 +136,6 @@ impl Part {
     #[must_use]
     pub fn moves(self, problem: &Problem, row: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
         let p = d.point;
-        let own = |instrument: Option<usize>| instrument.filter(|_| self.is_of(problem, row));
-        let away = |instrument: Option<usize>| {
-            own(instrument).map_or_else(Vector3::zeros, |k| problem.cell.away(k, &p))
-        };
         let flat = Vector3::new(p.x, p.y, 0.0);
         let out = flat.try_normalize(0.0).unwrap_or_default();
         match self {
@@ -144,9 +147,10 @@ impl Part {
             // Right above the instrument no direction is up.
             Self::Elevation => vec![turned(d, &out.cross(&Vector3::z()))],
             Self::Distance => vec![shifted(d, &p.try_normalize(0.0).unwrap_or_default())],
-            Self::Surface(k) => vec![shifted(d, &away(Some(k)))],
-            Self::Length(_) => {
-                vec![shifted(d, &away(problem.cell.anchor(problem.data, row)))]
+            Self::Surface(_) | Self::Length(_) => {
+                let own = self.of_row(problem, row);
+                let away = own.map_or_else(Vector3::zeros, |k| problem.cell.away(k, &p));
+                vec![shifted(d, &away)]
             }
         }
     }

@@ -22,9 +22,11 @@ use crate::observations::postures;
 fn has_name(problem: &Problem, part: Part, with: Covariate, shape: Shape) -> bool {
     let straight = shape == Shape::Bow(1);
     match (part, with) {
-        // What is measured against errs with where it is touched, which a tilt does in
-        // proportion, or with what is measured, or with time.
-        (Part::Surface(k), Covariate::Place(axis)) => straight || !problem.cell.lies_on(k, axis),
+        // What is measured against errs with where it is touched, with what is measured, or
+        // with time.
+        (Part::Surface(k), Covariate::Place(axis)) => {
+            straight && part.has_slope(problem) || !problem.cell.lies_on(k, axis)
+        }
         (
             Part::Length(_),
             Covariate::Length | Covariate::Time | Covariate::Order | Covariate::Temperature,

@@ -111,6 +111,18 @@ fn a_plane_is_off_as_places_on_it_go() {
     let mut state = start(&problem, &robot);
     let plane = state.instruments.iter().position(|i| i.form == Form::Plane).unwrap();
     state.bases[0].rotation = *Rotation3::from_euler_angles(0.3, -1.1, 2.0).matrix();
+    // A tilt of one that is found is where it stands; of one that is known it is an error.
+    let mut known = data.clone();
+    known.instruments[plane].free.fill(false);
+    for (data, found) in [(&data, true), (&known, false)] {
+        let problem = Problem::new(data, &robot, Scaling::Prior);
+        assert_eq!(Part::Surface(plane).has_slope(&problem), found);
+        let problem = problem.about(&state);
+        let axis = (0..3).find(|axis| problem.cell.lies_on(plane, *axis)).unwrap();
+        let (part, with) = (Part::Surface(plane), Covariate::Place(axis));
+        assert_eq!(has_name(&problem, part, with, Shape::Bow(1)), found);
+        assert!(!has_name(&problem, part, with, Shape::Bow(3)));
+    }
     for (way, normal) in [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().enumerate() {
         let turn = Rotation3::rotation_between(&Vector3::z(), &normal).unwrap();
         state.instruments[plane].place.rotation = state.bases[0].rotation * turn.matrix();
