@@ -12,6 +12,9 @@ const TEMPERATURE: u8 = 0;
 /// PCT2075...), degrees Celsius, -128 to 127.99: register 0 holds it as a
 /// signed big-endian number of 1/256 degree, of which a part fills in the upper
 /// 9 to 12 bits, as it was set up.
+/// Until the first conversion after power-up is done, about 0.1 s, such sensors answer with
+/// whatever their register begins with, many with 0: wait, or [`ThermalLag`](crate::ThermalLag)
+/// begins with an arm that is as cold.
 ///
 /// # Errors
 /// When the bus fails or nobody answers at the address.

@@ -368,6 +368,32 @@ fn an_arm_that_works_is_not_started_over() {
     }
 }
 
+/// A command that is no number, before compensation was ever on, is no reason to refuse a
+/// load.
+#[test]
+fn an_arm_that_refuses_while_it_is_off_is_still_off() {
+    let mut memory = memory();
+    let arm = loaded(&mut memory);
+    let status = |command: f32| {
+        let mut done = MaybeUninit::uninit();
+        // SAFETY: as the function wants it, which fills what it takes.
+        unsafe {
+            let error = truearm_tick(arm, [command; 6].as_ptr(), &NEUTRAL, done.as_mut_ptr());
+            assert_eq!(error, TruearmError::Ok);
+            done.assume_init().status
+        }
+    };
+    assert_eq!(status(f32::NAN), TruearmStatus::Refused);
+    // SAFETY: as the functions want it.
+    unsafe {
+        assert_eq!(load(arm, BLOB), TruearmError::Ok);
+        assert_eq!(truearm_set_active(arm, 1), TruearmError::Ok);
+    }
+    assert_eq!(status(f32::NAN), TruearmStatus::Refused);
+    // SAFETY: as the function wants it.
+    assert_eq!(unsafe { load(arm, BLOB) }, TruearmError::Active);
+}
+
 #[test]
 fn a_blob_without_a_covariance_has_no_sigma() {
     let mut memory = memory();

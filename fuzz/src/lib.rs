@@ -8,7 +8,8 @@ mod rig;
 use std::sync::LazyLock;
 
 use truearm::blob::{Blob, EncodeError, encode};
-use truearm::{Arm, ArmParameters};
+use truearm::compensate::{Compensator, Settings, Task};
+use truearm::{Arm, ArmParameters, State};
 
 #[cfg(feature = "readers")]
 pub use readers::readers;
@@ -35,16 +36,27 @@ fn check(bytes: &[u8]) {
     match blob.joints() {
         1 => use_as::<1>(&blob),
         2 => use_as::<2>(&blob),
+        3 => use_as::<3>(&blob),
+        4 => use_as::<4>(&blob),
+        5 => use_as::<5>(&blob),
         6 => use_as::<6>(&blob),
         7 => use_as::<7>(&blob),
+        16 => use_as::<16>(&blob),
         _ => assert!(blob.parameters::<f32, 6>().is_err(), "for another number of joints"),
     }
 }
 
 fn use_as<const N: usize>(blob: &Blob) {
     let parameters: ArmParameters<f32, N> = blob.parameters().expect("an arm of these joints");
-    let pose = Arm::new(&parameters).real_pose(&[0.5; N]);
-    assert!(pose.translation.iter().all(|value| value.is_finite()), "{pose:?}");
+    // Whatever an arm of these numbers does, what a tick commands are numbers.
+    let (settings, at) = (Settings::new(Task::Position), [0.5; N]);
+    if let Ok(mut compensator) = Compensator::new(Arm::new(&parameters), settings, &at) {
+        compensator.set_active(true);
+        for _ in 0..3 {
+            let tick = compensator.tick(&at, &State::default());
+            assert!(tick.joints.iter().all(|joint| joint.is_finite()), "{tick:?}");
+        }
+    }
     let mut bytes = vec![0; blob.size()];
     let written = encode(&parameters, &mut bytes);
     if parameters.sequence == u32::MAX {

@@ -15,7 +15,8 @@ use crate::kinematics::JointKind;
 use crate::scalar::Scalar;
 
 /// Writes a blob into the front of `out` and returns its length. Reals are
-/// rounded to binary32, orders of terms to 1/64. The result has been read back
+/// rounded to binary32, orders of terms to 1/64 (frictions and time constants as FORMAT.md
+/// has them). The result has been read back
 /// and found acceptable.
 ///
 /// # Errors

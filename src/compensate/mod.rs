@@ -11,7 +11,7 @@
 //! * at q + c the tool is never farther from its target than at q, the command
 //!   as it is, but for 2 % and 2 um: in position, or for [`Task::Pose`] in
 //!   `sqrt(|dp|^2 + rotation_length^2 |dw|^2)`. This is for arms that are off by
-//!   thousandths of their reach, tools within it, `singular` 0.02 to 0.1 of the
+//!   thousandths of their reach, tools within it, joints that turn, `singular` 0.02 to 0.1 of the
 //!   reach, `max_correction` up to `singular` over the reach, and in `f32` for
 //!   commands within 100 rad. Where it is damped, what terms bend a joint by may
 //!   add up to 0.07 mm a mrad, and play its own size. `docs/compensation.md` has
@@ -22,7 +22,9 @@
 //!
 //! What is **applied** goes to c by at most `max_change` a tick, but for a joint that a
 //! limit stops, which gives up at once what would take it beyond, and stands there, exactly, within `ceil(max |c - applied| / max_change)` ticks of a standing
-//! command after the ramp, and one more where the sum of the steps is rounded. On the
+//! command after the ramp. A step is rounded as sums are, by at most a 32nd of the smallest
+//! `max_change` and two millionths of the usual one in `f32`: by that share of the ticks, and one
+//! more, it may be later, and by that share a change may be larger. On the
 //! way there, as after [`Compensator::set_arm`] or where a fast motion near a
 //! singular pose asks for more than `max_change` a tick, nothing is claimed but that.
 //!
@@ -118,7 +120,8 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     /// One tick: the joints at which the real tool is where the nominal model
     /// has it at `command` (rad or m), in this state of the arm. Never fails: where
     /// nothing can be computed it goes back to the command, without a step, and
-    /// says why. What no term depends on is not looked at in the state.
+    /// says why. What no term depends on is not looked at in the state; of torques that are
+    /// read all joints' are, where a term follows any.
     #[inline]
     pub fn tick(&mut self, command: &[T; N], state: &State<T, N>) -> Tick<T, N> {
         let idle = !self.active && self.ramp == 0 && self.applied.iter().all(|a| *a == T::ZERO);

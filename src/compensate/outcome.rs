@@ -97,8 +97,8 @@ pub enum Refusal {
     /// A term follows torques that are read, and the state has none:
     /// [`Arm::reads_torques`](crate::Arm::reads_torques).
     TorqueUnknown,
-    /// A result is not finite: a joint beyond the range of
-    /// [`crate::Scalar::sin_cos`], or lengths beyond that of the number type.
+    /// A result is not finite: a joint, or a joint times the order of a periodic error, beyond the
+    /// range of [`crate::Scalar::sin_cos`] (8192 rad in `f32`), or lengths beyond that of the number type.
     OutOfRange,
 }
 

@@ -27,13 +27,14 @@ pub struct Settings<T, const N: usize> {
     pub trust_nominal_orientation: bool,
     /// How often what is left is looked at and solved for again, 1 to 4. Each
     /// leaves the error times the misfit of the nominal Jacobian, typically a
-    /// hundredth, and costs the same; the time of a tick does not vary.
+    /// hundredth, and costs the same, whatever the command.
     pub refinements: u8,
     /// Largest correction of each joint, rad or m, to 0.2. A correction takes
     /// back a geometric error and is a few milliradians; the bound keeps a
     /// singular pose or wrong parameters from moving the arm elsewhere.
     pub max_correction: [T; N],
-    /// Largest change of a joint's correction from tick to tick, rad or m.
+    /// Largest change of a joint's correction from tick to tick, rad or m; at least what
+    /// `max_correction` is rounded by, 2^-19 of it in `f32`.
     pub max_change: [T; N],
     /// Ticks in which the correction is faded in and out, with neither a step
     /// in velocity nor in acceleration; at most 2^24.
@@ -114,7 +115,10 @@ impl<T: Scalar, const N: usize> Settings<T, N> {
         if let Some(joint) = joint(&self.max_correction) {
             return Err(SettingError::MaxCorrection { joint });
         }
-        if let Some(joint) = joint(&self.max_change) {
+        // What a step is rounded by must be little of it, or the last ones are no steps.
+        let lost = |(change, most): (&T, &T)| *change < *most * T::EPSILON * T::from_f32(16.0);
+        let steps = || self.max_change.iter().zip(&self.max_correction);
+        if let Some(joint) = joint(&self.max_change).or_else(|| steps().position(lost)) {
             return Err(SettingError::MaxChange { joint });
         }
         let trusted = self.trust_nominal_orientation || arm.orientation_identified();

@@ -66,14 +66,19 @@ impl<T: Scalar> Plane<T> {
     /// ```
     ///
     /// # Errors
-    /// [`PlaneError::NotFinite`]; [`PlaneError::PointsOnALine`] where one of them is within
-    /// a milliradian of the line of the others.
+    /// [`PlaneError::NotFinite`]; [`PlaneError::PointsOnALine`] where one of them is nearer to the
+    /// line of the others than a thousandth of the longest side, in whatever order they are.
     pub fn through([a, b, c]: [Vector3<T>; 3]) -> Result<Self, PlaneError> {
         let (along, aside) = (b - a, c - a);
         let normal = cross(&along, &aside);
-        let sides = dot(&along, &along) * dot(&aside, &aside);
+        let across = c - b;
+        let [own, other, third] = [along, aside, across].map(|side| dot(&side, &side));
+        let longer = |a: T, b: T| if b > a { b } else { a };
+        let longest = longer(longer(own, other), third);
+        let sides = longest * longest;
         let square = dot(&normal, &normal);
-        if !(sides.is_finite() && a.iter().all(|v| v.is_finite())) {
+        let finite = (own + other + third).is_finite() && sides.is_finite();
+        if !(finite && a.iter().all(|v| v.is_finite())) {
             return Err(PlaneError::NotFinite);
         }
         // A square of 1e-6 underflows for none but points that are one point.

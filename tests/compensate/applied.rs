@@ -159,6 +159,47 @@ fn arrives<T: Scalar, const N: usize>(p: &ArmParameters<T, N>, task: Task) {
     }
 }
 
+/// Of any `max_change` that is accepted, from the smallest on.
+fn arrives_by_any_step<T: Scalar, const N: usize>(p: &ArmParameters<T, N>) {
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let most = 0.03;
+    let least = 16.001 * T::EPSILON.to_f64() * most;
+    for _ in 0..40 {
+        // Not so small that a run takes minutes.
+        let step = f64::exp(rng.random_range(least.max(1e-7).ln()..0.1_f64.ln()));
+        let change = [T::from_f64(step); N];
+        let settings =
+            Settings { ramp_ticks: 0, max_change: change, ..Settings::new(Task::Position) };
+        let mut compensator = compensator(p, settings);
+        let q = anywhere(&mut rng, compensator.arm());
+        let c = compensator.correction(&q, &state()).unwrap();
+        let way = c.iter().map(|c| c.abs().to_f64()).fold(0.0, f64::max);
+        let lost = 0.5 * T::EPSILON.to_f64() * most / step;
+        assert!(lost <= 1.0 / 32.0);
+        let ticks = ((way / step) / (1.0 - lost)).ceil() as usize + 1;
+        let mut before = [0.0; N];
+        for _ in 0..ticks {
+            let joints = compensator.tick(&q, &state()).joints;
+            let applied: [f64; N] = core::array::from_fn(|i| (joints[i] - q[i]).to_f64());
+            for (now, before) in applied.iter().zip(before) {
+                // The joint itself is rounded, to what its own angle is.
+                let rounded = 2.0 * T::EPSILON.to_f64() * 8.0;
+                assert!((now - before).abs() <= step * (1.0 + lost) + rounded);
+            }
+            before = applied;
+        }
+        let wanted: [T; N] = core::array::from_fn(|i| q[i] + c[i]);
+        assert_eq!(compensator.tick(&q, &state()).joints, wanted, "{step:e}");
+    }
+}
+
+#[test]
+fn steps_of_any_size_arrive_in_the_stated_number_of_ticks() {
+    arrives_by_any_step(&shipped::<f32>(UR10));
+    arrives_by_any_step(&parameters::<f32, 7>(&rail(), 5e-4, Terms::All));
+    arrives_by_any_step(&shipped::<f64>(UR10_TERMS));
+}
+
 #[test]
 fn a_standing_command_is_reached_exactly_in_the_stated_number_of_ticks() {
     for task in [Task::Position, Task::Pose] {
@@ -343,6 +384,19 @@ fn a_tick_that_is_off_claims_nothing() {
     assert_eq!(tick.status, Status::Off);
     assert!(tick.left.is_none() && tick.damping.is_none() && tick.covered.is_none());
     assert!(!tick.is_complete());
+}
+
+/// Below, the last steps to a correction would be no steps.
+#[test]
+fn a_step_that_rounding_takes_away_is_refused() {
+    let p = shipped::<f32>(UR10);
+    let good = Settings::<f32, 6>::new(Task::Position);
+    let least = 16.0 * f32::EPSILON * good.max_correction[0];
+    for (step, taken) in [(5e-10, false), (0.999 * least, false), (least, true), (1e-6, true)] {
+        let settings = Settings { max_change: [step; 6], ..good };
+        let made = Compensator::new(Arm::new(&p), settings, &[0.0; 6]);
+        assert_eq!(made.is_ok(), taken, "{step:e}");
+    }
 }
 
 #[test]

@@ -98,7 +98,14 @@ fn fuzz(targets: &[(&str, u32)], features: &str, arguments: &[String]) -> Result
 /// Inputs that mutations begin with.
 fn begin(target: &str, corpus: &Path) -> Result {
     std::fs::create_dir_all(corpus)?;
-    let blobs = ["tests/data/firmware/ur10.blob", "tests/data/firmware/ur10-terms.blob"];
+    let blobs = [
+        "tests/data/firmware/ur10.blob",
+        "tests/data/firmware/ur10-terms.blob",
+        "tests/data/golden/layout-3-gaps.blob",
+        "tests/data/golden/layout-3-full.blob",
+        "tests/data/golden/layout-3-lateral.blob",
+        "tests/data/golden/layout-3-torques.blob",
+    ];
     let inputs: Vec<(&[u8], &str)> = match target {
         "decode" => blobs.map(|blob| (&[][..], blob)).to_vec(),
         "readers" => FILES.to_vec(),
