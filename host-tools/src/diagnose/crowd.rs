@@ -40,7 +40,8 @@ fn together(problem: &Problem, node: &Node) -> bool {
     let mut by = |of: &dyn Fn(usize, &Row) -> f64| {
         orders.push((0..data.rows.len()).map(|row| of(row, &data.rows[row])).collect());
     };
-    by(&|row, _| data.when(row));
+    let place = data.places();
+    by(&|row, _| place[row]);
     (0..problem.nominal.len()).for_each(|joint| by(&|_, row| row.q[joint]));
     (0..3).for_each(|axis| by(&|row, _| at.target(row).0[axis]));
     let expected = few * (few - 1.0) / rows.len() as f64;

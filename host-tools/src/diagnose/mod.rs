@@ -26,6 +26,7 @@ mod tell;
 mod torques;
 mod verdict;
 pub mod weigh;
+mod weighing;
 mod white;
 
 pub use described::{Described, ErrorCourse};
@@ -41,7 +42,7 @@ use crate::identify::start::registration::register;
 use crate::identify::start::{cameras, zeros};
 use crate::identify::typical::as_measured;
 use crate::identify::{Conditions, Options, Problem, RowResult, Scaling, State, blamed, enough};
-use crate::model::{ErrorCurve, Measurements, Model, Mounting, Robot};
+use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Mounting, Robot};
 use candidates::Candidate;
 use moments::Moments;
 use pipeline::{answered, with_hand};
@@ -133,6 +134,10 @@ pub fn diagnose(
     }
 }
 
+fn needs_masses(term: &ModelTerm) -> bool {
+    matches!(term, ModelTerm::Arm(own) if own.needs_masses())
+}
+
 /// However the arm is mounted, and if more rows are off than can be gross errors.
 fn whatever_holds(
     robot: &Robot,
@@ -141,8 +146,18 @@ fn whatever_holds(
     options: &DiagnoseOptions,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
-    let with =
-        |crowd, mounting| diagnosed(robot, data, holdout, options, (crowd, mounting), progress);
+    let with = |crowd, mounting| {
+        let of =
+            |robot: &Robot| diagnosed(robot, data, holdout, options, (crowd, mounting), progress);
+        // What torques that were read say of masses counts where something gives way that is no
+        // joint; else springs follow what is read.
+        let weighed = weighing::weighed(robot, data, mounting).map(|robot| of(&robot));
+        let moved = |found: &Diagnosis| found.state.terms.iter().any(needs_masses);
+        match weighed {
+            Some(Ok(found)) if moved(&found) => Ok(found),
+            _ => of(robot),
+        }
+    };
     let mounted = |mounting| match with(Crowd::Refused, mounting) {
         Err(error) if error.kind() == ErrorKind::Contradiction => with(Crowd::Described, mounting),
         done => done,

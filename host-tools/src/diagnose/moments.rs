@@ -225,7 +225,7 @@ const FARTHEST: f64 = 0.5;
 /// the moments of all links before; on the first axis it does nothing but press on
 /// the base, or on the rail that it stands on. Another joint that slides feels every mass
 /// behind it: there nothing is changed.
-fn within_reach(mut robot: Robot, links: &[Link<f64>]) -> Robot {
+pub(super) fn within_reach(mut robot: Robot, links: &[Link<f64>]) -> Robot {
     if robot.joints.iter().skip(1).any(|j| j.link.kind == JointKind::Prismatic) {
         return robot;
     }

@@ -245,13 +245,10 @@ impl Outcome {
     #[must_use]
     pub fn what_is_left(&self) -> String {
         match self.beyond_repeats {
-            Some(times) => format!(
-                "has no name, though poses are off by {times:.1} times what their repeats scatter"
-            ),
-            None => format!(
-                "has no name, though it is {:.1} times the stated noise",
-                self.times_stated()
-            ),
+            Some(times) => {
+                format!("has no name: poses are off by {times:.1} times what their repeats scatter")
+            }
+            None => format!("has no name: it is {:.1} times the stated noise", self.times_stated()),
         }
     }
 

@@ -37,14 +37,18 @@ pub fn with_hand(
     answer: (Node, Weighed),
     progress: &dyn Fn(&'static str),
 ) -> (Node, Weighed) {
-    let missed = |answer: &(Node, Weighed)| answer.1.nested_rms_mm(&answer.1.best);
     let Some(moments) = answer.1.moments.as_ref().and_then(Moments::with_hand) else {
         return answer;
     };
     let mut question = Question { moments: Some(&moments), ..*question };
     // Where that does not converge the first answer stands.
     let Ok(other) = answered(&mut question, start, progress) else { return answer };
-    match missed(&other).zip(missed(&answer)) {
+    // Of rows that both keep: whoever flags more has less to miss.
+    let kept = &answer.1.best.fit.kept;
+    let others = &other.1.best.fit.kept;
+    let both: Vec<usize> =
+        kept.iter().copied().filter(|row| others.binary_search(row).is_ok()).collect();
+    match other.1.nested_rms_mm(&both).zip(answer.1.nested_rms_mm(&both)) {
         Some((with, without)) if with < without => other,
         _ => answer,
     }

@@ -13,6 +13,7 @@ use super::policy::POLICY;
 use super::tell::place;
 use super::weigh::{Doubt, Named, Weighed, scatter};
 use crate::error::listed;
+use crate::evidence::Aliases;
 use crate::evidence::poses::Scatter;
 use crate::identify::Problem;
 use crate::model::{Measurements, ModelTerm};
@@ -37,8 +38,45 @@ pub fn all<'a>(
     .into_iter()
     .flatten()
     .chain(wrong_holes(data, best))
+    .chain(aliased(problem, best))
     .chain(weighed.scattering.iter().map(move |joint| scattering(problem, *joint)))
 }
+
+/// Lines whose order is not told: those of other orders look the same where a joint stood.
+fn aliased(problem: &Problem, best: &Node) -> Vec<String> {
+    let data = problem.data;
+    let mut lines: Vec<(usize, f64)> = Vec::new();
+    for term in &best.fit.fit.state.terms {
+        let joints = term.joints();
+        let (Some(order), [joint]) = (term.order(), &joints[..]) else { continue };
+        // A stated ratio of gears tells its orders.
+        let found = term.effect_name() == Effect::JointPeriodicError.name();
+        if found && !lines.contains(&(*joint, order)) {
+            lines.push((*joint, order));
+        }
+    }
+    let others = |(joint, order): (usize, f64)| {
+        let angles: Vec<f64> = best.fit.kept.iter().map(|r| data.rows[*r].q[joint - 1]).collect();
+        let others = Aliases::of(&angles, MOST_CYCLES).others(order, &(1.0..=MOST_CYCLES));
+        let named: Vec<String> = others.iter().take(ALIASES).map(|n| format!("{n:.0}")).collect();
+        (!named.is_empty()).then(|| {
+            format!(
+                "{}: at the evenly spaced angles of joint {joint} {order:.0} cycles a turn look like \
+                 {}{}: between them the correction may be of the wrong order; measure angles of other \
+                 distances",
+                data.path.display(),
+                named.join(", "),
+                if others.len() > ALIASES { " and others" } else { "" }
+            )
+        })
+    };
+    lines.into_iter().filter_map(others).collect()
+}
+
+/// Cycles a turn up to which orders are looked for.
+const MOST_CYCLES: f64 = 420.0;
+/// Orders that are named.
+const ALIASES: usize = 4;
 
 /// Remarks where poses that no fit saw are missed by more than with less of a model.
 pub fn worse_elsewhere(

@@ -43,7 +43,9 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         false => show.beside_curves(&root, best, &nominal, &weighed.stages)?,
     };
     let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
-    let (whereabouts, least) = tell::sentences(show.rigid, &root, show.question.flags.lambda);
+    let lambda = show.question.flags.lambda;
+    let with_terms = problem.with_terms(best.fit.fit.state.terms.len());
+    let (whereabouts, least) = tell::sentences(show.rigid, &root, (&with_terms, &best), lambda);
     let goes_with = least.filter(|(p, _)| *p < POLICY.beyond_chance).map(|(_, words)| words);
     let described = described::described(problem, &weighed);
     let judged = (&weighed, &described[..]);
@@ -81,7 +83,7 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         described,
         noise_scale,
         beyond_repeats: remarks::over_repeats(problem, &best),
-        nested_rms_mm: weighed.nested_rms_mm(&best),
+        nested_rms_mm: weighed.nested_rms_mm(&best.fit.kept),
         noise_floor_mm: noise_floor(problem.data) * 1e3 / weighed.scale,
         reduced_chi_square: best.reduced,
         geometry_reduced_chi_square: root.reduced,
@@ -144,7 +146,7 @@ fn findings<'a>(
     })
 }
 
-/// Whether a term of a state bends under loads.
+/// Whether any term depends on gravity.
 fn has_loads(state: &State) -> bool {
     let loaded = |t: &ModelTerm| matches!(t, ModelTerm::Arm(term) if term.needs_load());
     state.terms.iter().any(loaded)

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 
 use super::node::Node;
 use crate::identify::Problem;
-use crate::observations::Reading;
+use crate::observations::by_pose;
 
 /// A covariate along which neighbouring residuals are alike.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,12 +34,19 @@ pub fn left(problem: &Problem, node: &Node) -> Option<Likeness> {
             (format!("the angle of joint {}", j + 1), of)
         })
         .collect();
-    let order = poses.iter().map(|(row, _)| problem.data.when(*row));
+    let place = problem.data.places();
+    let order = poses.iter().map(|(row, _)| place[*row]);
     covariates.push(("the order of the rows".to_owned(), order.collect()));
     let each = covariates.into_iter().filter_map(|(covariate, of)| {
         let mut order: Vec<usize> = (0..poses.len()).collect();
-        order.sort_by(|a, b| of[*a].total_cmp(&of[*b]));
-        let (deviations, correlation) = likeness(order.into_iter().map(|k| &poses[k].1))?;
+        let frame = |k: usize| (row(k).kind, row(k).station);
+        order.sort_by(|a, b| frame(*a).cmp(&frame(*b)).then(of[*a].total_cmp(&of[*b])));
+        let in_frame = order.chunk_by(|a, b| frame(*a) == frame(*b));
+        let pairs = in_frame.flat_map(|own| own.windows(2).map(|pair| (pair[0], pair[1])));
+        // What the arm moves alike, of one pose, is alike.
+        let apart = pairs.filter(|(a, b)| row(*a).pose != row(*b).pose);
+        let residuals = apart.map(|(a, b)| (&poses[a].1, &poses[b].1));
+        let (deviations, correlation) = likeness(residuals)?;
         Some(Likeness { covariate, deviations, correlation })
     });
     each.max_by(|a, b| a.deviations.total_cmp(&b.deviations))
@@ -48,29 +55,31 @@ pub fn left(problem: &Problem, node: &Node) -> Option<Likeness> {
 /// Mean residual of each pose of the kept rows, in sigmas, with its first row.
 fn poses(problem: &Problem, node: &Node) -> Vec<(usize, DVector<f64>)> {
     let at = problem.linearise(&node.fit.fit.state);
-    let key = |r: &usize| Reading::of(&problem.data.rows, *r);
-    let mut rows = node.fit.kept.clone();
-    rows.sort_by_cached_key(|r| (key(r), *r));
-    let mean = |rows: &[usize]| {
-        let sum = rows.iter().map(|r| DVector::from(at.scaled_residual(*r).to_vec()));
-        let sum = sum.reduce(|a, b| a + b).unwrap_or_else(|| DVector::zeros(0));
-        (rows[0], sum / rows.len() as f64)
+    let kept = &node.fit.kept;
+    let mean = |readings: &Vec<usize>| {
+        let residual = |k: &usize| DVector::from(at.scaled_residual(kept[*k]).to_vec());
+        let sum = readings.iter().map(residual).reduce(|a, b| a + b);
+        let sum = sum.unwrap_or_else(|| DVector::zeros(0));
+        (kept[readings[0]], sum / readings.len() as f64)
     };
-    rows.chunk_by(|a, b| key(a) == key(b)).map(mean).collect()
+    by_pose(&problem.data.rows, kept).iter().map(mean).collect()
 }
 
 /// Deviations above chance and correlation of neighbours; those with other
 /// numbers of components are none.
-fn likeness<'r>(residuals: impl Iterator<Item = &'r DVector<f64>>) -> Option<(f64, f64)> {
-    let residuals: Vec<_> = residuals.collect();
+fn likeness<'r>(
+    pairs: impl Iterator<Item = (&'r DVector<f64>, &'r DVector<f64>)>,
+) -> Option<(f64, f64)> {
     let (mut sum, mut variance, mut square) = (0.0, 0.0, 0.0);
-    for pair in residuals.windows(2).filter(|pair| pair[0].len() == pair[1].len()) {
-        let (a, b) = (pair[0].norm_squared(), pair[1].norm_squared());
-        sum += pair[0].dot(pair[1]);
-        variance += a * b / pair[0].len() as f64;
+    let mut count = 0;
+    for (r, s) in pairs.filter(|(r, s)| r.len() == s.len()) {
+        let (a, b) = (r.norm_squared(), s.norm_squared());
+        sum += r.dot(s);
+        variance += a * b / r.len() as f64;
         square += (a + b) / 2.0;
+        count += 1;
     }
-    (residuals.len() > 2 && variance > 0.0).then(|| (sum / variance.sqrt(), sum / square))
+    (count > 1 && variance > 0.0).then(|| (sum / variance.sqrt(), sum / square))
 }
 
 impl Likeness {

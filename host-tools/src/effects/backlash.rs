@@ -31,8 +31,15 @@ fn offers(data: &Data) -> Result<Vec<Offer>, &'static str> {
     let mut out = Vec::new();
     for j in &joints {
         let levels = frictions(data.conditions, *j, most);
-        let tried = joints.len() * levels.len();
-        out.extend(levels.iter().map(|level| Offer::of_arm(EFFECT, &[*j], &[*level], tried)));
+        // Half of what is believed is of a gap that gravity has no part in.
+        let rubbing = levels.len() - 1;
+        let tried = |level: f64| match (level > 0.0, rubbing) {
+            (_, 0) => joints.len(),
+            (false, _) => 2 * joints.len(),
+            (true, _) => 2 * joints.len() * rubbing,
+        };
+        let offer = |level: &f64| Offer::of_arm(EFFECT, &[*j], &[*level], tried(*level));
+        out.extend(levels.iter().map(offer));
     }
     Ok(out)
 }

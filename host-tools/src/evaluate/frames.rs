@@ -161,9 +161,10 @@ pub(super) fn with_bases(
     Ok(state)
 }
 
-/// Terms of the arm itself: another session has its own drift and mounting.
+/// Terms of the arm and of its read-out: another session has its own drift and mounting.
 fn arm_terms(model: &Model) -> Vec<ModelTerm> {
-    model.terms.iter().filter(|t| matches!(t, ModelTerm::Arm(_))).cloned().collect()
+    let stays = |t: &&ModelTerm| matches!(t, ModelTerm::Arm(_) | ModelTerm::Lag { .. });
+    model.terms.iter().filter(stays).cloned().collect()
 }
 
 /// Base and tool registered on the file, links and terms as given.

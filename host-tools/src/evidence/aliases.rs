@@ -34,6 +34,16 @@ impl Aliases {
         1 + self.shifts.iter().flat_map(of).filter(|n| range.contains(n)).count()
     }
 
+    /// Orders of a range that look like this one.
+    #[must_use]
+    pub fn others(&self, order: f64, range: &RangeInclusive<f64>) -> Vec<f64> {
+        let of = |s: &f64| [order + s, order - s, s - order];
+        let mut out: Vec<f64> =
+            self.shifts.iter().flat_map(of).filter(|n| range.contains(n)).collect();
+        out.sort_by(f64::total_cmp);
+        out
+    }
+
     /// Whether two orders look alike, known to `within`.
     #[must_use]
     pub fn alike(&self, a: f64, b: f64, within: f64) -> bool {
@@ -70,6 +80,7 @@ mod tests {
         let grid: Vec<f64> = (0..720).map(|k| f64::from(k % 180) * 2_f64.to_radians()).collect();
         let aliases = Aliases::of(&grid, 400.0);
         assert_eq!(aliases.count(5.0, &(3.0..=400.0)), 5, "5, 175, 185, 355, 365");
+        assert_eq!(aliases.others(5.0, &(3.0..=400.0)), [175.0, 185.0, 355.0, 365.0]);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::pairs;
 use super::source::Source;
 use crate::error::{Error, Result, listed};
 use crate::model::near::Reach;
-use crate::model::{Measurements, Robot, Row, find_sessions};
+use crate::model::{Measurements, Robot, Row, find_sessions, number_runs};
 use crate::observations::refer_to_zeros;
 
 /// Rows whose joints agree within this are one pose, rad (0.01 degrees).
@@ -119,6 +119,7 @@ impl Measurements {
             data.number(robot);
         }
         find_sessions(&mut data.rows);
+        number_runs(&mut data.rows, &[]);
         Ok(data)
     }
 
@@ -150,9 +151,8 @@ impl Measurements {
         self.directions_from_order = true;
         let still: Vec<f64> = robot.joints.iter().map(|j| same(j.link.kind)).collect();
         let before = self.before();
-        let mut order: Vec<usize> = (0..self.rows.len()).collect();
-        order.sort_by(|a, b| self.when(*a).total_cmp(&self.when(*b)).then(a.cmp(b)));
-        for (row, before) in order.into_iter().filter_map(|row| Some((row, before[row]?))) {
+        for (row, before) in self.in_order().into_iter().filter_map(|row| Some((row, before[row]?)))
+        {
             let old = &self.rows[before];
             let moved = self.rows[row].q.iter().zip(&old.q).map(|(new, old)| new - old);
             let sides =
@@ -219,6 +219,8 @@ impl Measurements {
             row.extra.clear();
             self.rows.push(row);
         }
+        let files: Vec<usize> = self.behind.iter().map(|(_, first)| *first).collect();
+        number_runs(&mut self.rows, &files);
         refer_to_zeros(&mut self);
         self.directions_from_order |= other.directions_from_order;
         // An instruments.toml beside several files is remarked upon once.

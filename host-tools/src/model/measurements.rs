@@ -86,6 +86,8 @@ pub struct Row {
     pub payload: Option<f64>,
     /// Order of measurement.
     pub order: Option<f64>,
+    /// Which run of the clock it is of: files and series whose times begin anew are others.
+    pub run: u32,
     /// Orientation of the target in the tracker frame, quaternion x, y, z, w.
     pub orientation: Option<[f64; 4]>,
     /// Side from which each joint came to rest: +1, -1, or 0 if unknown.
@@ -116,6 +118,7 @@ impl Row {
             warming: None,
             payload: None,
             order: None,
+            run: 0,
             orientation: None,
             directions: Vec::new(),
             torques: Vec::new(),
@@ -140,6 +143,7 @@ impl Row {
         // Most differ in what was measured. The first of a file has no sides taken from order.
         let like = |other: &Self| Self {
             line: self.line,
+            run: self.run,
             directions: self.directions.clone(),
             warming: self.warming.clone(),
             ..other.clone()
@@ -214,50 +218,6 @@ impl Measurements {
             true
         };
         (0..self.rows.len()).filter(new).collect()
-    }
-
-    /// What orders a row in the session: its time, its number, or its place in
-    /// the file.
-    #[must_use]
-    pub fn when(&self, row: usize) -> f64 {
-        let of = &self.rows[row];
-        of.time.or(of.order).unwrap_or(row as f64)
-    }
-
-    /// The row that was measured just before each of these: none before the first
-    /// of a series or station, and none where the numbers in `order` say that rows
-    /// between them are missing.
-    #[must_use]
-    pub fn before(&self) -> Vec<Option<usize>> {
-        let mut sorted: Vec<usize> = (0..self.rows.len()).collect();
-        sorted.sort_by(|a, b| self.when(*a).total_cmp(&self.when(*b)).then(a.cmp(b)));
-        let step = |pair: &[usize]| Some(self.rows[pair[1]].order? - self.rows[pair[0]].order?);
-        let steps = sorted.windows(2).filter_map(step).filter(|step| *step > 0.0);
-        let usual = steps.fold(f64::INFINITY, f64::min);
-        let mut out = vec![None; self.rows.len()];
-        for pair in sorted.windows(2) {
-            let (a, b) = (&self.rows[pair[0]], &self.rows[pair[1]]);
-            let together = (&a.series, a.station) == (&b.series, b.station);
-            let next = step(pair).is_none_or(|step| (0.0..=1.5 * usual).contains(&step));
-            out[pair[1]] = (together && next).then_some(pair[0]);
-        }
-        out
-    }
-
-    /// The row at which the arm stood before it moved to where each of these was measured,
-    /// as [`before`](Self::before): readings of a pose one after another are one stand.
-    #[must_use]
-    pub fn moved_from(&self) -> Vec<Option<usize>> {
-        let before = self.before();
-        let mut order: Vec<usize> = (0..self.rows.len()).collect();
-        order.sort_by(|a, b| self.when(*a).total_cmp(&self.when(*b)).then(a.cmp(b)));
-        let mut out = before.clone();
-        for row in order {
-            if let Some(last) = before[row].filter(|b| self.rows[*b].pose == self.rows[row].pose) {
-                out[row] = out[last];
-            }
-        }
-        out
     }
 
     /// How many rows of `other` are rows of these too: the same joints, the same

@@ -3,14 +3,15 @@
 use super::kind;
 use crate::model::{KindId, Row};
 
-/// What readings of one thing have in common: where the arm stood, at both ends of a
-/// pair, and what was measured there. A hole of a plate is another than the next one. The
-/// corners that a camera sees in a pose are one image: what the arm is off by there moves all.
+/// What readings that the arm moves alike have in common: where it stood, at both ends of a
+/// pair, and what was measured there, of whatever target on its flange. A hole of a plate is
+/// another than the next one. The corners that a camera sees in a pose are one image.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Reading<'a> {
+struct Reading<'a> {
     kind: KindId,
     station: usize,
-    marker: usize,
+    /// `None` of all targets.
+    marker: Option<usize>,
     pose: usize,
     partner: Option<usize>,
     refers: &'a [usize],
@@ -19,8 +20,7 @@ pub struct Reading<'a> {
 
 impl<'a> Reading<'a> {
     /// That of a row.
-    #[must_use]
-    pub fn of(rows: &'a [Row], index: usize) -> Self {
+    fn of(rows: &'a [Row], index: usize) -> Self {
         let row = &rows[index];
         let columns = kind(row).columns().len();
         let own = if kind(row).is_image() { row.measured.len() } else { columns };
@@ -28,13 +28,46 @@ impl<'a> Reading<'a> {
         Self {
             kind: row.kind,
             station: row.station,
-            marker: row.marker,
+            marker: None,
             pose: row.pose,
             partner: row.partner.map(|partner| rows[partner].pose),
             refers: &row.refers,
             known: known.map(|v| v.to_bits()).collect(),
         }
     }
+
+    /// The same of one target: such readings repeat one thing, but for the corners of an image.
+    fn of_target(rows: &'a [Row], index: usize) -> Self {
+        Self { marker: Some(rows[index].marker), ..Self::of(rows, index) }
+    }
+}
+
+/// Places in `of` of rows that the arm moves alike, a list each.
+#[must_use]
+pub fn by_pose(rows: &[Row], of: &[usize]) -> Vec<Vec<usize>> {
+    alike(of, |row| Reading::of(rows, row))
+}
+
+/// The same of each target by itself.
+#[must_use]
+pub fn by_target(rows: &[Row], of: &[usize]) -> Vec<Vec<usize>> {
+    alike(of, |row| Reading::of_target(rows, row))
+}
+
+fn alike<'a>(of: &[usize], key: impl Fn(usize) -> Reading<'a>) -> Vec<Vec<usize>> {
+    let key = |k: usize| key(of[k]);
+    let mut order: Vec<usize> = (0..of.len()).collect();
+    order.sort_by_cached_key(|k| (key(*k), *k));
+    order.chunk_by(|a, b| key(*a) == key(*b)).map(<[usize]>::to_vec).collect()
+}
+
+/// Whether readings of a pose repeat one thing: they differ by noise then. Corners of an image
+/// and targets on the flange are apart by what the arm is off by as well.
+#[must_use]
+pub fn repeat(rows: &[Row], readings: &[usize]) -> bool {
+    let [first, others @ ..] = readings else { return true };
+    let row = &rows[*first];
+    !kind(row).is_image() && others.iter().all(|other| rows[*other].marker == row.marker)
 }
 
 /// Rows at which the arm stood for what some rows measure: of a pair both ends.

@@ -170,6 +170,18 @@ fn a_readout_that_lags_is_no_gap_of_the_wrong_sign_and_no_line() {
     assert!((value - 4e-4).abs() < 1e-5, "{value}");
 }
 
+/// A tracker that was moved reads the joints through the same read-out.
+#[test]
+fn a_readout_lags_wherever_the_tracker_stands() {
+    let session = session(150, 2, &aside(1, 4e-4), &still);
+    let text = with(&session, "", |_| String::new());
+    let data = Measurements::parse("m.csv".as_ref(), &text, &arm()).unwrap();
+    let found = diagnose(&arm(), &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap();
+    let missed = |frames| evaluate(&found.model, &data, frames).unwrap().stats.unwrap().rms_mm;
+    let [as_trained, anew] = [Reregister::Nothing, Reregister::Base].map(missed);
+    assert!(anew < 1.02 * as_trained, "{as_trained} {anew}");
+}
+
 /// Rows in no order: what they came from is not known, and nothing is named.
 #[test]
 fn rows_in_another_order_have_no_gap() {
@@ -191,6 +203,26 @@ fn where_rows_are_missing_no_side_is_known() {
     let known = |row: &truearm_host::model::Row| row.directions.iter().any(|side| *side != 0);
     let unknown: Vec<usize> = (0..40).filter(|k| !known(&data.rows[*k])).collect();
     assert_eq!(unknown, [0, 20]);
+}
+
+/// Two days whose clocks both begin at nothing: the second is not measured among the first.
+#[test]
+fn a_second_day_comes_after_the_first() {
+    let session = session(20, 4, &|q, _| q.to_vec(), &still);
+    let text = with(&session, "time_s", |k| format!("{}", 60 * k));
+    let day = || Measurements::parse("m.csv".as_ref(), &text, &arm()).unwrap();
+    let both = day().joined(day(), &arm());
+    assert_eq!(both.in_order(), (0..40).collect::<Vec<_>>());
+    let first = |row: &Option<usize>| row.is_none();
+    assert_eq!(
+        both.before().iter().enumerate().filter(|b| first(b.1)).map(|b| b.0).collect::<Vec<_>>(),
+        [0, 20]
+    );
+    // A clock that goes on is one session.
+    let later = with(&session, "time_s", |k| format!("{}", 60 * k + 5000));
+    let later = Measurements::parse("m.csv".as_ref(), &later, &arm()).unwrap();
+    let both = day().joined(later, &arm());
+    assert_eq!(both.before()[20], Some(19));
 }
 
 /// What a joint holds, N m, of an arm that nobody weighed.

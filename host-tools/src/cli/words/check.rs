@@ -55,7 +55,7 @@ pub fn checked(report: &CheckReport) -> String {
     }
     if !report.absorbed.is_empty() {
         let list = report.absorbed.join(", ");
-        out += &format!("mistakes here base or tool absorb, so that they cannot be seen: {list}\n");
+        out += &format!("not testable here, as base or tool would absorb it: {list}\n");
     }
     out
 }

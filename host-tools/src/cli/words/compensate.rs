@@ -65,7 +65,8 @@ pub fn compensation(report: &CompensateReport, coordinates: Coordinates) -> Stri
             }
         };
         out += &format!(
-            "{} outside the joint ranges of the identification, {done}: {}\n",
+            "{} that the model does not cover (outside the joint ranges of the identification, or \
+             where an error curve is not known), {done}: {}\n",
             count(report.not_covered.len(), "row"),
             lines(&report.not_covered)
         );

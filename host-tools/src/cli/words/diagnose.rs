@@ -135,7 +135,9 @@ fn gap(r: &Outcome) -> Table {
 fn alternative(a: &Alternative, r: &Outcome) -> String {
     let own = [r.effects.clone(), r.suspected.clone()].concat();
     let how = match a.is_told_by_poses() {
-        true => "measure these poses to tell them apart:",
+        true => {
+            "measure these poses to tell them apart (degrees or mm; floor and cell not looked at):"
+        }
         false => "measure on while the arm warms up and while it cools down to tell them apart",
     };
     let mut out = format!(

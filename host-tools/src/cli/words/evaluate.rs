@@ -1,6 +1,6 @@
 use truearm_host::evaluate::Validation;
 
-use super::{Errors, list, not_covered};
+use super::{Errors, not_covered, numbered};
 
 /// A scored file.
 pub fn validation(v: &Validation) -> String {
@@ -19,14 +19,14 @@ pub fn validation(v: &Validation) -> String {
         out += &format!("{}: RMS {before} nominal, {after} identified\n", k.kind);
     }
     if !v.left_out.is_empty() {
-        let rows = list(&v.left_out);
-        out += &format!("rows {rows} left out: beyond 10 robust standard deviations\n");
+        let rows = numbered("row", &v.left_out);
+        out += &format!("{rows} left out: beyond 10 robust standard deviations\n");
     }
     if !v.standing_out.is_empty() {
         out += &format!(
-            "rows {} stand out by more than 10 robust standard deviations and count: look for wrong \
+            "off by more than 10 robust standard deviations as well, and counted: {}; look for wrong \
              ones among them\n",
-            list(&v.standing_out)
+            numbered("row", &v.standing_out)
         );
     }
     if v.reregistered != "none" {

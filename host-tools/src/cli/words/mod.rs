@@ -87,12 +87,17 @@ fn folded(lines: &[String]) -> String {
     out
 }
 
+/// A thing and its number, or things and theirs.
+pub fn numbered(thing: &str, numbers: &[usize]) -> String {
+    format!("{thing}{} {}", if numbers.len() == 1 { "" } else { "s" }, list(numbers))
+}
+
 /// A remark about extrapolation, if there is any.
 pub fn not_covered(joints: &[usize]) -> Option<String> {
     (!joints.is_empty()).then(|| {
         format!(
-            "joint ranges not covered by the identification: joints {}; there the model extrapolates",
-            list(joints)
+            "joint ranges not covered by the identification: {}; there the model extrapolates",
+            numbered("joint", joints)
         )
     })
 }

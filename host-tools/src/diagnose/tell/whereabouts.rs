@@ -10,14 +10,16 @@ use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;
 use crate::identify::Problem;
 use crate::model::{KindId, Values};
-use crate::observations::kind;
+use crate::observations::{by_pose, kind};
 
 /// Sentences for what is significant, a joint that slipped first, then strongest
-/// first, and the one that is least a chance, with its p value. `lambda` is that of the fit.
+/// first, and the one that is least a chance, with its p value. `lambda` is that of the fit. No
+/// joint is said to have slipped that has not beside what was found, `best` of a problem.
 #[must_use]
 pub fn sentences(
     problem: &Problem,
     root: &Node,
+    best: (&Problem, &Node),
     lambda: f64,
 ) -> (Vec<String>, Option<(f64, String)>) {
     let at = problem.linearise(&root.fit.fit.state);
@@ -25,17 +27,26 @@ pub fn sentences(
     let all: Vec<usize> = (0..problem.data.rows.len()).collect();
     let crowded = crowded(problem, root);
     let rows = if crowded { &all } else { &root.fit.kept };
-    let scaled = |r: &usize| (problem.data.rows[*r].kind, at.scaled_residual(*r));
-    let residuals: Vec<(KindId, Values)> = rows.iter().map(scaled).collect();
+    // Readings of one pose are one: what moves one of them moves all.
+    let poses = by_pose(&problem.data.rows, rows);
+    let mean = |readings: &Vec<usize>| {
+        let all: Vec<Values> = readings.iter().map(|k| at.scaled_residual(rows[*k])).collect();
+        let of = |c: usize| all.iter().map(|r| r[c]).sum::<f64>() / all.len() as f64;
+        (problem.data.rows[rows[readings[0]]].kind, Values::from_fn(all[0].len(), of))
+    };
+    let residuals: Vec<(KindId, Values)> = poses.iter().map(mean).collect();
     let row = |i: usize| &problem.data.rows[rows[i]];
     let inputs = |i: usize| &problem.conditions.rows[rows[i]];
     let joints = problem.nominal.len();
     // A name and the functions of each row that stand for it.
     let mut tests: Vec<(String, Vec<Vec<f64>>)> = Vec::new();
     let mut test = |name: String, functions: &dyn Fn(usize) -> Option<Vec<f64>>| {
-        if let Some(rows) = (0..rows.len()).map(functions).collect::<Option<Vec<_>>>() {
-            tests.push((name, rows));
-        }
+        let Some(each) = (0..rows.len()).map(functions).collect::<Option<Vec<_>>>() else { return };
+        let mean = |readings: &Vec<usize>| {
+            let sum = |j: usize| readings.iter().map(|k| each[*k][j]).sum::<f64>();
+            (0..each[readings[0]].len()).map(|j| sum(j) / readings.len() as f64).collect()
+        };
+        tests.push((name, poses.iter().map(mean).collect()));
     };
     for j in 0..joints {
         let wave = |q: f64| vec![q, q.cos(), q.sin(), (2.0 * q).cos(), (2.0 * q).sin()];
@@ -67,7 +78,13 @@ pub fn sentences(
         let place = if own { target } else { target.map(|x| (x / PLACE).round() * PLACE) };
         Some(place.iter().copied().collect())
     });
-    let slips = if crowded { contradiction(problem, root) } else { step(problem, root, lambda) };
+    let slips = if crowded {
+        contradiction(problem, root)
+    } else if !best.1.added.is_empty() && step(best.0, best.1, lambda).is_empty() {
+        Vec::new()
+    } else {
+        step(problem, root, lambda)
+    };
     let found = significant(&residuals, tests);
     let least = found.iter().min_by(|a, b| a.0.total_cmp(&b.0)).cloned();
     (slips.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect(), least)

@@ -18,7 +18,7 @@ const ONE_LEVEL: f64 = 0.01;
 /// ...and a wave's phase there by less than this.
 const ONE_PHASE: f64 = 0.3;
 /// Functions of a joint's angle that geometry and a gain have: a constant and a slope.
-const OTHERS: usize = 2;
+pub const OTHERS: usize = 2;
 /// A joint is loaded if its torque at assumed masses varies by more than this share of the
 /// largest.
 const LOADED: f64 = 0.01;
@@ -65,7 +65,7 @@ fn is_loaded(problem: &Problem, rows: &[usize], joint: usize) -> bool {
 }
 
 /// How many angles a wave of this order can tell apart.
-fn levels(mut angles: Vec<f64>, order: f64) -> usize {
+pub fn levels(mut angles: Vec<f64>, order: f64) -> usize {
     angles.sort_by(f64::total_cmp);
     let width = ONE_LEVEL.min(ONE_PHASE / order.max(1.0));
     let (mut levels, mut last) = (0, f64::NEG_INFINITY);

@@ -1,6 +1,7 @@
 //! What the data hold beyond geometry: rounds of linearising at the best model
 //! so far, weighing every candidate by its evidence, and fitting what was found.
 
+mod between;
 mod doubts;
 mod follows;
 mod given_back;
@@ -232,7 +233,8 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let moved = bent.moved_from(&before);
         let problem = bent.problem(apart.problem);
         let asked = Question { problem: &problem, ..*q };
-        let bad = node.implausible(&problem.conditions);
+        let mut bad = node.implausible(&problem.conditions);
+        bad.extend(between::wild(&problem, &node));
         let again = !bad.is_empty() && round < ROUNDS + REFUSALS;
         if !bad.is_empty() {
             let kept = node.added.iter().filter(|c| !bad.contains(c)).cloned().collect();

@@ -78,6 +78,9 @@ pub enum Nameless {
     Follows(Follows),
 }
 
+/// What a gap does, which most joints have, looks nearly like a memory, which few have.
+const RARE: usize = 10;
+
 impl Nameless {
     /// All of an arm's revolute joints that the data can test; how many there
     /// are of each kind is the price of looking.
@@ -92,7 +95,7 @@ impl Nameless {
             if problem.conditions.masses || problem.conditions.torques {
                 out.push((Self::Bend { joint }, n));
             }
-            out.push((Self::Memory { joint }, n));
+            out.push((Self::Memory { joint }, RARE * n));
         }
         if problem.conditions.time {
             out.extend(Self::of_time(problem, joints));

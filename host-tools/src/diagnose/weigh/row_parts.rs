@@ -34,7 +34,7 @@ impl Parts {
         let second = &poses[data.poses / 2..];
         kept.iter()
             .for_each(|r| random_half[*r] = usize::from(second.contains(&data.rows[*r].pose)));
-        // Poses in the order of the rows, of each kind: the second half of a session.
+        // Poses in the order of measurement, of each kind: the second half of a session.
         let later = later(data, kept);
         let mut out = Self { rows: Vec::new(), fold: Vec::new(), half: Vec::new() };
         for row in kept {
@@ -56,12 +56,15 @@ impl Parts {
 
 /// Of each row 1 if its pose is in the second half of those of its kind, else 0.
 fn later(data: &Measurements, kept: &[usize]) -> Vec<usize> {
+    let place = data.places();
     let mut out = vec![0; data.rows.len()];
     let mut rows = kept.to_vec();
     rows.sort_by_key(|r| (data.rows[*r].kind.0, data.rows[*r].pose));
     for kind in rows.chunk_by(|a, b| data.rows[*a].kind == data.rows[*b].kind) {
-        let poses: Vec<&[usize]> =
+        let first = |pose: &[usize]| pose.iter().map(|r| place[*r]).fold(f64::MAX, f64::min);
+        let mut poses: Vec<&[usize]> =
             kind.chunk_by(|a, b| data.rows[*a].pose == data.rows[*b].pose).collect();
+        poses.sort_by(|a, b| first(a).total_cmp(&first(b)));
         poses[poses.len() / 2..].concat().into_iter().for_each(|row| out[row] = 1);
     }
     out

@@ -32,9 +32,9 @@ pub struct Step {
 /// Where the arm stood in the order of measurement, as places among `postures`.
 #[must_use]
 pub fn in_order(problem: &Problem, postures: &[usize]) -> Vec<usize> {
-    let when = |k: &usize| problem.data.when(postures[*k]);
+    let place = problem.data.places();
     let mut order: Vec<usize> = (0..postures.len()).collect();
-    order.sort_by(|a, b| when(a).total_cmp(&when(b)));
+    order.sort_by(|a, b| place[postures[*a]].total_cmp(&place[postures[*b]]));
     order
 }
 

@@ -77,11 +77,11 @@ pub struct Weighed {
 }
 
 impl Weighed {
-    /// RMS of the rows that a node keeps, predicted with everything decided without their
-    /// fold; `None` where no row is.
+    /// RMS of these rows, predicted with everything decided without their fold; `None` where
+    /// no row is.
     #[must_use]
-    pub fn nested_rms_mm(&self, node: &Node) -> Option<f64> {
-        let held = node.fit.kept.iter().filter_map(|row| self.nested[*row]);
+    pub fn nested_rms_mm(&self, rows: &[usize]) -> Option<f64> {
+        let held = rows.iter().filter_map(|row| self.nested[*row]);
         Stats::of(held).map(|stats| stats.rms_mm)
     }
 }
@@ -102,6 +102,9 @@ pub struct Curved {
 /// A model on the way, its coefficients fitted anew without each fold.
 #[derive(Debug, Clone)]
 pub struct Stage {
+    /// What it leaves of every row that it was fitted to, moments of its own among what was
+    /// fitted; `None` where no spring bends in it.
+    pub fitted: Option<Vec<Option<Residual>>>,
     /// Effects that the stage has beside the curves.
     pub names: Vec<&'static str>,
     /// Its curves.

@@ -4,13 +4,13 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::sheet::{Weights, along, by_pose, counted};
+use super::sheet::{Weights, along, counted, turning};
 use crate::diagnose::node::Node;
 use crate::evidence::directed::{self, Seen};
 use crate::evidence::poses::{self, Readings, Scatter, Used, common_share};
 use crate::evidence::tails::{Rest, Tails};
 use crate::identify::Problem;
-use crate::observations::{equations_of, kind};
+use crate::observations::{by_pose, by_target, equations_of, kind, repeat};
 
 /// What rows weigh after a fit, some joints of which scatter.
 #[must_use]
@@ -19,7 +19,7 @@ pub fn after(problem: &Problem, node: &Node, scattering: &[usize]) -> Weights {
     let (residuals, scattering) = scattered(problem, node, scattering);
     let used = problem.unknowns.list().len() as f64;
     // Share of the noise that the readings of a pose have in common.
-    let readings = readings(problem, kept, &residuals);
+    let readings = readings(&by_pose(&problem.data.rows, kept), &residuals);
     let common = common_share(&readings, by_means(problem, kept, used));
     let counted = counted(problem, kept, common);
     let rest = |(r, count): (&Vec<f64>, &f64)| Rest {
@@ -33,7 +33,8 @@ pub fn after(problem: &Problem, node: &Node, scattering: &[usize]) -> Weights {
     for (row, rest) in kept.iter().zip(&rests) {
         rows[*row] = tails.weight(*rest);
     }
-    Weights { rows, common, scattering }
+    let turning = turning(problem, kept, &residuals, common);
+    Weights { rows, common, turning, scattering }
 }
 
 /// What a fit leaves of each pose, in the mean of its readings.
@@ -46,7 +47,7 @@ pub fn left(problem: &Problem, node: &Node, scattering: &[usize]) -> Vec<Rest> {
         equations: readings.nrows(),
         count: 1.0,
     };
-    readings(problem, kept, &residuals).iter().map(of).collect()
+    readings(&by_pose(&problem.data.rows, kept), &residuals).iter().map(of).collect()
 }
 
 /// Residuals without what joints scatter, and the ratio of variance of each.
@@ -78,7 +79,7 @@ fn scattered(
     (kept.iter().map(residual).collect(), out)
 }
 
-/// How readings of a pose, and poses, scatter after a fit of so many unknowns, in sigmas.
+/// How readings of a target in a pose, and poses, scatter after a fit, in sigmas.
 #[must_use]
 pub fn scatter(problem: &Problem, node: &Node) -> Option<Scatter> {
     let at = problem.linearise(&node.fit.fit.state);
@@ -88,28 +89,31 @@ pub fn scatter(problem: &Problem, node: &Node) -> Option<Scatter> {
     kept.retain(|row| !kind(&problem.data.rows[*row]).is_image());
     let residuals: Vec<Vec<f64>> = kept.iter().map(of).collect();
     let used = problem.unknowns.list().len() as f64;
-    poses::scatter(&readings(problem, &kept, &residuals), Used { means: used, apart: 0.0 })
+    let readings = readings(&by_target(&problem.data.rows, &kept), &residuals);
+    poses::scatter(&readings, Used { means: used, apart: 0.0 })
 }
 
 /// Of what unknowns use up, the share of the means of poses. Readings of one thing are told
-/// apart by nothing; what corners of an image are apart tells as much as where it is.
+/// apart by nothing; what corners of an image, or targets, are apart tells as much as where
+/// they are.
 fn by_means(problem: &Problem, kept: &[usize], used: f64) -> Used {
     let (mut means, mut all) = (0.0, 0.0);
-    for readings in by_pose(problem, kept) {
-        let row = &problem.data.rows[kept[readings[0]]];
-        let equations = equations_of(row) as f64;
-        let each = if kind(row).is_image() { readings.len() as f64 } else { 1.0 };
+    for readings in by_pose(&problem.data.rows, kept) {
+        let readings: Vec<usize> = readings.iter().map(|k| kept[*k]).collect();
+        let equations = equations_of(&problem.data.rows[readings[0]]) as f64;
+        let one = repeat(&problem.data.rows, &readings);
+        let each = if one { 1.0 } else { readings.len() as f64 };
         (means, all) = (means + equations, all + equations * each);
     }
     let share = means / f64::max(all, 1.0);
     Used { means: used * share, apart: used * (1.0 - share) }
 }
 
-/// Residuals by the pose that they were read at.
-fn readings(problem: &Problem, kept: &[usize], residuals: &[Vec<f64>]) -> Vec<Readings> {
+/// Residuals of the rows of every list.
+fn readings(lists: &[Vec<usize>], residuals: &[Vec<f64>]) -> Vec<Readings> {
     let of = |readings: &Vec<usize>| {
         let equations = residuals[readings[0]].len();
         Readings::from_fn(equations, readings.len(), |e, r| residuals[readings[r]][e])
     };
-    by_pose(problem, kept).iter().map(of).collect()
+    lists.iter().map(of).collect()
 }

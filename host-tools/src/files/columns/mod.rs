@@ -176,6 +176,7 @@ impl Columns {
             temperature: plausible::temperature(cells, o.temperature)?,
             warming: None,
             payload: plausible::payload(cells, o.payload)?,
+            run: 0,
             order: plausible::order(cells, o.order)?,
             orientation,
             directions: self.directions(cells)?,

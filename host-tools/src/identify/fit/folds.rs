@@ -73,22 +73,21 @@ pub fn random(data: &Measurements, rows: &[usize], seed: u64) -> Vec<Fold> {
     split(data, rows, &poses, count, |place, _| place % count)
 }
 
-/// Folds of poses that were measured one after another, by `order` or else
-/// `time_s`; `None` when neither is complete. They show what a drift hides
-/// from random folds.
+/// Folds of poses that were measured one after another, by `time_s` or else `order`; `None`
+/// where a row has neither. They show what a drift hides from random folds.
 #[must_use]
 pub fn blocked(data: &Measurements, rows: &[usize]) -> Option<Vec<Fold>> {
-    let column = |f: fn(&crate::model::Row) -> Option<f64>| {
-        rows.iter().map(|r| f(&data.rows[*r])).collect::<Option<Vec<f64>>>()
-    };
-    let key = column(|r| r.order).or_else(|| column(|r| r.time))?;
-    let mut at: Vec<(f64, usize)> =
-        key.into_iter().zip(rows).map(|(k, r)| (k, data.rows[*r].pose)).collect();
-    at.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let clocked = |row: &usize| data.rows[*row].time.or(data.rows[*row].order).is_some();
+    if !rows.iter().all(clocked) {
+        return None;
+    }
+    let place = data.places();
+    let mut at = rows.to_vec();
+    at.sort_by(|a, b| place[*a].total_cmp(&place[*b]));
     let mut seen = vec![false; data.poses];
     let poses: Vec<usize> = at
         .into_iter()
-        .map(|(_, pose)| pose)
+        .map(|row| data.rows[row].pose)
         .filter(|pose| !std::mem::replace(&mut seen[*pose], true))
         .collect();
     let count = FOLDS.min(poses.len());

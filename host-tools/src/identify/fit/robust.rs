@@ -166,6 +166,7 @@ pub fn settle(
     fit: &mut dyn FnMut(&[usize]) -> Result<Fit>,
 ) -> Result<RobustFit> {
     let mut seen: Vec<Vec<usize>> = Vec::new();
+    let mut before: Vec<Outlier> = Vec::new();
     loop {
         let mut suspected = vec![false; problem.data.rows.len()];
         flagged.iter().for_each(|row| suspected[*row] = true);
@@ -186,10 +187,14 @@ pub fn settle(
             }
             _ => {}
         }
-        // Settled, or going round in circles: then keep the last flags.
-        if next == flagged || seen.contains(&next) {
+        if next == flagged {
             return Ok(RobustFit { fit: found, kept, outliers, scale });
         }
+        // Going round in circles: the flags that this fit was without.
+        if seen.contains(&next) {
+            return Ok(RobustFit { fit: found, kept, outliers: before, scale });
+        }
+        before = outliers;
         seen.push(std::mem::replace(&mut flagged, next));
     }
 }

@@ -77,17 +77,12 @@ fn suspects(
     lambda: f64,
 ) -> Result<Vec<usize>> {
     let mut state = start.clone();
-    let mut flagged = Vec::new();
+    let mut far: Vec<(usize, f64)> = Vec::new();
     for pass in 0..15 {
         state = fit(problem, rows, Some(&weights), &state, Freedom::All(lambda))?.state;
         let (residuals, scale) = scaled(problem, rows, &state);
-        let far = |r: &Values| r.amax() / scale > SUSPECT;
-        flagged = rows
-            .iter()
-            .zip(&residuals)
-            .filter(|(_, r)| far(r))
-            .map(|(i, _)| *i)
-            .collect::<Vec<_>>();
+        let each = rows.iter().copied().zip(residuals.iter().map(Values::amax));
+        far = each.filter(|(_, most)| most / scale > SUSPECT).collect();
         // Nothing stands out of a plain fit: no need for another.
         if pass == 0 && residuals.iter().all(|r| r.amax() < PLAIN * scale) {
             return Ok(Vec::new());
@@ -97,7 +92,10 @@ fn suspects(
         }
     }
     // A fit needs rows; the farthest are then the suspects.
-    flagged.truncate((MOST_FLAGGED * rows.len() as f64) as usize);
+    far.sort_by(|a, b| b.1.total_cmp(&a.1));
+    far.truncate((MOST_FLAGGED * rows.len() as f64) as usize);
+    let mut flagged: Vec<usize> = far.into_iter().map(|(row, _)| row).collect();
+    flagged.sort_unstable();
     Ok(flagged)
 }
 

@@ -14,7 +14,7 @@ pub fn corrections(f: &Figures) -> Section {
     let mut section = Section::new("corrections", "What was corrected").say(format!(
         "What the errors of the parameters leave of the tool's place: +-{:.4} mm a coordinate (95 %, \
          root mean square over the poses), +-{:.4} mm at worst; of the noise alone +-{:.4} and \
-         +-{:.4} mm. How far off the arm is beside them the error of poses held out says.",
+         +-{:.4} mm. How far off the arm is in all the error of poses held out says.",
         bars.rms_mm, bars.max_mm, bars.noise_rms_mm, bars.noise_max_mm
     ));
     let untold = match u.parameters.iter().filter(|p| !is_told(p)).count() {

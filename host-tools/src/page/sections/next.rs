@@ -79,7 +79,7 @@ pub fn commands(verb: &str, alternatives: &[Alternative], next: &Next) -> Vec<(S
     out.push((
         "poses to verify the flashed arm at".to_owned(),
         format!(
-            "truearm verify {model} --test-poses check.csv --apart-from {}",
+            "truearm verify {model} --test-poses verify.csv --apart-from {}",
             files.join(" --apart-from ")
         ),
     ));

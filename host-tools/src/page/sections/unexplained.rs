@@ -16,8 +16,8 @@ pub fn unexplained(
     }
     let section = Section::new("left", "What has no name").say(match curves {
         [] => format!(
-            "What {of} leaves is not the same everywhere, but against nothing that was recorded \
-             does it draw a curve of one joint."
+            "What {of} leaves is not the same everywhere, and no error of one joint's angle \
+             describes it; what it goes with:"
         ),
         _ => format!(
             "What {of} leaves is not the same everywhere: below are the curves of joints that \

@@ -11,8 +11,9 @@ pub fn unknown(f: &Figures, not_testable: &[String]) -> Section {
     if !f.unidentifiable.is_empty() {
         section = section
             .say(
-                "These combinations move no measured point, whatever their values; they stay as the \
-                 drawing has them, and no pose of this workspace suffers from it:",
+                "No measured value depends on these combinations; they stay as the drawing has them. \
+                 Where points were measured no place of that target depends on them either; where \
+                 lengths, levels, touches or images were, the place of the tool may:",
             )
             .node(folded(&f.unidentifiable, "combinations of parameters"));
     }

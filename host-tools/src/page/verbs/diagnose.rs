@@ -42,7 +42,7 @@ pub fn diagnosed(report: &DiagnoseReport, on: &Measured, next: &next::Next) -> R
     let [before, after] = ends(r);
     let mut numbers = vec![
         ("error before, RMS".to_owned(), before),
-        ("error after, held out, RMS".to_owned(), after),
+        (format!("error after, {}, RMS", on_what(r)), after),
         ("noise over the stated".to_owned(), format!("{:.2}", r.noise_scale)),
         rows_of(f),
         ("rows left out".to_owned(), f.outliers.len().to_string()),
@@ -75,17 +75,24 @@ fn floor(r: &Outcome) -> Floor {
     }
 }
 
-/// Error of the first and of the last model: held out where that is known.
+/// Error of the first and of the last model: of the hold-out file, or held out in folds, where
+/// that is known.
 fn ends(r: &Outcome) -> [String; 2] {
     let unit = r.gap_unit();
     [r.gap.first(), r.gap.last()].map(|row| {
-        let [fitted, held_out, _] = row.map_or([None; 3], |row| unit.figures(row));
-        let error = held_out.or(fitted).unwrap_or(0.0);
+        let [fitted, held_out, other] = row.map_or([None; 3], |row| unit.figures(row));
+        let error = other.or(held_out).or(fitted).unwrap_or(0.0);
         match unit {
             GapUnit::Millimetres => mm(error),
             GapUnit::Deviations => format!("{error:.2} standard deviations of its noise"),
         }
     })
+}
+
+/// Which poses the last model's error is of.
+fn on_what(r: &Outcome) -> &'static str {
+    let [_, _, other] = r.gap.last().map_or([None; 3], |row| r.gap_unit().figures(row));
+    if other.is_some() { "on the hold-out file" } else { "on poses held out" }
 }
 
 /// What was found, in one sentence.
@@ -95,9 +102,8 @@ fn verdict(r: &Outcome) -> String {
         GapUnit::Millimetres => "the arm misses",
         GapUnit::Deviations => "what was measured is missed",
     };
-    let fall = format!(
-        "{what} by {before} as drawn and by {after} with this model on poses held out (RMS)"
-    );
+    let on = on_what(r);
+    let fall = format!("{what} by {before} as drawn and by {after} with this model {on} (RMS)");
     let named = found(&r.effects).join("; ");
     let found = if named.is_empty() { String::new() } else { format!(" Found: {named}.") };
     let left = match r.leaves_noise() {

@@ -99,21 +99,26 @@ pub fn stages(from: &From) -> Vec<Stage> {
     let stage = |names: Vec<&'static str>| {
         let (own, sums) = named(&names);
         let tables = sums.all.tables(&sums.whole, from.found, &own);
-        Stage { tables, held_out: held_out(&names), names }
+        let bends = names.iter().any(|name| moments::bends(name));
+        let fitted = bends.then(|| sums.fitted(from, &own));
+        Stage { fitted, tables, held_out: held_out(&names), names }
     };
+    // A gross error would outweigh all others.
+    let kept = from.parts.rows.concat();
+    let left = |names: &[&'static str]| from.all.sheet.weighed(&kept, &held_out(names));
     // What an effect is worth is told beside all others: alone it may predict poses worse.
     let mut names: Vec<&'static str> = sizes.iter().map(|s| s.0).collect();
     loop {
         let without = |name: &&'static str| {
             let others: Vec<_> = names.iter().copied().filter(|n| n != name).collect();
-            (*name, from.all.sheet.weighed(&held_out(&others)))
+            (*name, left(&others))
         };
         let mut each: Vec<(&'static str, f64)> = names.iter().map(without).collect();
         each.sort_by(|a, b| b.1.total_cmp(&a.1));
         names = each.iter().map(|e| e.0).collect();
-        let own = from.all.sheet.weighed(&held_out(&names));
+        let own = left(&names);
         match each.last() {
-            Some((_, left)) if *left <= own => _ = names.pop(),
+            Some((_, others)) if *others <= own => _ = names.pop(),
             _ => return (0..=names.len()).map(|k| stage(names[..k].to_vec())).collect(),
         }
     }
@@ -135,6 +140,16 @@ impl<'e, 's, 'a> Sums<'e, 's, 'a> {
         };
         let folds = (0..all.q.folds.len()).map(without).collect();
         Self { all, folds, whole: all.part(joined(from.grams.iter(), size), scale) }
+    }
+
+    /// What is left of every row with these members.
+    fn fitted(&self, from: &From, members: &[usize]) -> Vec<Option<Residual>> {
+        let mut out = vec![None; self.all.q.problem.data.rows.len()];
+        let (_, solution) = self.all.refitted(&self.whole, from.found, members);
+        for (row, left) in self.all.sheet.left(self.all.q.rows, &solution) {
+            out[row] = Some(left);
+        }
+        out
     }
 
     /// Every row predicted without its fold, with these members.

@@ -9,6 +9,7 @@ mod repeats;
 mod residuals;
 mod scattered;
 mod tool_point;
+mod turning;
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
@@ -24,12 +25,13 @@ use crate::identify::problem::accumulate::tree;
 use crate::identify::{Linearised, Problem, State, Unknown};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
-use crate::observations::{kind, postures};
+use crate::observations::{by_pose, postures, repeat};
 use beside_springs::shares;
+pub use repeats::counted;
 use repeats::differs;
-pub use repeats::{by_pose, counted};
 pub use scattered::{Scattered, along};
 pub use tool_point::ByCurves;
+pub use turning::ratio as turning;
 
 /// Equations given to a Gram matrix at a time.
 const TOGETHER: usize = 240;
@@ -47,6 +49,9 @@ pub struct Weights {
     pub rows: Vec<f64>,
     /// Share of the variance that is common to the readings of a pose.
     pub common: f64,
+    /// Variance of a turn of the flange, rad^2, that targets of a pose share, over that of what
+    /// they do not.
+    pub turning: f64,
     /// Joints, counted from 0, that scatter by themselves, and the ratio of the variance of
     /// their angle, rad^2, to that of the stated noise.
     pub scattering: Vec<(usize, f64)>,
@@ -56,7 +61,7 @@ impl Weights {
     /// Of rows that count alike.
     #[must_use]
     pub fn alike(rows: usize) -> Self {
-        Self { rows: vec![1.0; rows], common: 0.0, scattering: Vec::new() }
+        Self { rows: vec![1.0; rows], common: 0.0, turning: 0.0, scattering: Vec::new() }
     }
 }
 
@@ -233,7 +238,8 @@ impl<'a> Sheet<'a> {
         join: &(impl Fn(T, T) -> T + Sync),
     ) -> T {
         let of_rows = |places: &Vec<usize>| places.iter().map(|k| rows[*k]).collect();
-        let readings: Vec<Vec<usize>> = by_pose(self.problem, rows).iter().map(of_rows).collect();
+        let readings: Vec<Vec<usize>> =
+            by_pose(&self.problem.data.rows, rows).iter().map(of_rows).collect();
         let all: Vec<usize> = (0..readings.len()).collect();
         let leaf = |own: &[usize]| {
             let mut sum = none();
@@ -281,13 +287,13 @@ impl<'a> Sheet<'a> {
             parts.push(part * weight);
         }
         let mut block = stacked(&parts);
+        // What corners of an image or targets are apart is evidence as any other.
+        if !repeat(&self.problem.data.rows, readings) {
+            return (self.of_targets(block, readings), Repeats::default());
+        }
         whiten(&mut block, readings.len(), self.weights.common);
         let mut left = DMatrix::from_vec(residual.len(), 1, residual);
         whiten(&mut left, readings.len(), self.weights.common);
-        // What corners of an image are apart is evidence as any other.
-        if kind(&self.problem.data.rows[readings[0]]).is_image() {
-            return (block, Repeats::default());
-        }
         let [p, _] = self.size();
         let differing: Vec<usize> = self.differing.iter().map(|column| p + column).collect();
         let mut differing = block.select_columns(&differing).insert_column(differing.len(), 0.0);

@@ -1,17 +1,8 @@
-//! Rows that are readings of one target in one pose from one station.
+//! What readings of one pose may differ by, and how much each counts.
 
 use crate::identify::Problem;
 use crate::model::ModelTerm;
-use crate::observations::Reading;
-
-/// Places of rows that are readings of one pose, a list each.
-#[must_use]
-pub fn by_pose(problem: &Problem, rows: &[usize]) -> Vec<Vec<usize>> {
-    let key = |k: usize| Reading::of(&problem.data.rows, rows[k]);
-    let mut order: Vec<usize> = (0..rows.len()).collect();
-    order.sort_by_cached_key(|k| (key(*k), *k));
-    order.chunk_by(|a, b| key(*a) == key(*b)).map(<[usize]>::to_vec).collect()
-}
+use crate::observations::by_pose;
 
 /// Whether a term may differ between readings of a pose; of variants of an effect, which
 /// differ alike, the plainest.
@@ -33,7 +24,7 @@ pub fn differs(term: &ModelTerm) -> bool {
 #[must_use]
 pub fn counted(problem: &Problem, rows: &[usize], common: f64) -> Vec<f64> {
     let mut out = vec![1.0; rows.len()];
-    for readings in by_pose(problem, rows) {
+    for readings in by_pose(&problem.data.rows, rows) {
         let own = 1.0 / (1.0 - common + readings.len() as f64 * common);
         readings.iter().for_each(|k| out[*k] = own);
     }

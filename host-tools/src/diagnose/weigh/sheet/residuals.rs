@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::{Sheet, Solution};
+use super::{Sheet, Solution, counted};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
 use crate::observations::{Residual, postures};
@@ -25,21 +25,23 @@ impl Sheet<'_> {
         left.iter().map(square).sum()
     }
 
-    /// Sum of squares of what is left of rows, by the noise that the evidence has: tails
-    /// and gross errors count for little, and what joints scatter along its direction.
+    /// Sum of squares of what is left of these rows, by the noise that the evidence has: tails
+    /// count for little, readings of a pose as little more than one, and what joints scatter
+    /// along its direction.
     #[must_use]
-    pub fn weighed(&self, left: &[Option<Residual>]) -> f64 {
+    pub fn weighed(&self, rows: &[usize], left: &[Option<Residual>]) -> f64 {
         let p = self.problem.unknowns.list().len();
-        let one = |(index, left): (usize, &Option<Residual>)| {
-            let Some(left) = left.as_ref() else { return 0.0 };
-            let e = self.at.equations_beside(index, &|i, d| self.scattered(index, i, d));
+        let counts = counted(self.problem, rows, self.weights.common);
+        let one = |(index, count): (&usize, &f64)| {
+            let Some(left) = left[*index].as_ref() else { return 0.0 };
+            let e = self.at.equations_beside(*index, &|i, d| self.scattered(*index, i, d));
             let directions = e.block.columns(p, e.block.ncols() - p).into_owned();
-            let ends = postures(&self.problem.data.rows, &[index]).len();
+            let ends = postures(&self.problem.data.rows, &[*index]).len();
             let scaled = left.values().zip_map(&e.scale, |r, scale| r / scale);
             let (_, rest) = self.beside_scatter(directions, scaled, ends);
-            self.weights.rows[index] * rest.norm_squared()
+            self.weights.rows[*index] * count * rest.norm_squared()
         };
-        let each: Vec<f64> = left.par_iter().enumerate().map(one).collect();
+        let each: Vec<f64> = rows.par_iter().zip(&counts).map(one).collect();
         each.iter().sum()
     }
 

@@ -1,0 +1,75 @@
+//! Waves that only a few angles of a joint hold in place: between these they may do anything.
+
+use std::f64::consts::PI;
+
+use nalgebra::{DMatrix, DVector};
+use truearm::JointKind;
+
+use super::doubts::{OTHERS, levels};
+use crate::diagnose::candidates::Candidate;
+use crate::diagnose::node::Node;
+use crate::identify::Problem;
+use crate::model::ModelTerm;
+
+/// Waves may be so many times as large between the angles as at them.
+const WILD: f64 = 3.0;
+/// Amplitude of a line that turns more than half between two angles, rad: gears of real arms
+/// have up to 3e-4, and anything smooth looks like such a line there.
+const OF_A_GEAR: f64 = 5e-4;
+/// Angles over the range at which they are looked at.
+const LOOKED_AT: usize = 2000;
+
+/// The additions of joints whose waves together do more between the few angles that they were
+/// measured at than there, beside a constant and a slope, or that turn more than half between
+/// them and are larger than gears make them: poses held out are at these angles as well, and do
+/// not tell.
+pub fn wild(problem: &Problem, node: &Node) -> Vec<Candidate> {
+    let joints = 0..problem.nominal.len();
+    let wild: Vec<usize> = joints.filter(|joint| is_wild(problem, node, *joint)).collect();
+    let of = |c: &&Candidate| c.terms.iter().any(|t| wild.iter().any(|joint| is_wave(t, *joint)));
+    node.added.iter().filter(of).cloned().collect()
+}
+
+fn is_wave(term: &ModelTerm, joint: usize) -> bool {
+    term.order().is_some_and(|order| order > 0.0) && term.joints() == [joint + 1]
+}
+
+fn is_wild(problem: &Problem, node: &Node, joint: usize) -> bool {
+    let terms = &node.fit.fit.state.terms;
+    let waves: Vec<&ModelTerm> = terms.iter().filter(|t| is_wave(t, joint)).collect();
+    if waves.is_empty() || problem.nominal[joint].kind != JointKind::Revolute {
+        return false;
+    }
+    let angles: Vec<f64> = node.fit.kept.iter().map(|r| problem.data.rows[*r].q[joint]).collect();
+    let highest = waves.iter().filter_map(|t| t.order()).fold(0.0, f64::max);
+    let levels = levels(angles.clone(), highest);
+    if levels > waves.len() + OTHERS {
+        return false;
+    }
+    let value = |q: f64| waves.iter().map(|t| wave(t, q)).sum::<f64>();
+    let [low, high] = [f64::min, f64::max].map(|of| angles.iter().copied().reduce(of));
+    let (Some(low), Some(high)) = (low, high) else { return false };
+    let apart = (high - low) / levels.saturating_sub(1).max(1) as f64;
+    let turns = |t: &&&ModelTerm| t.order().is_some_and(|order| order * apart > PI);
+    if waves.iter().filter(turns).any(|t| t.coefficient().abs() > OF_A_GEAR) {
+        return true;
+    }
+    let line = |q: f64, k: usize| if k == 0 { 1.0 } else { (q - low) / (high - low).max(1e-9) };
+    let straight = DMatrix::from_fn(angles.len(), 2, |i, k| line(angles[i], k));
+    let own = DVector::from_iterator(angles.len(), angles.iter().map(|q| value(*q)));
+    let Ok(held) = straight.clone().svd(true, true).solve(&own, 1e-9) else { return false };
+    let there = (&own - &straight * &held).norm() / (own.len() as f64).sqrt();
+    let between = (0..LOOKED_AT).map(|k| {
+        let q = low + (high - low) * k as f64 / LOOKED_AT as f64;
+        (value(q) - line(q, 0) * held[0] - line(q, 1) * held[1]).powi(2)
+    });
+    let between = (between.sum::<f64>() / LOOKED_AT as f64).sqrt();
+    between > WILD * there
+}
+
+/// What a wave bends its joint by at an angle, rad.
+fn wave(term: &ModelTerm, q: f64) -> f64 {
+    let ModelTerm::Arm(own) = term else { return 0.0 };
+    let (sin, cos) = (own.order * q).sin_cos();
+    own.coefficient * if own.component == 0 { cos } else { sin }
+}
