@@ -315,7 +315,7 @@ pub unsafe extern "C" fn truearm_tick(
         let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
         let done = TruearmTick::from(&compensator.tick(&command, &state));
         // What is refused while it is off leaves it off.
-        let refused = done.status == TruearmStatus::Refused;
+        let refused = done.status == TruearmStatus::CommandNotFinite;
         this.idle = done.status == TruearmStatus::Off || (this.idle && refused);
         // SAFETY: the caller's promise; not NULL and aligned.
         unsafe { tick.write(done) };
