@@ -53,7 +53,7 @@ fn use_as<const N: usize>(blob: &Blob) {
     if let Ok(mut compensator) = Compensator::new(Arm::new(&parameters), settings, &at) {
         compensator.set_active(true);
         for _ in 0..3 {
-            let tick = compensator.tick(&at, &State::default());
+            let tick = compensator.tick(&at, &State::at(20.0));
             assert!(tick.joints.iter().all(|joint| joint.is_finite()), "{tick:?}");
         }
     }
