@@ -25,6 +25,7 @@ pub fn all<'a>(
     problem: &'a Problem,
     best: &Node,
     weighed: &'a Weighed,
+    highest_order: f64,
 ) -> impl Iterator<Item = String> + 'a {
     let data = problem.data;
     [
@@ -38,12 +39,13 @@ pub fn all<'a>(
     .into_iter()
     .flatten()
     .chain(wrong_holes(data, best))
-    .chain(aliased(problem, best))
+    .chain(aliased(problem, best, highest_order))
     .chain(weighed.scattering.iter().map(move |joint| scattering(problem, *joint)))
 }
 
-/// Lines whose order is not told: those of other orders look the same where a joint stood.
-fn aliased(problem: &Problem, best: &Node) -> Vec<String> {
+/// Lines whose order is not told: those of other orders, as far as they are looked for, look the
+/// same where a joint stood.
+fn aliased(problem: &Problem, best: &Node, highest_order: f64) -> Vec<String> {
     let data = problem.data;
     let mut lines: Vec<(usize, f64)> = Vec::new();
     for term in &best.fit.fit.state.terms {
@@ -57,7 +59,7 @@ fn aliased(problem: &Problem, best: &Node) -> Vec<String> {
     }
     let others = |(joint, order): (usize, f64)| {
         let angles: Vec<f64> = best.fit.kept.iter().map(|r| data.rows[*r].q[joint - 1]).collect();
-        let others = Aliases::of(&angles, MOST_CYCLES).others(order, &(1.0..=MOST_CYCLES));
+        let others = Aliases::of(&angles, highest_order).others(order, &(1.0..=highest_order));
         let named: Vec<String> = others.iter().take(ALIASES).map(|n| format!("{n:.0}")).collect();
         (!named.is_empty()).then(|| {
             format!(
@@ -73,8 +75,6 @@ fn aliased(problem: &Problem, best: &Node) -> Vec<String> {
     lines.into_iter().filter_map(others).collect()
 }
 
-/// Cycles a turn up to which orders are looked for.
-const MOST_CYCLES: f64 = 420.0;
 /// Orders that are named.
 const ALIASES: usize = 4;
 

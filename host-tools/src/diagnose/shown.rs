@@ -63,7 +63,12 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let mut identified = findings.summarise();
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
-    identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
+    identified.figures.warnings.extend(remarks::all(
+        problem,
+        &best,
+        &weighed,
+        show.question.highest_order,
+    ));
     let worse = remarks::worse_elsewhere(problem.data, show.holdout, &gap);
     identified.figures.warnings.extend(worse);
     identified.figures.warnings.extend(remarks::far_off(show.holdout, &gap));

@@ -15,8 +15,8 @@ use crate::model::{Measurements, Mounting, Robot};
 const EXPLAINED: f64 = 0.9;
 /// Rows that are looked at, at most.
 const ROWS: usize = 2000;
-/// Variance of the readings, (N m)^2, over that of a moment, (kg m)^2 times g^2, in which
-/// moments that move no torque stay as they were assumed.
+/// Share of the squares of the moment that torques tell best by which all are held to what was
+/// assumed: those that move no torque stay there.
 const HELD: f64 = 1e-6;
 
 /// A robot of which nobody stated the masses, with moments that explain the torques of a file,
@@ -28,7 +28,7 @@ pub fn weighed(robot: &Robot, data: &Measurements, mounting: Mounting) -> Option
     }
     let mut found = robot.with_assumed_loads(mounting)?;
     let reading = Surroundings::new(&found).reading(data, &found);
-    let every = data.rows.len().div_ceil(ROWS);
+    let every = data.rows.len().div_ceil(ROWS).max(1);
     let rows: Vec<_> = data.rows.iter().step_by(every).collect();
     let joints = robot.joints.len();
     let read = |row: usize, joint: usize| reading.torques(rows[row]).map(|all| all[joint]);

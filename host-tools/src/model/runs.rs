@@ -5,7 +5,8 @@ use super::{Measurements, Row};
 
 impl Row {
     /// What orders it in its run: its time, or its number.
-    fn clock(&self) -> Option<f64> {
+    #[must_use]
+    pub fn clock(&self) -> Option<f64> {
         self.time.or(self.order)
     }
 }
@@ -16,7 +17,7 @@ impl Measurements {
     #[must_use]
     pub fn when(&self, row: usize) -> (u32, f64) {
         let of = &self.rows[row];
-        (of.run, of.time.or(of.order).unwrap_or(row as f64))
+        (of.run, of.clock().unwrap_or(row as f64))
     }
 
     /// Rows in the order of measurement.

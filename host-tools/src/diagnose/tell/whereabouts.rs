@@ -60,9 +60,9 @@ pub fn sentences(
     }
     test("the overturning moment".to_owned(), &|i| Some(inputs(i).moment.to_vec()));
     test("temperature".to_owned(), &|i| row(i).temperature.map(|t| vec![t]));
-    let timed = (0..rows.len()).all(|i| row(i).time.or(row(i).order).is_some());
+    let timed = (0..rows.len()).all(|i| row(i).clock().is_some());
     test(if timed { "time" } else { "the order of the rows" }.to_owned(), &|i| {
-        Some(vec![row(i).time.or(row(i).order).filter(|_| timed).unwrap_or(rows[i] as f64)])
+        Some(vec![row(i).clock().filter(|_| timed).unwrap_or(rows[i] as f64)])
     });
     test("payload".to_owned(), &|i| row(i).payload.map(|m| vec![m]));
     let series = &problem.conditions.series;

@@ -77,8 +77,7 @@ pub fn random(data: &Measurements, rows: &[usize], seed: u64) -> Vec<Fold> {
 /// where a row has neither. They show what a drift hides from random folds.
 #[must_use]
 pub fn blocked(data: &Measurements, rows: &[usize]) -> Option<Vec<Fold>> {
-    let clocked = |row: &usize| data.rows[*row].time.or(data.rows[*row].order).is_some();
-    if !rows.iter().all(clocked) {
+    if !rows.iter().all(|row| data.rows[*row].clock().is_some()) {
         return None;
     }
     let place = data.places();

@@ -42,7 +42,7 @@ fn ways(problem: &Problem, readings: &[usize]) -> Option<DMatrix<f64>> {
     let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
     let scales: Vec<_> = readings.iter().map(|row| problem.scale(*row)).collect();
     let components = scales[0].len();
-    // Of what measures turns as well these are rows of its own, which the pose has in common.
+    // A turn that is measured by itself is common to the pose already.
     let way = |equation: usize, axis: usize| {
         let (reading, component) = (equation / components, equation % components);
         let mut turn = Vector3::zeros();
@@ -58,6 +58,9 @@ fn ways(problem: &Problem, readings: &[usize]) -> Option<DMatrix<f64>> {
 /// than tell it.
 #[must_use]
 pub fn ratio(problem: &Problem, rows: &[usize], residuals: &[Vec<f64>], common: f64) -> f64 {
+    if problem.data.markers.len() < 2 {
+        return 0.0;
+    }
     let mut seen = Vec::new();
     let mut count = 0;
     for places in by_pose(&problem.data.rows, rows) {
