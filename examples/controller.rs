@@ -8,7 +8,7 @@
 
 use truearm::blob::{Acceptance, AcceptanceError};
 use truearm::compensate::{SettingError, Status, TaskError};
-use truearm::{Approach, Arm6, Compensator, Pose, Settings, State, Task, Tick};
+use truearm::{Arm6, Compensator, Pose, Settings, State, Task, Tick};
 
 /// On a controller: the parameter slot of memory.x.
 static SLOT: &[u8] = include_bytes!("../tests/data/firmware/ur10-terms.blob");
@@ -66,10 +66,7 @@ impl Observer {
     fn moved(&mut self, command: &Joints) {
         let joints = command.iter().zip(&mut self.last).zip(&mut self.state.approach);
         for ((q, last), approach) in joints {
-            let speed = (q - *last) / PERIOD;
-            if speed.abs() > STANDSTILL {
-                *approach = Approach::of_motion(speed);
-            }
+            *approach = approach.after((q - *last) / PERIOD, STANDSTILL);
             *last = *q;
         }
     }

@@ -45,8 +45,6 @@ const INITIALISED: u64 = 0x5441_524d_0000_0000 | TRUEARM_VERSION as u64;
 /// interrupt and what it interrupts at once.
 pub struct Truearm {
     initialised: u64,
-    /// Whether the last tick was one without compensation.
-    idle: bool,
     covariance: Option<Covariance<'static>>,
     /// Of the arm that is loaded.
     lag: ThermalLag<f32>,
@@ -78,7 +76,6 @@ impl Truearm {
         let compensator =
             Compensator::new(arm, settings, joints).map_err(|_| TruearmError::BadSetting)?;
         self.compensator = Some(compensator);
-        self.idle = true;
         Ok(())
     }
 }
@@ -94,7 +91,8 @@ unsafe fn at_rest<'a>(
 ) -> Result<(&'a mut Truearm, TruearmSettings, [f32; TRUEARM_JOINTS])> {
     // SAFETY: the caller's promise.
     let all = unsafe { (handle(arm)?, input(settings)?, input(joints.cast())?) };
-    if all.0.idle { Ok(all) } else { Err(TruearmError::Active) }
+    let idle = all.0.compensator.as_ref().is_none_or(Compensator::is_idle);
+    if idle { Ok(all) } else { Err(TruearmError::Active) }
 }
 
 /// Prepares `memory` and gives the arm in it. First call of all.
@@ -129,7 +127,6 @@ pub unsafe extern "C" fn truearm_init(
         let place = memory.cast::<Truearm>();
         let empty = Truearm {
             initialised: INITIALISED,
-            idle: true,
             covariance: None,
             lag: ThermalLag::new(0.0),
             compensator: None,
@@ -258,7 +255,6 @@ pub unsafe extern "C" fn truearm_set_active(arm: *mut Truearm, active: i32) -> T
         let this = unsafe { handle(arm)? };
         let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
         compensator.set_active(active != 0);
-        this.idle &= active == 0;
         Ok(())
     })())
 }
@@ -314,9 +310,6 @@ pub unsafe extern "C" fn truearm_tick(
         writable(tick)?;
         let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
         let done = TruearmTick::from(&compensator.tick(&command, &state));
-        // What is refused while it is off leaves it off.
-        let refused = done.status == TruearmStatus::CommandNotFinite;
-        this.idle = done.status == TruearmStatus::Off || (this.idle && refused);
         // SAFETY: the caller's promise; not NULL and aligned.
         unsafe { tick.write(done) };
         Ok(())

@@ -69,15 +69,17 @@ pub struct TruearmSettings {
     pub trust_nominal_orientation: u8,
     /// How often what is left is looked at and solved for again, 1 to 4.
     pub refinements: u8,
-    /// Ticks in which compensation is faded in and out.
+    /// Ticks in which compensation is faded in and out, at most 2^24.
     pub ramp_ticks: u32,
-    /// An orientation error of 1 rad counts as much as one of this length, m.
+    /// An orientation error of 1 rad counts as much as one of this length, m, 0.001 to 10.
     pub rotation_length_m: f32,
-    /// Singular value of the Jacobian below which damping sets in, m per rad.
+    /// Singular value of the Jacobian below which damping sets in, m per rad, 0.001 to 1;
+    /// 0.02 to 0.1 of the arm's reach keep what the book promises.
     pub singular_m: f32,
-    /// Largest correction of each joint, rad (m for a prismatic joint).
+    /// Largest correction of each joint, rad (m for a prismatic joint), above 0, at most 0.2.
     pub max_correction: [f32; TRUEARM_JOINTS],
-    /// Largest change of a correction from tick to tick, rad (m).
+    /// Largest change of a correction from tick to tick, rad (m), at most 0.2 and at least
+    /// what sums are rounded by, 2^-19 of `max_correction`.
     pub max_change: [f32; TRUEARM_JOINTS],
 }
 

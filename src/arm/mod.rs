@@ -90,6 +90,10 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     /// Adds the corrections to the nominal links and folds both chains. Call
     /// it once, at load time. Only for 1 to [`MAX_JOINTS`] joints; another
     /// number does not compile.
+    ///
+    /// Of parameters from a checked blob, or such as [`crate::blob::encode`] takes: nothing is
+    /// looked at here, so that of others a term may be of no joint, which bends nothing, or of
+    /// masses that are not there.
     #[must_use]
     pub fn new(parameters: &ArmParameters<'t, T, N>) -> Self {
         const { assert!(N >= 1 && N <= MAX_JOINTS, "an arm has 1 to 16 joints") };

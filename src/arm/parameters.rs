@@ -40,8 +40,8 @@ pub struct ArmParameters<'t, T, const N: usize> {
     pub terms: Vec<Term<T>, MAX_TERMS>,
     /// Smooth errors of joint angles over a turn.
     pub curves: Curves<'t>,
-    /// Gravity in the frame of the chain's own base, before `base_rotation`, and the masses it pulls at. Without
-    /// them a term that depends on a joint's torque follows those that are read,
+    /// Gravity in the frame of the chain's own base, before `base_rotation`, and the masses it
+    /// pulls at. Without them a term that depends on a joint's torque follows those that are read,
     /// [`State::torque`](super::State::torque).
     pub masses: Option<Masses<T, N>>,
     /// Temperature the geometry refers to, degrees Celsius.

@@ -166,7 +166,7 @@ impl Acceptance {
         }
         #[cfg(feature = "auth")]
         if let Some(key) = &self.key {
-            blob.authenticate(key)?;
+            blob.verify(key)?;
         }
         if blob.sequence() == u32::MAX {
             return Err(AcceptanceError::LastSequence);

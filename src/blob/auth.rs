@@ -24,7 +24,7 @@ impl Blob<'_> {
     ///
     /// # Errors
     /// No tag, or one that this key does not give.
-    pub fn authenticate(&self, key: &Key) -> Result<(), AcceptanceError> {
+    pub fn verify(&self, key: &Key) -> Result<(), AcceptanceError> {
         let tag = self.tag.ok_or(AcceptanceError::NoTag)?;
         mac(key, self.signed).verify(tag.into()).map_err(|_| AcceptanceError::WrongKey)
     }
@@ -35,7 +35,7 @@ impl Blob<'_> {
 ///
 /// # Errors
 /// Too little room, or bytes that are no blob.
-pub fn authenticate(out: &mut [u8], key: &Key) -> Result<usize, EncodeError> {
+pub fn sign(out: &mut [u8], key: &Key) -> Result<usize, EncodeError> {
     let (signed, tagged) = {
         let blob = Blob::check(out)?;
         (blob.signed.len(), blob.is_tagged())

@@ -141,8 +141,8 @@ impl Field {
         for (index, place) in self.places(bytes).iter().enumerate().take(self.count()) {
             let value = f32::from_le_bytes(*place);
             let (low, high) = if present { self.bounds(index) } else { (0.0, 0.0) };
-            // NaN fails as well.
-            if !(low <= value && value <= high) {
+            // NaN fails as well; of a field that is absent also -0, which is not the byte 0.
+            if !(low <= value && value <= high) || (!present && *place != [0; 4]) {
                 let finite = value.is_finite();
                 let flaw = if finite { Flaw::Implausible } else { Flaw::NotFinite };
                 return self.refuse(record, index, flaw);

@@ -27,7 +27,7 @@ mod values;
 
 pub use acceptance::{Acceptance, AcceptanceError};
 #[cfg(feature = "auth")]
-pub use auth::{Key, authenticate};
+pub use auth::{Key, sign};
 pub use check::Blob;
 pub use covariance::{Covariance, CovarianceError};
 pub use curves::{curve_len, encode_curve, encode_curve_with, gaps_len};

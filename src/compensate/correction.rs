@@ -97,6 +97,12 @@ impl<T: Scalar, const N: usize> Correction<T, N> {
         for x in self.joints.iter_mut().chain(&mut self.rigid) {
             *x *= scale;
         }
+        // The product is rounded, by far more than an ulp where the scale is subnormal.
+        for (x, most) in self.joints.iter_mut().zip(&self.most) {
+            if x.abs() > *most {
+                *x = if *x > T::ZERO { *most } else { -*most };
+            }
+        }
         self.along.linear *= scale;
         self.along.angular *= scale;
     }

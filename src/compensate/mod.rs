@@ -21,10 +21,11 @@
 //!   a part of the way to the solution.
 //!
 //! What is **applied** goes to c by at most `max_change` a tick, but for a joint that a
-//! limit stops, which gives up at once what would take it beyond, and stands there, exactly, within `ceil(max |c - applied| / max_change)` ticks of a standing
-//! command after the ramp. A step is rounded as sums are, by at most a 32nd of the smallest
-//! `max_change` and two millionths of the usual one in `f32`: by that share of the ticks, and one
-//! more, it may be later, and by that share a change may be larger. On the
+//! limit stops, which gives up at once what would take it beyond, and stands there, exactly,
+//! within `ceil(max |c - applied| / max_change)` ticks of a standing command after the ramp. A
+//! step is rounded as sums are, by at most a 32nd of the smallest `max_change` and two
+//! millionths of the usual one in `f32`: by that share of the ticks, and one more, it may be
+//! later, and by that share a change may be larger. On the
 //! way there, as after [`Compensator::set_arm`] or where a fast motion near a
 //! singular pose asks for more than `max_change` a tick, nothing is claimed but that.
 //!
@@ -98,6 +99,18 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         &self.arm
     }
 
+    /// The settings.
+    #[must_use]
+    pub fn settings(&self) -> &Settings<T, N> {
+        &self.settings
+    }
+
+    /// What the last tick added to its command, rad or m.
+    #[must_use]
+    pub fn applied(&self) -> &[T; N] {
+        &self.applied
+    }
+
     /// Another arm, after a re-identification ([`Arm::with_parameters`], which keeps the
     /// production tool) or with another tool. What is applied goes over to its correction
     /// by at most `max_change` a tick.
@@ -117,6 +130,19 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         self.active = active;
     }
 
+    /// Whether it is switched on, however far it has been faded in.
+    #[must_use]
+    pub fn is_active(&self) -> bool {
+        self.active
+    }
+
+    /// Whether it is switched off and nothing is left of it: the next tick gives its command.
+    #[must_use]
+    #[inline]
+    pub fn is_idle(&self) -> bool {
+        !self.active && self.ramp == 0 && self.applied.iter().all(|a| *a == T::ZERO)
+    }
+
     /// One tick: the joints at which the real tool is where the nominal model
     /// has it at `command` (rad or m), in this state of the arm. Never fails: where
     /// nothing can be computed it goes back to the command, without a step, and
@@ -124,8 +150,7 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     /// read all joints' are, where a term follows any.
     #[inline]
     pub fn tick(&mut self, command: &[T; N], state: &State<T, N>) -> Tick<T, N> {
-        let idle = !self.active && self.ramp == 0 && self.applied.iter().all(|a| *a == T::ZERO);
-        if idle {
+        if self.is_idle() {
             return self.pass(command);
         }
         self.law.correct(&self.arm, command, state, &mut self.correction);
@@ -303,5 +328,7 @@ fn smooth<T: Scalar>(tick: u32, ticks: u32) -> T {
     // Both at most 2^24, see the settings: exact.
     let x = T::from_f32(tick as f32 / ticks as f32);
     let c = |c: f32| T::from_f32(c);
-    x * x * x * (c(10.0) + x * (x * c(6.0) - c(15.0)))
+    let share = x * x * x * (c(10.0) + x * (x * c(6.0) - c(15.0)));
+    // Rounded, it may be an ulp above just before the end.
+    if share < T::ONE { share } else { T::ONE }
 }

@@ -27,7 +27,9 @@ pub struct Settings<T, const N: usize> {
     pub trust_nominal_orientation: bool,
     /// How often what is left is looked at and solved for again, 1 to 4. Each
     /// leaves the error times the misfit of the nominal Jacobian, typically a
-    /// hundredth, and costs the same, whatever the command.
+    /// hundredth. There is no iteration until something converges: the same
+    /// number whatever the command. Damping and bounds cost what `src/README.md`
+    /// says of the worst case.
     pub refinements: u8,
     /// Largest correction of each joint, rad or m, to 0.2. A correction takes
     /// back a geometric error and is a few milliradians; the bound keeps a

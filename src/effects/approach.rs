@@ -36,6 +36,26 @@ impl Approach {
         }
     }
 
+    /// How a joint has come to where it is, tick after tick: that of its motion, where it moves
+    /// by more than `standstill` (in the unit of `change`, not negative), else as before. What a
+    /// controller keeps of each joint: at rest [`Self::of_motion`] knows nothing, and the noise
+    /// of an encoder would take the link from one side of the play to the other.
+    ///
+    /// ```
+    /// use truearm::Approach;
+    ///
+    /// let (start, standstill) = (Approach::Unknown, 1e-5);
+    /// let came = start.after(0.02, standstill);
+    /// assert_eq!(came, Approach::Positive);
+    /// assert_eq!(came.after(-2e-6, standstill), Approach::Positive, "it rests, and trembles");
+    /// assert_eq!(came.after(-0.01, standstill), Approach::Negative);
+    /// ```
+    #[must_use]
+    #[inline]
+    pub fn after<T: Scalar>(self, change: T, standstill: T) -> Self {
+        if change.abs() > standstill { Self::of_motion(change) } else { self }
+    }
+
     /// +1, -1, or 0 if unknown.
     #[must_use]
     #[inline]

@@ -49,7 +49,7 @@ use crate::arm::{Arm, ArmParameters};
 use crate::measurement::{Equations, Measurement, Unknowns};
 use crate::parameters::{Certainty, Parameter, apply, first_bad, first_bad_scale};
 use crate::scalar::Scalar;
-use crate::solve::{StreamingTikhonov, Triangle};
+use crate::solve::{SolveError, StreamingTikhonov, Triangle};
 
 /// What to identify, and how well it is measured: at the `tool` of the stored parameters,
 /// not at a production tool.
@@ -257,7 +257,7 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
         let Certainty { sigma, determined, rank } = certainty;
         let [fitted, judging] = self.weights;
         let rms = |x: &[T; P]| self.rms(&all, x, fitted + judging);
-        let (rms_before, rms_after) = (rms(&[T::ZERO; P]), rms(&change));
+        let (rms_before, rms_after) = (rms(&[T::ZERO; P])?, rms(&change)?);
         let mut parameters = self.stored.clone();
         apply(&mut parameters, &self.settings.parameters, &change);
         parameters.follow().ok_or(StreamingError::LastSequence)?;
@@ -307,11 +307,13 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
             return Ok(None);
         }
         let x = self.stream.fitted()?.solve(lambda, &self.settings.scale)?.x;
-        Ok(Some(self.rms(self.stream.held_out(), &x, judging)))
+        self.rms(self.stream.held_out(), &x, judging).map(Some)
     }
 
-    /// RMS distance of so many measurements, m.
-    fn rms(&self, triangle: &Triangle<T, P>, x: &[T; P], measurements: T) -> T {
-        (triangle.residual_square(x) / measurements).sqrt() * self.settings.sigma
+    /// RMS distance of so many measurements, m. The square of one that was held out may be
+    /// beyond `T` though all that are fitted are within.
+    fn rms(&self, triangle: &Triangle<T, P>, x: &[T; P], many: T) -> Result<T, StreamingError> {
+        let rms = (triangle.residual_square(x) / many).sqrt() * self.settings.sigma;
+        if rms.is_finite() { Ok(rms) } else { Err(SolveError::Overflow.into()) }
     }
 }

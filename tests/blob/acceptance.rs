@@ -42,7 +42,7 @@ fn damage_is_named_first() {
 
 #[cfg(feature = "auth")]
 mod auth {
-    use truearm::blob::{Blob, EncodeError, Key, TAG, authenticate};
+    use truearm::blob::{Blob, EncodeError, Key, TAG, sign};
 
     use super::*;
     use crate::blobs::mend;
@@ -52,7 +52,7 @@ mod auth {
     fn signed() -> Vec<u8> {
         let mut bytes = blob();
         bytes.extend([0; TAG]);
-        assert_eq!(authenticate(&mut bytes, &KEY), Ok(bytes.len()));
+        assert_eq!(sign(&mut bytes, &KEY), Ok(bytes.len()));
         bytes
     }
 
@@ -107,12 +107,12 @@ mod auth {
     fn a_tag_can_be_renewed_and_needs_room() {
         let mut bytes = signed();
         let again = bytes.clone();
-        assert_eq!(authenticate(&mut bytes, &KEY), Ok(again.len()));
+        assert_eq!(sign(&mut bytes, &KEY), Ok(again.len()));
         assert_eq!(bytes, again);
         let mut tight = blob();
         let (needed, got) = (tight.len() + TAG, tight.len());
-        assert_eq!(authenticate(&mut tight, &KEY), Err(EncodeError::NoRoom { needed, got }));
+        assert_eq!(sign(&mut tight, &KEY), Err(EncodeError::NoRoom { needed, got }));
         assert!(Blob::check(&tight).is_ok());
-        assert!(authenticate(&mut [0; 600], &KEY).is_err());
+        assert!(sign(&mut [0; 600], &KEY).is_err());
     }
 }

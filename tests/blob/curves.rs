@@ -63,16 +63,16 @@ fn curves_stand_between_covariance_and_tag() {
 #[cfg(feature = "auth")]
 #[test]
 fn a_tag_covers_the_curves() {
-    use truearm::blob::{AcceptanceError, TAG, authenticate};
+    use truearm::blob::{AcceptanceError, TAG, sign};
     let mut bytes = curved();
     bytes.resize(bytes.len() + TAG, 0);
-    let size = authenticate(&mut bytes, &[7; 32]).unwrap();
+    let size = sign(&mut bytes, &[7; 32]).unwrap();
     assert_eq!(size, bytes.len());
-    assert_eq!(Blob::check(&bytes).unwrap().authenticate(&[7; 32]), Ok(()));
+    assert_eq!(Blob::check(&bytes).unwrap().verify(&[7; 32]), Ok(()));
     bytes[AT + 20] ^= 1;
     mend(&mut bytes);
     let forged = Blob::check(&bytes).unwrap();
-    assert_eq!(forged.authenticate(&[7; 32]), Err(AcceptanceError::WrongKey));
+    assert_eq!(forged.verify(&[7; 32]), Err(AcceptanceError::WrongKey));
 }
 
 fn own(p: ArmParameters<'_, f32, 6>) -> ArmParameters<'static, f32, 6> {

@@ -514,6 +514,33 @@ fn checksums_are_the_standard_ones() {
     assert_ne!(robot_id("ar", "m0042"), robot_id("arm", "0042"));
 }
 
+/// Whatever is taken is written again as the same bytes: each has a meaning or is 0.
+#[test]
+fn every_byte_of_a_mended_blob_means_something() {
+    for whole in [blob(), include_bytes!("../data/golden/layout-3-least.blob").to_vec()] {
+        let (joints, mut taken) = (usize::from(whole[6]), 0);
+        for offset in 0..whole.len() - 4 {
+            for value in [0x00, 0x01, 0x40, 0x80, 0xff].map(|bits| whole[offset] ^ bits) {
+                let mut bytes = whole.clone();
+                bytes[offset] = value;
+                mend(&mut bytes);
+                let Ok(blob) = Blob::check(&bytes) else { continue };
+                let mut again = vec![0; bytes.len()];
+                let size = match joints {
+                    1 => encode(&blob.parameters::<f32, 1>().unwrap(), &mut again),
+                    _ => encode(&blob.parameters::<f32, 3>().unwrap(), &mut again),
+                };
+                // The last number is of a set that none may follow.
+                if size != Err(EncodeError::LastSequence) {
+                    assert_eq!((size, &again), (Ok(bytes.len()), &bytes), "byte {offset}");
+                }
+                taken += 1;
+            }
+        }
+        assert!(taken > 100);
+    }
+}
+
 proptest! {
     #[test]
     fn no_bytes_panic(bytes in proptest::collection::vec(any::<u8>(), 0..700)) {

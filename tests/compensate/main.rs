@@ -9,3 +9,4 @@ mod law;
 mod paths;
 mod shortcuts;
 mod torques;
+mod valid;

@@ -494,6 +494,74 @@ fn finite(found: &Reidentified<f32, 6, 8>) -> bool {
     links.chain(found.change).chain(found.sigma).chain(rest).all(|v| v.is_finite())
 }
 
+/// A point, a direction, a number, and which kind of reading is made of them.
+type AnyReading = ([f32; 3], [f32; 3], f32, u8);
+
+/// Numbers, or an error that says why not, whatever was measured.
+fn comes_out_finite(readings: Vec<AnyReading>, q: [f32; 6], sigma: f32, scale: f32, seed: u64) {
+    let was = stored::<f32, 6>(ur10(), TOOL);
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut all: Vec<Taken<f32>> = Vec::new();
+    for (point, normal, value, kind) in readings {
+        let (point, normal) = (vector(point.map(f64::from)), vector(normal.map(f64::from)));
+        let plane = Plane::new(point, normal);
+        let free = joints(&ur10(), &mut rng).map(|q| q as f32);
+        let q = if rng.random_bool(0.1) { q } else { free };
+        all.push(match (plane, kind) {
+            (Ok(plane), 0) => plane.touched(q, value, 20.0),
+            (Ok(plane), 1) => plane.unknown(0).touched(q, value, 20.0),
+            (_, 2) => Anchor::new(point).distance(q, value, 20.0),
+            (_, 3) => Anchor::new(point).unknown(0).distance(q, value, 20.0),
+            _ => CheckPoint::plain(q, point, 20.0).into(),
+        });
+    }
+    let ([a, b, c], [d, e, f]) = (Parameter::plane(0, Axis::Z), Parameter::anchor(0));
+    let chosen = [a, b, c, d, e, f, OFFSETS[0], OFFSETS[1]];
+    let mut task = Reidentify::new(&was, chosen, sigma);
+    task.scale[6] = scale;
+    match task.run(&was, &all) {
+        Ok(found) => assert!(finite(&found), "{found:?}"),
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+    let settings = Settings { scale: task.scale, ..Settings::new(&was, chosen, sigma) };
+    let Ok(mut stream) = settings.start(&was) else { return };
+    for taken in &all {
+        if let Err(error) = stream.push(taken) {
+            assert!(!error.to_string().is_empty());
+        }
+    }
+    for rule in [Lambda::Prior, Lambda::TwoStep] {
+        if let Ok(found) = stream.identified(rule) {
+            let all = found.change.into_iter().chain(found.sigma);
+            let rest = [found.rms_after, found.held_out.unwrap_or(0.0)];
+            assert!(all.chain(rest).all(|v| v.is_finite()), "{:?}", found);
+        }
+    }
+}
+
+/// All that are fitted are within what `f32` squares, and one that is held out is not.
+#[test]
+fn a_held_out_square_that_overflows_is_refused() {
+    let none = [0.0; 3];
+    let readings = vec![
+        (none, [0.0, 0.0, -1.3301524], 0.0, 1),
+        (none, none, 0.0, 0),
+        ([5793415.5, 0.0, 0.0], none, 0.0, 3),
+        ([0.0, 0.0, -6.0944777e25], none, 0.0, 0),
+        (none, none, 0.0, 0),
+        (none, none, -4.6261463e35, 2),
+        (none, none, 0.0, 0),
+        (none, none, 0.0, 3),
+        (none, none, 0.0, 0),
+        ([0.0, 0.0, -788844100.0], none, 0.0, 3),
+        (none, none, 0.0, 0),
+        (none, [0.0, 0.0, 0.79090625], 0.0, 1),
+        (none, [0.0, 0.0, -1.8823688], 0.0, 1),
+    ];
+    let q = [0.0, 0.0, 0.0, -2.2617807e23, 0.0, 0.0];
+    comes_out_finite(readings, q, 2e-5, 0.02, 8337598346185489668);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
@@ -507,43 +575,6 @@ proptest! {
         scale in prop_oneof![Just(0.02_f32), any::<f32>()],
         seed in any::<u64>(),
     ) {
-        let was = stored::<f32, 6>(ur10(), TOOL);
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut all: Vec<Taken<f32>> = Vec::new();
-        for (point, normal, value, kind) in readings {
-            let (point, normal) = (vector(point.map(f64::from)), vector(normal.map(f64::from)));
-            let plane = Plane::new(point, normal);
-            let free = joints(&ur10(), &mut rng).map(|q| q as f32);
-            let q = if rng.random_bool(0.1) { q } else { free };
-            all.push(match (plane, kind) {
-                (Ok(plane), 0) => plane.touched(q, value, 20.0),
-                (Ok(plane), 1) => plane.unknown(0).touched(q, value, 20.0),
-                (_, 2) => Anchor::new(point).distance(q, value, 20.0),
-                (_, 3) => Anchor::new(point).unknown(0).distance(q, value, 20.0),
-                _ => CheckPoint::plain(q, point, 20.0).into(),
-            });
-        }
-        let ([a, b, c], [d, e, f]) = (Parameter::plane(0, Axis::Z), Parameter::anchor(0));
-        let chosen = [a, b, c, d, e, f, OFFSETS[0], OFFSETS[1]];
-        let mut task = Reidentify::new(&was, chosen, sigma);
-        task.scale[6] = scale;
-        match task.run(&was, &all) {
-            Ok(found) => prop_assert!(finite(&found), "{found:?}"),
-            Err(error) => prop_assert!(!error.to_string().is_empty()),
-        }
-        let settings = Settings { scale: task.scale, ..Settings::new(&was, chosen, sigma) };
-        let Ok(mut stream) = settings.start(&was) else { return Ok(()) };
-        for taken in &all {
-            if let Err(error) = stream.push(taken) {
-                prop_assert!(!error.to_string().is_empty());
-            }
-        }
-        for rule in [Lambda::Prior, Lambda::TwoStep] {
-            if let Ok(found) = stream.identified(rule) {
-                let all = found.change.into_iter().chain(found.sigma);
-                let rest = [found.rms_after, found.held_out.unwrap_or(0.0)];
-                prop_assert!(all.chain(rest).all(|v| v.is_finite()), "{:?}", found);
-            }
-        }
+        comes_out_finite(readings, q, sigma, scale, seed);
     }
 }

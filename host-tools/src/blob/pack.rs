@@ -65,7 +65,7 @@ pub fn pack_with(model: &Model, options: &PackOptions) -> Result<Vec<u8>> {
     let mut bytes = vec![0; size + blob::TAG];
     let written = parameters(model, terms, curves, [sequence, created]).encode(factor, &mut bytes);
     let written = written.and_then(|size| match &options.key {
-        Some(key) => blob::authenticate(&mut bytes, key),
+        Some(key) => blob::sign(&mut bytes, key),
         None => Ok(size),
     });
     let size = written.map_err(|e| {

@@ -6,7 +6,7 @@ use std::fs;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use truearm::blob::{Blob, authenticate};
+use truearm::blob::{Blob, sign};
 
 use crate::run::Result;
 use crate::vectors::shipped_terms;
@@ -16,7 +16,7 @@ const BURSTS: u64 = 10_000_000;
 pub fn run() -> Result {
     let plain = fs::read(shipped_terms().blob)?;
     let mut tagged = [&plain[..], &[0; 32]].concat();
-    authenticate(&mut tagged, &[7; 32])?;
+    sign(&mut tagged, &[7; 32])?;
     for (name, blob) in [("without a tag", plain), ("with a tag", tagged)] {
         // In a slot of erased flash, where a longer blob could be mistaken.
         let bits = blob.len() * 8;

@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use embedded_storage::nor_flash::NorFlashErrorKind;
 use truearm::ArmParameters6;
-use truearm::blob::{Acceptance, EncodeError, authenticate, encode_with};
+use truearm::blob::{Acceptance, EncodeError, encode_with, sign};
 use truearm::sensor::{TEMPERATURE_SENSOR, read_temperature};
 use truearm::store::{
     ByteSlots, GeometryError, Medium, NorSlots, Opened, Slot, Store, StoreError, Stored,
@@ -68,5 +68,5 @@ fn finish<M: Medium>(mut store: Store<M>) {
 /// What is stored after a re-identification.
 fn again(parameters: &ArmParameters6<'_, f32>, room: &mut [u8]) -> Result<usize, EncodeError> {
     encode_with(parameters, Some(black_box(&[0.0; 100])), room)?;
-    authenticate(room, black_box(&[3; 32]))
+    sign(room, black_box(&[3; 32]))
 }
