@@ -94,14 +94,13 @@ impl<T: Scalar, const N: usize> Correction<T, N> {
                 }
             }
         }
+        // Of a solution of 1e26 rad nothing is taken: the scale would be subnormal, and what it
+        // gives off by far more than a rounding.
+        if scale < T::EPSILON * T::EPSILON * T::EPSILON * T::EPSILON {
+            scale = T::ZERO;
+        }
         for x in self.joints.iter_mut().chain(&mut self.rigid) {
             *x *= scale;
-        }
-        // The product is rounded, by far more than an ulp where the scale is subnormal.
-        for (x, most) in self.joints.iter_mut().zip(&self.most) {
-            if x.abs() > *most {
-                *x = if *x > T::ZERO { *most } else { -*most };
-            }
         }
         self.along.linear *= scale;
         self.along.angular *= scale;

@@ -16,8 +16,8 @@
 //!   commands within 100 rad. Where it is damped, what terms bend a joint by may
 //!   add up to 0.07 mm a mrad, and play its own size. `docs/compensation.md` has
 //!   what was seen beyond.
-//! * no joint is corrected by more than `max_correction`, nor beyond a limit; all
-//!   joints are scaled by one factor to stay within, so that what is applied is
+//! * no joint is corrected by more than `max_correction`, but for four roundings of it, nor
+//!   beyond a limit; all joints are scaled by one factor to stay within, so that what is applied is
 //!   a part of the way to the solution.
 //!
 //! What is **applied** goes to c by at most `max_change` a tick, but for a joint that a
@@ -328,7 +328,5 @@ fn smooth<T: Scalar>(tick: u32, ticks: u32) -> T {
     // Both at most 2^24, see the settings: exact.
     let x = T::from_f32(tick as f32 / ticks as f32);
     let c = |c: f32| T::from_f32(c);
-    let share = x * x * x * (c(10.0) + x * (x * c(6.0) - c(15.0)));
-    // Rounded, it may be an ulp above just before the end.
-    if share < T::ONE { share } else { T::ONE }
+    x * x * x * (c(10.0) + x * (x * c(6.0) - c(15.0)))
 }

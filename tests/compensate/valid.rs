@@ -238,7 +238,7 @@ fn promises<T: Scalar, const N: usize>(seed: u64, counts: &mut Counts) {
                 slack[i] = slack[i].max(rounded);
             }
             if !stopped || same_arm {
-                let most = most * (1.0 + 2.0 * eps) + slack[i];
+                let most = most * (1.0 + 4.0 * eps) + slack[i];
                 assert!(now.abs() <= most, "{at}: joint {i}, {now} of {most}");
             }
             let step = (now - was).abs();
