@@ -2,11 +2,13 @@
 //! runs before it. One file a verb.
 
 mod bench;
+mod beside;
 mod board;
 mod book;
 mod budgets;
 mod c;
 mod ci;
+mod controller;
 mod demo;
 mod embassy;
 mod end_to_end;
@@ -50,8 +52,14 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Host tests, then the controller image under QEMU
+    /// Host tests, and beside them everything that is built for a controller
     Test,
+    /// Everything that is built for a controller: image, log, async loop, C library
+    Controller {
+        /// And the proof at every level, Miri, and half a minute of fuzzing
+        #[arg(long)]
+        thorough: bool,
+    },
     /// Build the controller image, prove it panic-free, run it under QEMU
     Firmware {
         /// Parameter blob to run with instead of the shipped one
@@ -106,7 +114,8 @@ enum Verb {
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().verb {
-        Verb::Test => test::run(),
+        Verb::Test => test::run(false),
+        Verb::Controller { thorough } => controller::run(thorough),
         Verb::Firmware { blob } => firmware::run(blob.as_deref()),
         Verb::Proof => tools::ensure().and_then(|()| proof::usual()).and_then(|()| proof::others()),
         Verb::Budgets => firmware::budgets(),

@@ -22,8 +22,9 @@ pub fn found() -> bool {
 /// How packages are installed.
 pub const PIP: [&str; 5] = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
 
+/// Built as tests are: what users install is compiled longer and does the same.
 pub fn run() -> Result {
-    let tester = installed()?;
+    let tester = built("dev")?;
     step("tests of the wheel", || {
         call(Command::new(&tester).arg(directory().join("tests/test_truearm.py")))
     })?;
@@ -35,8 +36,12 @@ pub fn run() -> Result {
     })
 }
 
-/// The wheel, built and installed in a bare environment; its Python.
+/// The wheel as users have it, built and installed in a bare environment; its Python.
 pub fn installed() -> Result<PathBuf> {
+    built("release")
+}
+
+fn built(profile: &str) -> Result<PathBuf> {
     if !found() {
         return Err("no python3 with venv: install Debian's python3-venv".into());
     }
@@ -53,7 +58,7 @@ pub fn installed() -> Result<PathBuf> {
     step("wheel", || {
         call(Command::new(&builder).args(PIP).arg("maturin>=1.9,<2"))?;
         let mut wheel = Command::new(build.join("bin/maturin"));
-        wheel.current_dir(directory()).args(["build", "--release", "--out"]);
+        wheel.current_dir(directory()).args(["build", "--profile", profile, "--out"]);
         call(wheel.arg(&wheels).arg("--target-dir").arg(target_dir()))?;
         let wheel = fs::read_dir(&wheels)?.next().ok_or("no wheel was built")??.path();
         call(Command::new(&tester).args(PIP).arg(wheel))

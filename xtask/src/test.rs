@@ -1,15 +1,17 @@
 //! `cargo xtask test`: everything that is tested, on the host and under QEMU.
 
+use crate::beside::Beside;
 use crate::run::{Result, call, cargo, root, step};
-use crate::{c, demo, embassy, end_to_end, firmware, log, store, tools};
+use crate::{demo, end_to_end, store, tools};
 
-pub fn run() -> Result {
+/// `thorough`: what CI asks beside.
+pub fn run(thorough: bool) -> Result {
     tools::ensure()?;
-    step("host tests", || call(&mut cargo(&root(), "test --workspace")))?;
-    firmware::run(None)?;
-    step("defmt log", log::check)?;
-    step("control loop under embassy", embassy::check)?;
-    c::run()?;
+    let controller = Beside::start(if thorough { "controller --thorough" } else { "controller" })?;
+    let host = step("host tests", || call(&mut cargo(&root(), "test --workspace")));
+    let controller = controller.end();
+    host?;
+    controller?;
     end_to_end::run()?;
     store::run()?;
     step("an arm that mends itself", demo::check)?;

@@ -72,7 +72,8 @@ pub fn slipped(problem: &Problem, root: &Node) -> Option<(f64, usize, f64)> {
             cr += column.dot(&residual.column());
             rr += residual.norm_squared();
         }
-        (cr * cr / (cc * rr), joint, cr / cc)
+        // A joint that moves none of them explains nothing.
+        if cc * rr > 0.0 { (cr * cr / (cc * rr), joint, cr / cc) } else { (0.0, joint, 0.0) }
     };
     let best = (0..problem.nominal.len()).map(fitted).max_by(|a, b| a.0.total_cmp(&b.0));
     best.filter(|best| best.0 > POLICY.slipped)

@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DMatrixView, DVector, Dyn};
 
 use super::noise::Noise;
 use super::poses::Repeats;
@@ -84,15 +84,24 @@ impl Gram {
         }
     }
 
-    /// Adds equations. A few hundred at a time are fastest.
+    /// Adds equations.
     pub fn add(&mut self, g: &DMatrix<f64>, z: &DMatrix<f64>, y: &DVector<f64>) {
-        let (gt, zt) = (g.transpose(), z.transpose());
-        lower_product(&mut self.gg, 1.0, &gt, g);
-        self.gz.gemm(1.0, &gt, z, 1.0);
-        self.gy.gemv(1.0, &gt, y, 1.0);
-        self.zy.gemv(1.0, &zt, y, 1.0);
+        let columns = g.column_iter().chain(z.column_iter()).chain([y.column(0)]);
+        self.add_block(&DMatrix::from_columns(&columns.collect::<Vec<_>>()));
+    }
+
+    /// Adds equations `[G, Z, y]`. A few hundred at a time are fastest.
+    pub fn add_block(&mut self, all: &DMatrix<f64>) {
+        let (p, k) = (self.unknowns(), self.columns());
+        let (g, z, y) = (all.columns(0, p), all.columns(p, k), all.column(p + k));
+        let transposed = all.transpose();
+        let (gt, zt) = (transposed.rows(0, p), transposed.rows(p, k));
+        lower_product(&mut self.gg, 1.0, gt, g);
+        self.gz.gemm(1.0, &gt, &z, 1.0);
+        self.gy.gemv(1.0, &gt, &y, 1.0);
+        self.zy.gemv(1.0, &zt, &y, 1.0);
         self.yy += y.norm_squared();
-        lower_product(&mut self.zz, 1.0, &zt, z);
+        lower_product(&mut self.zz, 1.0, zt, z);
         self.equations += y.len();
     }
 
@@ -194,7 +203,7 @@ impl Gram {
         let vy = geometry.whiten(&DMatrix::from_column_slice(self.gy.len(), 1, self.gy.as_slice()));
         let vy = vy.column(0);
         let mut c = zz / k2;
-        lower_product(&mut c, -1.0, &v.transpose(), &v);
+        lower_product(&mut c, -1.0, v.transpose().as_view(), v.as_view());
         c.fill_upper_triangle_with_lower_triangle();
         let mut b = zy / k2 - v.tr_mul(&vy);
         let full = zz.diagonal() / k2;
@@ -301,7 +310,12 @@ impl Geometry {
 
 /// Adds `by * at * a` to the lower triangle of `to`, `at` being a's transpose:
 /// nalgebra's own product of a transpose took seven times as long.
-fn lower_product(to: &mut DMatrix<f64>, by: f64, at: &DMatrix<f64>, a: &DMatrix<f64>) {
+fn lower_product(
+    to: &mut DMatrix<f64>,
+    by: f64,
+    at: DMatrixView<'_, f64>,
+    a: DMatrixView<'_, f64>,
+) {
     let columns = a.ncols();
     for first in (0..columns).step_by(BLOCK) {
         let width = BLOCK.min(columns - first);

@@ -2,7 +2,7 @@
 //! joint, in O(n (p + 2) K) and without a matrix of all orders; the best and
 //! their neighbours become candidates.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 /// Below lies eccentricity, and what a limited range of a joint cannot tell
 /// from geometry. Cycles a turn.
@@ -38,6 +38,73 @@ pub struct JointColumn {
     pub right: Vec<f64>,
     /// [`super::Geometry::whiten`] of `G_i' c_i`, one column a row.
     pub imitated: DMatrix<f64>,
+}
+
+/// Products of a line's cosine and sine, with each other and with the residual, geometry
+/// projected out.
+struct Pair {
+    /// Of cos cos, cos sin and sin sin with the squares, of cos and sin with the right sides.
+    sums: [f64; 5],
+    /// What geometry imitates of either, a column each.
+    imitated: DMatrix<f64>,
+}
+
+impl JointColumn {
+    /// What cosine and sine of an order explain together, of all rows.
+    #[must_use]
+    pub fn strength(&self, order: f64) -> f64 {
+        self.pair(order).strength()
+    }
+
+    /// Coefficients of cosine and sine of an order by least squares.
+    #[must_use]
+    pub fn fitted(&self, order: f64) -> [f64; 2] {
+        let ([cc, cs, ss], right) = self.pair(order).normal();
+        let normal = Matrix2::new(cc, cs, cs, ss);
+        normal.lu().solve(&Vector2::from(right)).map_or([0.0; 2], Into::into)
+    }
+
+    /// Adds something that the joint does to the residual so many times, less what geometry
+    /// imitates of it.
+    pub fn move_by(&mut self, moved: &[f64], times: f64) {
+        let imitated = &self.imitated * DVector::from_column_slice(moved);
+        let imitated = self.imitated.tr_mul(&imitated);
+        for (i, right) in self.right.iter_mut().enumerate() {
+            *right += times * (self.square[i] * moved[i] - imitated[i]);
+        }
+    }
+
+    fn pair(&self, order: f64) -> Pair {
+        let waves = Waves::new(&self.q, order, None);
+        let mut sums = [0.0; 5];
+        waves.add(&self.square, &self.right, &mut sums);
+        let mut imitated = DMatrix::zeros(self.imitated.nrows(), 2);
+        let (mut cos, mut sin) = imitated.columns_range_pair_mut(0, 1);
+        for (i, own) in self.imitated.column_iter().enumerate() {
+            cos.axpy(waves.cos[i], &own, 1.0);
+            sin.axpy(waves.sin[i], &own, 1.0);
+        }
+        Pair { sums, imitated }
+    }
+}
+
+impl Pair {
+    fn normal(&self) -> ([f64; 3], [f64; 2]) {
+        let [cc, cs, ss, rc, rs] = self.sums;
+        let (pc, ps) = (self.imitated.column(0), self.imitated.column(1));
+        ([cc - pc.norm_squared(), cs - pc.dot(&ps), ss - ps.norm_squared()], [rc, rs])
+    }
+
+    fn strength(&self) -> f64 {
+        let [full_c, _, full_s, ..] = self.sums;
+        let ([cc, cs, ss], [rc, rs]) = self.normal();
+        let determinant = cc * ss - cs * cs;
+        // Hardly anything left that geometry cannot imitate: no test.
+        if cc <= SEEN * full_c || ss <= SEEN * full_s || determinant <= 1e-6 * cc * ss {
+            return 0.0;
+        }
+        (ss * rc * rc - 2.0 * cs * rc * rs + cc * rs * rs) / determinant
+    }
 }
 
 /// Orders that are tried at a joint.
@@ -105,7 +172,7 @@ impl Orders {
         if scan.every > 1 {
             peaks.truncate(AGAIN * most);
             for line in &mut peaks {
-                line.strength = strengths(scan.column, line.order, self.step, 1)[0];
+                line.strength = scan.column.strength(line.order);
             }
             strongest(&mut peaks);
         }
@@ -151,12 +218,6 @@ impl Orders {
     }
 }
 
-/// What cosine and sine of `count` orders from `first` on would each explain.
-#[must_use]
-pub fn strengths(column: &JointColumn, first: f64, step: f64, count: usize) -> Vec<f64> {
-    Scan::new(column, 1).strengths(first, step, count)
-}
-
 /// A column ready for many orders.
 struct Scan<'c> {
     column: &'c JointColumn,
@@ -175,7 +236,8 @@ impl<'c> Scan<'c> {
         Self { column, every, imitated }
     }
 
-    /// Rows are taken a few hundred at a time, so that their waves stay in the cache.
+    /// What cosine and sine of `count` orders from `first` on would each explain. Rows are taken
+    /// a few hundred at a time, so that their waves stay in the cache.
     fn strengths(&self, first: f64, step: f64, count: usize) -> Vec<f64> {
         let n = self.column.q.len();
         let mut sums = vec![[0.0; 5]; count];
@@ -183,7 +245,7 @@ impl<'c> Scan<'c> {
         let mut seen = 0;
         for start in (0..n).step_by(self.every * ROWS) {
             let block = start..n.min(start + self.every * ROWS);
-            let mut waves = Waves::new(&self.column.q[block.clone()], first, step);
+            let mut waves = Waves::new(&self.column.q[block.clone()], first, Some(step));
             let (square, right) = (&self.column.square[block.clone()], &self.column.right[block]);
             let rows = square.len().div_ceil(self.every);
             let mut few = DMatrix::zeros(2 * count, rows);
@@ -201,11 +263,11 @@ impl<'c> Scan<'c> {
         // Waves are a column of both.
         let imitated = imitated.transpose();
         let of = |(k, sums): (usize, &[f64; 5])| {
-            let own = imitated.columns(2 * k, 2).into_owned();
+            let imitated = imitated.columns(2 * k, 2).into_owned();
             // What geometry does much of hangs on how much exactly.
-            match self.every > 1 && own.norm_squared() > IMITATED * (sums[0] + sums[2]) {
-                true => strengths(self.column, first + step * k as f64, step, 1)[0],
-                false => strength(*sums, &own),
+            match self.every > 1 && imitated.norm_squared() > IMITATED * (sums[0] + sums[2]) {
+                true => self.column.strength(first + step * k as f64),
+                false => Pair { sums: *sums, imitated }.strength(),
             }
         };
         sums.iter().enumerate().map(of).collect()
@@ -221,9 +283,10 @@ struct Waves {
 }
 
 impl Waves {
-    fn new(q: &[f64], first: f64, step: f64) -> Self {
+    fn new(q: &[f64], first: f64, step: Option<f64>) -> Self {
         let (sin, cos) = q.iter().map(|q| (q * first).sin_cos()).unzip();
-        Self { cos, sin, step: q.iter().map(|q| (q * step).sin_cos()).collect() }
+        let turn = |step: f64| q.iter().map(|q| (q * step).sin_cos()).collect();
+        Self { cos, sin, step: step.map_or_else(Vec::new, turn) }
     }
 
     fn turn(&mut self) {
@@ -251,20 +314,6 @@ impl Waves {
             *sum += side.iter().sum::<f64>();
         }
     }
-}
-
-fn strength([mut cc, mut cs, mut ss, rc, rs]: [f64; 5], imitated: &DMatrix<f64>) -> f64 {
-    let (pc, ps) = (imitated.column(0), imitated.column(1));
-    let (full_c, full_s) = (cc, ss);
-    cc -= pc.norm_squared();
-    ss -= ps.norm_squared();
-    cs -= pc.dot(&ps);
-    let determinant = cc * ss - cs * cs;
-    // Hardly anything left that geometry cannot imitate: no test.
-    if cc <= SEEN * full_c || ss <= SEEN * full_s || determinant <= 1e-6 * cc * ss {
-        return 0.0;
-    }
-    (ss * rc * rc - 2.0 * cs * rc * rs + cc * rs * rs) / determinant
 }
 
 #[cfg(test)]
@@ -350,8 +399,10 @@ mod tests {
             x.map_or(0.0, |x| x.dot(&b))
         };
         for order in [3.0, 6.9, 7.0, 12.3] {
-            let own = strengths(&column, order, 0.1, 3)[0];
-            assert!((own - direct(order)).abs() < 1e-8 * (1.0 + own), "{order}");
+            let of_many = Scan::new(&column, 1).strengths(order, 0.1, 3)[0];
+            for own in [column.strength(order), of_many] {
+                assert!((own - direct(order)).abs() < 1e-8 * (1.0 + own), "{order}");
+            }
         }
     }
 }

@@ -17,6 +17,8 @@ pub use kinds::{COVERAGE_FACTOR, KindVerified};
 pub use record::{OfPoints, OverPoses, Verification};
 pub use test_poses::test_poses;
 
+use std::collections::HashMap;
+
 use nalgebra::Vector3;
 use truearm::Pose;
 
@@ -95,17 +97,18 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     })
 }
 
-/// Rows of the same commanded pose and marker.
+/// Rows of the same commanded pose and marker, in the order of the first of each.
 fn poses(data: &Measurements) -> Vec<Vec<usize>> {
-    let mut poses: Vec<((usize, usize), Vec<usize>)> = Vec::new();
+    let mut out: Vec<Vec<usize>> = Vec::new();
+    let mut place_of = HashMap::new();
     for (i, row) in data.rows.iter().enumerate() {
-        let key = (row.pose, row.marker);
-        match poses.iter_mut().find(|(k, _)| *k == key) {
-            Some((_, rows)) => rows.push(i),
-            None => poses.push((key, vec![i])),
+        let place = *place_of.entry((row.pose, row.marker)).or_insert(out.len());
+        match out.get_mut(place) {
+            Some(rows) => rows.push(i),
+            None => out.push(vec![i]),
         }
     }
-    poses.into_iter().map(|(_, rows)| rows).collect()
+    out
 }
 
 /// What points say; `None` without any.

@@ -19,52 +19,61 @@ const OF_A_GEAR: f64 = 5e-4;
 /// Angles over the range at which they are looked at.
 const LOOKED_AT: usize = 2000;
 
-/// The additions of joints whose waves together do more between the few angles that they were
-/// measured at than there, beside a constant and a slope, or that turn more than half between
-/// them and are larger than gears make them: poses held out are at these angles as well, and do
-/// not tell.
+/// The additions of joints whose waves turn more than half between the few angles that they
+/// were measured at and are larger than gears make them; without such, of joints whose waves
+/// together do more between these angles than there, beside a constant and a slope: poses held
+/// out are at these angles as well, and do not tell.
 pub fn wild(problem: &Problem, node: &Node) -> Vec<Candidate> {
     let joints = 0..problem.nominal.len();
-    let wild: Vec<usize> = joints.filter(|joint| is_wild(problem, node, *joint)).collect();
-    let of = |c: &&Candidate| c.terms.iter().any(|t| wild.iter().any(|joint| is_wave(t, *joint)));
-    node.added.iter().filter(of).cloned().collect()
+    let wild: Vec<(usize, Vec<f64>)> = joints.map(|j| (j, wild_of(problem, node, j))).collect();
+    let is_wild = |t: &ModelTerm| {
+        let of_joint = |(joint, orders): &(usize, Vec<f64>)| {
+            is_wave(t, *joint) && t.order().is_some_and(|order| orders.contains(&order))
+        };
+        wild.iter().any(of_joint)
+    };
+    node.added.iter().filter(|c| c.terms.iter().any(is_wild)).cloned().collect()
 }
 
 fn is_wave(term: &ModelTerm, joint: usize) -> bool {
     term.order().is_some_and(|order| order > 0.0) && term.joints() == [joint + 1]
 }
 
-fn is_wild(problem: &Problem, node: &Node, joint: usize) -> bool {
+/// Orders of a joint's waves that are refused.
+fn wild_of(problem: &Problem, node: &Node, joint: usize) -> Vec<f64> {
     let terms = &node.fit.fit.state.terms;
     let waves: Vec<&ModelTerm> = terms.iter().filter(|t| is_wave(t, joint)).collect();
     if waves.is_empty() || problem.nominal[joint].kind != JointKind::Revolute {
-        return false;
+        return Vec::new();
     }
     let angles: Vec<f64> = node.fit.kept.iter().map(|r| problem.data.rows[*r].q[joint]).collect();
     let highest = waves.iter().filter_map(|t| t.order()).fold(0.0, f64::max);
     let levels = levels(angles.clone(), highest);
     if levels > waves.len() + OTHERS {
-        return false;
+        return Vec::new();
     }
     let value = |q: f64| waves.iter().map(|t| wave(t, q)).sum::<f64>();
     let [low, high] = [f64::min, f64::max].map(|of| angles.iter().copied().reduce(of));
-    let (Some(low), Some(high)) = (low, high) else { return false };
+    let (Some(low), Some(high)) = (low, high) else { return Vec::new() };
     let apart = (high - low) / levels.saturating_sub(1).max(1) as f64;
     let turns = |t: &&&ModelTerm| t.order().is_some_and(|order| order * apart > PI);
-    if waves.iter().filter(turns).any(|t| t.coefficient().abs() > OF_A_GEAR) {
-        return true;
+    let large = |t: &&&ModelTerm| t.coefficient().abs() > OF_A_GEAR;
+    let orders = |of: &mut dyn Iterator<Item = &&ModelTerm>| of.filter_map(|t| t.order()).collect();
+    let alone: Vec<f64> = orders(&mut waves.iter().filter(turns).filter(large));
+    if !alone.is_empty() {
+        return alone;
     }
     let line = |q: f64, k: usize| if k == 0 { 1.0 } else { (q - low) / (high - low).max(1e-9) };
     let straight = DMatrix::from_fn(angles.len(), 2, |i, k| line(angles[i], k));
     let own = DVector::from_iterator(angles.len(), angles.iter().map(|q| value(*q)));
-    let Ok(held) = straight.clone().svd(true, true).solve(&own, 1e-9) else { return false };
+    let Ok(held) = straight.clone().svd(true, true).solve(&own, 1e-9) else { return Vec::new() };
     let there = (&own - &straight * &held).norm() / (own.len() as f64).sqrt();
     let between = (0..LOOKED_AT).map(|k| {
         let q = low + (high - low) * k as f64 / LOOKED_AT as f64;
         (value(q) - line(q, 0) * held[0] - line(q, 1) * held[1]).powi(2)
     });
     let between = (between.sum::<f64>() / LOOKED_AT as f64).sqrt();
-    between > WILD * there
+    if between > WILD * there { orders(&mut waves.iter()) } else { Vec::new() }
 }
 
 /// What a wave bends its joint by at an angle, rad.

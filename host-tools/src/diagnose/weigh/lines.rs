@@ -9,7 +9,7 @@ use crate::diagnose::candidates::Candidate;
 use crate::diagnose::policy::POLICY;
 use crate::effects::Offer;
 use crate::evidence::Aliases;
-use crate::evidence::lines::{JointColumn, Line, Orders, strengths};
+use crate::evidence::lines::{JointColumn, Line, Orders};
 use crate::identify::State;
 
 /// Lines within so many steps of one another may be one: at the ends of what the
@@ -18,6 +18,7 @@ const ONE: f64 = 12.0;
 
 /// Steps of a golden section.
 const SECTIONS: usize = 16;
+const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// A line that the model has: its joint, counted from 0, and order.
 pub type Held = (usize, f64);
@@ -133,18 +134,30 @@ pub(super) fn size(state: &State, joint: usize, order: f64) -> [f64; 2] {
 
 /// The order next to one at which a line explains most, with held ones added back.
 pub(super) fn sharpened(column: &JointColumn, order: f64, step: f64, held: &[Wave]) -> f64 {
-    let mut column = column.clone();
+    let mut own = (!held.is_empty()).then(|| column.clone());
     for Wave { order, size: [cos, sin] } in held {
-        for ((right, square), q) in column.right.iter_mut().zip(&column.square).zip(&column.q) {
+        let own = own.iter_mut().flat_map(|c| c.right.iter_mut().zip(&c.square).zip(&c.q));
+        for ((right, square), q) in own {
             let (s, c) = (order * q).sin_cos();
             *right += square * (cos * c + sin * s);
         }
     }
-    let at = |order: f64| strengths(&column, order, step, 1)[0];
+    let column = own.as_ref().unwrap_or(column);
     let (mut low, mut high) = ((order - step).max(0.1), order + step);
+    let within = |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+    let [mut a, mut b] = within(low, high);
+    let [mut at_a, mut at_b] = [a, b].map(|order| column.strength(order));
+    // Of the two inner points one is an inner point of the next section.
     for _ in 0..SECTIONS {
-        let (a, b) = (high - 0.618 * (high - low), low + 0.618 * (high - low));
-        if at(a) > at(b) { high = b } else { low = a }
+        if at_a > at_b {
+            (high, b, at_b) = (b, a, at_a);
+            [a, _] = within(low, high);
+            at_a = column.strength(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            [_, b] = within(low, high);
+            at_b = column.strength(b);
+        }
     }
     // As a blob holds it.
     ((low + high) / 2.0 * 64.0).round() / 64.0

@@ -5,8 +5,6 @@
 //! scale says, and the best of all orders is believed. Coefficients alone refitted without
 //! the fold, at the order that all rows chose, do not show it.
 
-use nalgebra::{DVector, Matrix2, Matrix2x1, Vector2};
-
 use super::lines::{self, Held, sharpened, size};
 use super::scan;
 use super::search_result::Searched;
@@ -44,7 +42,8 @@ pub fn ghosts(q: &Question, found: &Searched) -> Vec<Held> {
             wave.iter().zip(&column.square).map(|(w, square)| w * w * square).sum()
         };
         waves.sort_by(|a, b| strength(&b.1).total_cmp(&strength(&a.1)));
-        let bare = waves.iter().fold(column.clone(), |column, (_, wave)| plus(&column, wave, 1.0));
+        let mut bare = column.clone();
+        waves.iter().for_each(|(_, wave)| bare.move_by(wave, 1.0));
         let orders = Orders::of(&column.q, q.highest_order);
         let believed = believed(&bare, &orders, &folds, waves.len());
         waves.split_off(believed).into_iter().map(|(order, _)| (*joint, order)).collect::<Vec<_>>()
@@ -57,18 +56,6 @@ pub fn ghosts(q: &Question, found: &Searched) -> Vec<Held> {
 fn wave(q: &[f64], order: f64, [cos, sin]: [f64; 2]) -> Vec<f64> {
     let at = |q: &f64| cos * (order * q).cos() + sin * (order * q).sin();
     q.iter().map(at).collect()
-}
-
-/// A column with something that its joint does added to the residual so many times, less what
-/// geometry imitates of it.
-fn plus(column: &JointColumn, moved: &[f64], times: f64) -> JointColumn {
-    let imitated = &column.imitated * DVector::from_column_slice(moved);
-    let imitated = column.imitated.tr_mul(&imitated);
-    let mut out = column.clone();
-    for (i, right) in out.right.iter_mut().enumerate() {
-        *right += times * (column.square[i] * moved[i] - imitated[i]);
-    }
-    out
 }
 
 /// How many lines, found one after another without a fold, predict the squares of the folds
@@ -84,8 +71,8 @@ fn believed(column: &JointColumn, orders: &Orders, folds: &[usize], most: usize)
         for gain in &mut gains[1..] {
             if let Some(line) = orders.lines(&others, 1).pop() {
                 let order = sharpened(&others, line.order, orders.step, &[]);
-                let size = fitted(&others, order);
-                others = plus(&others, &wave(&others.q, order, size), -1.0);
+                let size = others.fitted(order);
+                others.move_by(&wave(&others.q, order, size), -1.0);
                 let line = wave(&column.q, order, size);
                 all.iter_mut().zip(line).for_each(|(all, line)| *all += line);
             }
@@ -94,8 +81,9 @@ fn believed(column: &JointColumn, orders: &Orders, folds: &[usize], most: usize)
             *gain += own.iter().map(explained).sum::<f64>();
         }
     }
-    let best = gains.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
-    best.map_or(0, |(count, _)| count)
+    // The fewest of those that predict as well: a scan that found no line adds nothing.
+    let better = |best: usize, n: usize| if gains[n] > gains[best] { n } else { best };
+    (1..gains.len()).fold(0, better)
 }
 
 /// A column at some of its values.
@@ -107,25 +95,6 @@ fn only(column: &JointColumn, these: &[usize]) -> JointColumn {
         right: some(&column.right),
         imitated: column.imitated.select_columns(these),
     }
-}
-
-/// Coefficients of cosine and sine of a line by least squares.
-fn fitted(column: &JointColumn, order: f64) -> [f64; 2] {
-    let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-    let mut imitated =
-        [DVector::zeros(column.imitated.nrows()), DVector::zeros(column.imitated.nrows())];
-    for (i, q) in column.q.iter().enumerate() {
-        let (sin, cos) = (order * q).sin_cos();
-        let pair: Matrix2x1<f64> = Vector2::new(cos, sin);
-        normal += pair * pair.transpose() * column.square[i];
-        right += pair * column.right[i];
-        imitated
-            .iter_mut()
-            .zip(&pair)
-            .for_each(|(sum, x)| sum.axpy(*x, &column.imitated.column(i), 1.0));
-    }
-    normal -= Matrix2::from_fn(|i, j| imitated[i].dot(&imitated[j]));
-    normal.lu().solve(&right).map_or([0.0; 2], Into::into)
 }
 
 #[cfg(test)]

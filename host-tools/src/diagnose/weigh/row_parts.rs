@@ -31,9 +31,9 @@ impl Parts {
         let mut random_half = vec![0; data.rows.len()];
         let mut poses: Vec<usize> = (0..data.poses).collect();
         poses.shuffle(&mut ChaCha8Rng::seed_from_u64(folds::SEED + 2));
-        let second = &poses[data.poses / 2..];
-        kept.iter()
-            .for_each(|r| random_half[*r] = usize::from(second.contains(&data.rows[*r].pose)));
+        let mut half_of_pose = vec![0; data.poses];
+        poses[data.poses / 2..].iter().for_each(|pose| half_of_pose[*pose] = 1);
+        kept.iter().for_each(|r| random_half[*r] = half_of_pose[data.rows[*r].pose]);
         // Poses in the order of measurement, of each kind: the second half of a session.
         let later = later(data, kept);
         let mut out = Self { rows: Vec::new(), fold: Vec::new(), half: Vec::new() };

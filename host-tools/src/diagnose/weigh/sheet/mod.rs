@@ -219,8 +219,7 @@ impl<'a> Sheet<'a> {
         let [p, k] = self.size();
         let add = |gram: &mut Gram, all: &DMatrix<f64>, repeats: &Repeats| {
             gram.add_repeats(repeats);
-            let y = all.column(p + k).into_owned();
-            gram.add(&all.columns(0, p).into_owned(), &all.columns(p, k).into_owned(), &y);
+            gram.add_block(all);
         };
         let join = |mut a: Gram, b: Gram| {
             a.join(&b);
@@ -282,11 +281,15 @@ impl<'a> Sheet<'a> {
         let mut residual: Vec<f64> = Vec::new();
         for index in readings {
             let weight = self.weights.rows[*index].sqrt();
-            let (part, own) = self.part(*index, other);
+            let (mut part, own) = self.part(*index, other);
             residual.extend(own.iter().map(|r| r * weight));
-            parts.push(part * weight);
+            part *= weight;
+            parts.push(part);
         }
-        let mut block = stacked(&parts);
+        let mut block = match <[_; 1]>::try_from(parts) {
+            Ok([part]) => part,
+            Err(parts) => stacked(&parts),
+        };
         // What corners of an image or targets are apart is evidence as any other.
         if !repeat(&self.problem.data.rows, readings) {
             return (self.of_targets(block, readings), Repeats::default());
