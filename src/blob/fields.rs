@@ -140,9 +140,10 @@ impl Field {
         let mut before = f32::NEG_INFINITY;
         for (index, place) in self.places(bytes).iter().enumerate().take(self.count()) {
             let value = f32::from_le_bytes(*place);
-            let (low, high) = if present { self.bounds(index) } else { (0.0, 0.0) };
-            // NaN fails as well; of a field that is absent also -0, which is not the byte 0.
-            if !(low <= value && value <= high) || (!present && *place != [0; 4]) {
+            let (low, high) = self.bounds(index);
+            // NaN fails as well; where nothing is, -0 does, which is not the byte 0.
+            let fits = if present { low <= value && value <= high } else { *place == [0; 4] };
+            if !fits {
                 let finite = value.is_finite();
                 let flaw = if finite { Flaw::Implausible } else { Flaw::NotFinite };
                 return self.refuse(record, index, flaw);

@@ -105,7 +105,8 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         &self.settings
     }
 
-    /// What the last tick added to its command, rad or m.
+    /// What the last tick added to its command, rad or m; one whose command was not finite
+    /// changed nothing.
     #[must_use]
     pub fn applied(&self) -> &[T; N] {
         &self.applied

@@ -3,6 +3,8 @@
 
 mod applied;
 mod arms;
+#[path = "../common/blobs.rs"]
+mod blobs;
 #[path = "../common/mod.rs"]
 mod common;
 mod law;

@@ -12,6 +12,8 @@ use truearm::{
     State, Task,
 };
 
+use super::blobs;
+
 /// Of any size up to `most`, either sign, now and then 0 or all of it.
 fn number(rng: &mut ChaCha8Rng, most: f64) -> f32 {
     let size = match rng.random_range(0..8) {
@@ -49,12 +51,19 @@ fn term(rng: &mut ChaCha8Rng, joints: usize) -> Term<f32> {
 /// Anything that can be written: what cannot is tried again.
 fn any_arm<const N: usize>(rng: &mut ChaCha8Rng) -> Vec<u8> {
     let mut bytes = vec![0; 4096];
+    // Of joints 2 and 5, which then turn.
+    let (tables, curved) = match N {
+        5.. if rng.random() => (blobs::curve_bytes(), true),
+        _ => (Vec::new(), false),
+    };
     for _ in 0..100 {
-        let link = |rng: &mut ChaCha8Rng| {
+        let link = |rng: &mut ChaCha8Rng, joint: usize| {
             let [alpha, theta, beta] = [6.3, 6.3, 0.1].map(|most| number(rng, most));
             let [a, d] = [10.0, 10.0].map(|most| number(rng, most));
             match rng.random_range(0..4) {
-                0 => Link::prismatic(alpha, a, theta, d, beta),
+                0 if !curved || ![1, 4].contains(&joint) => {
+                    Link::prismatic(alpha, a, theta, d, beta)
+                }
                 _ => Link::revolute(alpha, a, theta, d, beta),
             }
         };
@@ -73,14 +82,14 @@ fn any_arm<const N: usize>(rng: &mut ChaCha8Rng) -> Vec<u8> {
             robot_id: 1,
             sequence: 1,
             created: 0,
-            nominal: [(); N].map(|()| link(rng)),
+            nominal: core::array::from_fn(|joint| link(rng, joint)),
             corrections: [(); N]
                 .map(|()| MdhParameters::from_array([(); 5].map(|()| number(rng, most)))),
             base_translation: vector(rng, 1.0),
             base_rotation: vector(rng, 1.0),
             tool: vector(rng, 10.0),
             terms,
-            curves: Curves::NONE,
+            curves: Curves::of(&tables).unwrap(),
             masses: rng.random::<bool>().then(|| Masses {
                 gravity: vector(rng, 20.0),
                 mass: [(); N].map(|()| number(rng, 100.0).abs()),

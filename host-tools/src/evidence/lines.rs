@@ -50,16 +50,16 @@ struct Pair {
 }
 
 impl JointColumn {
-    /// What cosine and sine of an order explain together, of all rows.
+    /// What cosine and sine of an order explain together, of all rows, where this is left.
     #[must_use]
-    pub fn strength(&self, order: f64) -> f64 {
-        self.pair(order).strength()
+    pub fn strength(&self, right: &[f64], order: f64) -> f64 {
+        self.pair(right, order).strength()
     }
 
     /// Coefficients of cosine and sine of an order by least squares.
     #[must_use]
     pub fn fitted(&self, order: f64) -> [f64; 2] {
-        let ([cc, cs, ss], right) = self.pair(order).normal();
+        let ([cc, cs, ss], right) = self.pair(&self.right, order).normal();
         let normal = Matrix2::new(cc, cs, cs, ss);
         normal.lu().solve(&Vector2::from(right)).map_or([0.0; 2], Into::into)
     }
@@ -74,10 +74,10 @@ impl JointColumn {
         }
     }
 
-    fn pair(&self, order: f64) -> Pair {
+    fn pair(&self, right: &[f64], order: f64) -> Pair {
         let waves = Waves::new(&self.q, order, None);
         let mut sums = [0.0; 5];
-        waves.add(&self.square, &self.right, &mut sums);
+        waves.add(&self.square, right, &mut sums);
         let mut imitated = DMatrix::zeros(self.imitated.nrows(), 2);
         let (mut cos, mut sin) = imitated.columns_range_pair_mut(0, 1);
         for (i, own) in self.imitated.column_iter().enumerate() {
@@ -172,7 +172,7 @@ impl Orders {
         if scan.every > 1 {
             peaks.truncate(AGAIN * most);
             for line in &mut peaks {
-                line.strength = scan.column.strength(line.order);
+                line.strength = scan.column.strength(&scan.column.right, line.order);
             }
             strongest(&mut peaks);
         }
@@ -266,7 +266,7 @@ impl<'c> Scan<'c> {
             let imitated = imitated.columns(2 * k, 2).into_owned();
             // What geometry does much of hangs on how much exactly.
             match self.every > 1 && imitated.norm_squared() > IMITATED * (sums[0] + sums[2]) {
-                true => self.column.strength(first + step * k as f64),
+                true => self.column.strength(&self.column.right, first + step * k as f64),
                 false => Pair { sums: *sums, imitated }.strength(),
             }
         };
@@ -400,7 +400,7 @@ mod tests {
         };
         for order in [3.0, 6.9, 7.0, 12.3] {
             let of_many = Scan::new(&column, 1).strengths(order, 0.1, 3)[0];
-            for own in [column.strength(order), of_many] {
+            for own in [column.strength(&column.right, order), of_many] {
                 assert!((own - direct(order)).abs() < 1e-8 * (1.0 + own), "{order}");
             }
         }

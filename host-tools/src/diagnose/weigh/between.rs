@@ -13,7 +13,7 @@ use crate::model::ModelTerm;
 
 /// Waves may be so many times as large between the angles as at them.
 const WILD: f64 = 3.0;
-/// Amplitude of a line that turns more than half between two angles, rad: gears of real arms
+/// Cosine or sine of a line that turns more than half between two angles, rad: gears of real arms
 /// have up to 3e-4, and anything smooth looks like such a line there.
 const OF_A_GEAR: f64 = 5e-4;
 /// Angles over the range at which they are looked at.
@@ -41,14 +41,19 @@ fn is_wave(term: &ModelTerm, joint: usize) -> bool {
 
 /// Orders of a joint's waves that are refused.
 fn wild_of(problem: &Problem, node: &Node, joint: usize) -> Vec<f64> {
-    let terms = &node.fit.fit.state.terms;
-    let waves: Vec<&ModelTerm> = terms.iter().filter(|t| is_wave(t, joint)).collect();
+    let terms = node.fit.fit.state.terms.iter();
+    let waves: Vec<&ModelTerm> = terms.filter(|t| is_wave(t, joint)).collect();
     if waves.is_empty() || problem.nominal[joint].kind != JointKind::Revolute {
         return Vec::new();
     }
-    let angles: Vec<f64> = node.fit.kept.iter().map(|r| problem.data.rows[*r].q[joint]).collect();
+    let angles = node.fit.kept.iter().map(|r| problem.data.rows[*r].q[joint]);
+    refused(&waves, &angles.collect::<Vec<f64>>())
+}
+
+/// The same of waves over the angles of the rows.
+fn refused(waves: &[&ModelTerm], angles: &[f64]) -> Vec<f64> {
     let highest = waves.iter().filter_map(|t| t.order()).fold(0.0, f64::max);
-    let levels = levels(angles.clone(), highest);
+    let levels = levels(angles.to_vec(), highest);
     if levels > waves.len() + OTHERS {
         return Vec::new();
     }
@@ -81,4 +86,54 @@ fn wave(term: &ModelTerm, q: f64) -> f64 {
     let ModelTerm::Arm(own) = term else { return 0.0 };
     let (sin, cos) = (own.order * q).sin_cos();
     own.coefficient * if own.component == 0 { cos } else { sin }
+}
+
+#[cfg(test)]
+mod tests {
+    use truearm::effects::{Effect, Term};
+
+    use super::*;
+
+    fn waves(of: &[(f64, f64)]) -> Vec<ModelTerm> {
+        let term = |(order, coefficient): &(f64, f64)| {
+            let effect = Effect::JointPeriodicError;
+            let (order, coefficient) = (*order, *coefficient);
+            ModelTerm::Arm(Term { effect, joint: 1, source: 0, component: 0, order, coefficient })
+        };
+        of.iter().map(term).collect()
+    }
+
+    fn refused_of(of: &[(f64, f64)], angles: &[f64]) -> Vec<f64> {
+        let waves = waves(of);
+        refused(&waves.iter().collect::<Vec<_>>(), angles)
+    }
+
+    /// Three angles, each often.
+    fn few() -> Vec<f64> {
+        (0..90).map(|i| f64::from(i % 3)).collect()
+    }
+
+    #[test]
+    fn a_wave_larger_than_gears_make_goes_alone() {
+        // Order 1 turns less than half between angles 1 rad apart, order 20 many times.
+        assert_eq!(refused_of(&[(1.0, 1e-3), (20.0, 2e-3)], &few()), [20.0]);
+        // As gears make it, and what it does there is what it does between.
+        assert!(refused_of(&[(1.0, 1e-3), (20.0, 1e-4)], &few()).is_empty());
+    }
+
+    #[test]
+    fn waves_that_do_more_between_the_angles_than_there_go_together() {
+        // At 0, 1 and 2 rad cos(pi q) is as a line and a little; 2 pi q is nothing at all.
+        let tau = 2.0 * PI;
+        assert_eq!(refused_of(&[(0.01, 1e-5), (tau, 4e-4)], &few()), [0.01, tau]);
+    }
+
+    #[test]
+    fn more_angles_than_waves_have_say_hold_them() {
+        // Two waves and what geometry has: four angles are few, five are not.
+        let of = [(1.0, 1e-3), (20.0, 2e-3)];
+        let at = |count: i32| (0..90).map(|i| f64::from(i % count)).collect::<Vec<f64>>();
+        assert_eq!(refused_of(&of, &at(4)), [20.0]);
+        assert!(refused_of(&of, &at(5)).is_empty());
+    }
 }

@@ -134,29 +134,28 @@ pub(super) fn size(state: &State, joint: usize, order: f64) -> [f64; 2] {
 
 /// The order next to one at which a line explains most, with held ones added back.
 pub(super) fn sharpened(column: &JointColumn, order: f64, step: f64, held: &[Wave]) -> f64 {
-    let mut own = (!held.is_empty()).then(|| column.clone());
+    let mut right = column.right.clone();
     for Wave { order, size: [cos, sin] } in held {
-        let own = own.iter_mut().flat_map(|c| c.right.iter_mut().zip(&c.square).zip(&c.q));
-        for ((right, square), q) in own {
+        for ((right, square), q) in right.iter_mut().zip(&column.square).zip(&column.q) {
             let (s, c) = (order * q).sin_cos();
             *right += square * (cos * c + sin * s);
         }
     }
-    let column = own.as_ref().unwrap_or(column);
+    let at = |order: f64| column.strength(&right, order);
     let (mut low, mut high) = ((order - step).max(0.1), order + step);
     let within = |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
     let [mut a, mut b] = within(low, high);
-    let [mut at_a, mut at_b] = [a, b].map(|order| column.strength(order));
+    let [mut at_a, mut at_b] = [a, b].map(at);
     // Of the two inner points one is an inner point of the next section.
     for _ in 0..SECTIONS {
         if at_a > at_b {
             (high, b, at_b) = (b, a, at_a);
             [a, _] = within(low, high);
-            at_a = column.strength(a);
+            at_a = at(a);
         } else {
             (low, a, at_a) = (a, b, at_b);
             [_, b] = within(low, high);
-            at_b = column.strength(b);
+            at_b = at(b);
         }
     }
     // As a blob holds it.
