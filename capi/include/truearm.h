@@ -442,7 +442,7 @@ TruearmError truearm_set_tool(struct Truearm *arm, const float *tool);
 
 /*
  Switches compensation on (any number but 0) or off from the next tick on;
- it is faded in and out.
+ it is faded in and out, by the ticks whose commands are finite.
 
  # Safety
  `arm` is NULL or came from `truearm_init`.

@@ -244,7 +244,7 @@ pub unsafe extern "C" fn truearm_set_tool(arm: *mut Truearm, tool: *const f32) -
 }
 
 /// Switches compensation on (any number but 0) or off from the next tick on;
-/// it is faded in and out.
+/// it is faded in and out, by the ticks whose commands are finite.
 ///
 /// # Safety
 /// `arm` is NULL or came from `truearm_init`.

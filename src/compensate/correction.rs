@@ -17,6 +17,8 @@ pub(super) struct Correction<T, const N: usize> {
     pub target: Pose<T>,
     /// Joints at their largest correction, to which all were scaled.
     pub bound: Joints,
+    /// Whether a correction of the largest size could reach a limit.
+    pub near_limit: bool,
     /// Joints so near a limit that they correct less than their share.
     pub limited: Joints,
     /// Weight of each joint in the solution: 1, falling to 0 at a limit.
@@ -46,6 +48,7 @@ impl<T: Scalar, const N: usize> Correction<T, N> {
             joints: none,
             target: Pose::identity(),
             bound: Joints::default(),
+            near_limit: false,
             limited: Joints::default(),
             share: [T::ONE; N],
             most,

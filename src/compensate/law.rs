@@ -20,7 +20,7 @@ pub(super) struct Law<T, const N: usize> {
     most: [T; N],
     /// Joint limits, rad or m; those of the number type where there are none.
     pub limits: [[T; 2]; N],
-    /// Between these no limit is nearer than the largest correction.
+    /// Between these no limit is nearer than the largest correction, however they are rounded.
     free: [[T; 2]; N],
     /// By how much the identified joint angles are further than the nominal ones.
     beyond_nominal: [Turn<T>; N],
@@ -33,17 +33,12 @@ pub(super) struct Law<T, const N: usize> {
 impl<T: Scalar, const N: usize> Law<T, N> {
     pub fn new(arm: &Arm<'_, T, N>, settings: &Settings<T, N>) -> Self {
         let limits = arm.limits().map(|limit| limit.unwrap_or([-T::MAX, T::MAX]));
-        let mut free = limits;
-        for ([low, high], most) in free.iter_mut().zip(&settings.max_correction) {
-            *low += *most;
-            *high -= *most;
-        }
         Self {
             rule: settings.rule(),
             refinements: settings.refinements,
             most: settings.max_correction,
+            free: free(&limits, &settings.max_correction),
             limits,
-            free,
             beyond_nominal: arm.real().turned_from(arm.nominal()),
             first: arm.real().root().inverse().compose(arm.nominal().root()),
         }
@@ -164,7 +159,8 @@ impl<T: Scalar, const N: usize> Law<T, N> {
     fn make_room(&self, command: &[T; N], out: &mut Correction<T, N>) {
         let mut joints = command.iter().zip(&self.free);
         let free = joints.all(|(q, [low, high])| *q >= *low && *q <= *high);
-        if !(free && out.limited.is_empty()) {
+        if !free || out.near_limit {
+            out.near_limit = !free;
             self.near_limits(command, out);
         }
     }
@@ -193,6 +189,22 @@ impl<T: Scalar, const N: usize> Law<T, N> {
             }
         }
     }
+}
+
+/// Between which joint values no limit is nearer than the largest correction, however all are
+/// rounded: four times the correction, once each of the sums here and in a tick.
+// Not inlined: unrolled for every joint it would take half a kilobyte.
+#[inline(never)]
+fn free<T: Scalar, const N: usize>(limits: &[[T; 2]; N], most: &[T; N]) -> [[T; 2]; N] {
+    let (half, roundings) = (T::from_f32(0.5), T::EPSILON * T::from_f32(16.0));
+    let mut free = *limits;
+    for ([low, high], most) in free.iter_mut().zip(most) {
+        let size = *most + (low.abs() * half + high.abs() * half);
+        let clear = *most + size * roundings;
+        *low += clear;
+        *high -= clear;
+    }
+    free
 }
 
 /// From the real to the nominal tool, in the frame of the nominal one: of the

@@ -17,8 +17,8 @@
 //!   add up to 0.07 mm a mrad, and play its own size. `docs/compensation.md` has
 //!   what was seen beyond.
 //! * no joint is corrected by more than `max_correction`, but for four roundings of it, nor
-//!   beyond a limit; all joints are scaled by one factor to stay within, so that what is applied is
-//!   a part of the way to the solution.
+//!   beyond a limit, to the last bit; all joints are scaled by one factor to stay within, so that
+//!   what is applied is a part of the way to the solution.
 //!
 //! What is **applied** goes to c by at most `max_change` a tick, but for a joint that a
 //! limit stops, which gives up at once what would take it beyond, and stands there, exactly,
@@ -282,7 +282,7 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
             *joint = *q + *applied;
         }
         // Elsewhere no correction reaches a limit.
-        if !self.correction.limited.is_empty() {
+        if self.correction.near_limit {
             self.stop(command, &before, &mut clamped.limit);
         }
         clamped
@@ -299,8 +299,12 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         {
             let [low, high] = *limits;
             if *joint < low || *joint > high {
-                *joint = stopped.stop(i, [*q, *joint, *before], *change, *limits);
-                *applied = *joint - *q;
+                let stop = stopped.stop(i, [*q, *joint, *before], *change, *limits);
+                // Only what a limit takes away is told from a joint value: where nothing is,
+                // its rounding could undo a step.
+                if stop != *joint {
+                    (*joint, *applied) = (stop, stop - *q);
+                }
             }
         }
     }

@@ -168,7 +168,7 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         }
         Certainty { sigma: out.sigma, determined: out.determined, rank: out.rank } = certainty;
         if !(out.rms_before.is_finite() && out.rms_after.is_finite()) {
-            return Err(SolveError::NotFinite.into());
+            return Err(SolveError::Overflow.into());
         }
         out.parameters.follow().ok_or(ReidentifyError::LastSequence)?;
         Ok(out)

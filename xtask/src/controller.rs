@@ -1,4 +1,4 @@
-//! `cargo xtask controller`: everything that is built for a controller, in folders of its own.
+//! `cargo xtask controller`: everything that is built for a controller.
 
 use crate::run::{Result, step};
 use crate::study::fuzz;

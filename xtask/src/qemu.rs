@@ -20,7 +20,7 @@ pub struct Ended {
     pub output: String,
 }
 
-/// Runs a QEMU command in `dir` and echoes its output; more than a minute is
+/// Runs a QEMU command in `dir` and echoes its output; more than [`LIMIT`] is
 /// an error.
 pub fn run(command: &[String], dir: &Path) -> Result<Ended> {
     let mut child = start(command, dir, Stdio::piped())?;

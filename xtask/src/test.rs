@@ -9,9 +9,10 @@ pub fn run(thorough: bool) -> Result {
     tools::ensure()?;
     let controller = Beside::start(if thorough { "controller --thorough" } else { "controller" })?;
     let host = step("host tests", || call(&mut cargo(&root(), "test --workspace")));
-    let controller = controller.end();
-    host?;
-    controller?;
+    match (host, controller.end()) {
+        (Err(host), Err(controller)) => return Err(format!("{host}; {controller}").into()),
+        (host, controller) => host.and(controller)?,
+    }
     end_to_end::run()?;
     store::run()?;
     step("an arm that mends itself", demo::check)?;

@@ -1,12 +1,13 @@
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::Args;
-use truearm_host::Result;
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::evaluate::not_covered;
 use truearm_host::model::{Measurements, ModelTerm};
 use truearm_host::page::{Measured, Next, diagnosed};
 use truearm_host::report::DiagnoseReport;
+use truearm_host::{Error, Result};
 
 use super::check::{Ended, explained, remark};
 use super::page::next_line;
@@ -43,7 +44,12 @@ pub struct Diagnose {
     #[arg(long)]
     json: bool,
     /// Highest order of a periodic error to look for, cycles a turn
-    #[arg(long, default_value_t = DiagnoseOptions::default().highest_order, value_name = "CYCLES")]
+    #[arg(
+        long,
+        default_value_t = DiagnoseOptions::default().highest_order,
+        value_name = "CYCLES",
+        allow_hyphen_values = true
+    )]
     highest_order: f64,
     /// Most terms of the model; a controller takes 24
     #[arg(long, default_value_t = DiagnoseOptions::default().most_terms, value_name = "TERMS")]
@@ -53,8 +59,34 @@ pub struct Diagnose {
     allow_few_poses: bool,
 }
 
+/// Orders that a gear or an encoder may have, cycles a turn.
+const ORDERS: RangeInclusive<f64> = 3.0..=2000.0;
+
 impl Diagnose {
+    fn options(&self) -> Result<DiagnoseOptions> {
+        // NaN is in no range.
+        if !ORDERS.contains(&self.highest_order) {
+            let (low, high) = (ORDERS.start(), ORDERS.end());
+            return Err(Error::usage(
+                format!("--highest-order {}", self.highest_order),
+                format!("give {low} to {high} cycles a turn"),
+            ));
+        }
+        if self.most_terms == 0 {
+            return Err(Error::usage(
+                "--most-terms 0",
+                "give 1 or more; `truearm identify` finds the geometry alone",
+            ));
+        }
+        Ok(DiagnoseOptions {
+            highest_order: self.highest_order,
+            most_terms: self.most_terms,
+            allow_few_poses: self.allow_few_poses,
+        })
+    }
+
     pub fn run(self) -> Result<Said> {
+        let options = self.options()?;
         let files: Vec<&PathBuf> = self.data.iter().chain(&self.more).collect();
         let inputs = std::iter::once(&self.robot).chain(files.iter().copied()).chain(&self.holdout);
         overwrite::folder_apart(self.out.as_deref(), &overwrite::MODEL_FOLDER, inputs)?;
@@ -63,11 +95,6 @@ impl Diagnose {
         if let Some(holdout) = &holdout {
             apart("--holdout", &data, holdout)?;
         }
-        let options = DiagnoseOptions {
-            highest_order: self.highest_order.clamp(3.0, 2000.0),
-            most_terms: self.most_terms,
-            allow_few_poses: self.allow_few_poses,
-        };
         let bar = Bar::new("diagnosing");
         let found = diagnose(&robot, &data, holdout.as_ref(), &options, &|stage| bar.stage(stage));
         bar.finish();

@@ -47,7 +47,7 @@ pub struct Identify {
     json: bool,
     /// ml (marginal likelihood, the default), map (lambda = 1), l-curve, two-step, gcv, discrepancy,
     /// k-fold, or a number
-    #[arg(long, value_name = "RULE")]
+    #[arg(long, value_name = "RULE", allow_hyphen_values = true)]
     lambda: Option<String>,
     /// What lambda weighs: deviations from nominal in tolerances against
     /// residuals in sigmas, or lambda I in metres and radians as the paper prints
@@ -63,6 +63,9 @@ enum Mode {
     Prior,
     Printed,
 }
+
+/// Beyond, nothing but the nominal arm is left, and squares overflow from 1e150 on.
+const MOST_LAMBDA: f64 = 1e30;
 
 impl Identify {
     pub fn run(self) -> Result<Said> {
@@ -130,11 +133,12 @@ impl Identify {
             (Some("k-fold"), _) => LambdaRule::KFold,
             (Some("ml"), _) => LambdaRule::MaximumLikelihood,
             (Some(text), _) => match text.parse::<f64>() {
-                Ok(lambda) if lambda >= 0.0 && lambda.is_finite() => LambdaRule::Fixed(lambda),
+                Ok(lambda) if (0.0..=MOST_LAMBDA).contains(&lambda) => LambdaRule::Fixed(lambda),
                 _ => {
                     return Err(Error::usage(
                         format!("--lambda {text}"),
-                        "give map, l-curve, two-step, gcv, discrepancy, k-fold, ml, or a number from 0 on",
+                        "give map, l-curve, two-step, gcv, discrepancy, k-fold, ml, or a number from \
+                         0 to 1e30",
                     ));
                 }
             },

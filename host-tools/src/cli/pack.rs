@@ -34,7 +34,7 @@ pub struct Pack {
     #[arg(long, value_name = "ID", value_parser = family)]
     uf2_family: Option<u32>,
     /// Sequence number; the model's creation time in Unix seconds if not given
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     sequence: Option<u32>,
     /// The marker that is the tool; needed where the points of several were measured, and
     /// none of them is the marker without a label

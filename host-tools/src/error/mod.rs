@@ -218,7 +218,11 @@ impl Error {
     #[must_use]
     pub fn help(&self) -> &str {
         match self {
-            Self::Io { .. } => "",
+            Self::Io { source, .. } => match source.kind() {
+                std::io::ErrorKind::NotFound => "is the name right, and the folder it stands in?",
+                std::io::ErrorKind::IsADirectory => "give a file, not a folder",
+                _ => "",
+            },
             Self::File { help, .. } | Self::Usage { help, .. } | Self::Data { help, .. } => help,
         }
     }

@@ -37,7 +37,7 @@ pub use signed::{Comment, foreign, overwritable, overwritable_like, signed};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 
 /// Reads a text file of truearm's own, UTF-8.
 ///
@@ -51,10 +51,18 @@ pub fn read_text(path: &Path) -> Result<String> {
 pub(crate) fn read(path: &Path) -> Result<String> {
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
     let text = String::from_utf8(bytes).map_err(|e| {
+        if e.as_bytes().starts_with(&truearm::blob::MAGIC) {
+            return Error::file(
+                path,
+                Place::default(),
+                "a parameter blob, as a controller holds it",
+                "give a text file; `truearm unpack` makes a model.toml of a blob",
+            );
+        }
         let line = e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n');
         Error::file(
             path,
-            crate::error::Place::line(line.count() + 1),
+            Place::line(line.count() + 1),
             "not UTF-8 text",
             "save the file as UTF-8; `truearm import` reads tables of any encoding, .xlsx and .ods",
         )

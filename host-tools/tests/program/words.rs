@@ -160,11 +160,23 @@ fn errors() {
     let broken = [&cells[..7], &["much"], &cells[8..]].concat().join(",");
     write("cell.csv", rows.replace(second, &broken));
     write("robot2.toml", read("robot.toml").replacen("a_mm = 425.0", "a_mm = 42500.0", 1));
+    let blob = include_bytes!("../../../tests/data/golden/layout-3-full.blob");
+    fs::write(folder.path().join("in-force.blob"), blob).unwrap();
     let said: Vec<String> = [
         "identify robot.toml cell.csv",
         "identify robot2.toml measurements.csv",
         "identify robot.toml none.csv",
+        "identify robot.toml .",
         "identify robot.toml measurements.csv --lambda much",
+        "identify robot.toml measurements.csv --lambda -1",
+        "identify robot.toml measurements.csv --lambda 1e31",
+        "diagnose robot.toml measurements.csv --highest-order nan",
+        "diagnose robot.toml measurements.csv --highest-order -5",
+        "diagnose robot.toml measurements.csv --highest-order 2001",
+        "diagnose robot.toml measurements.csv --most-terms 0",
+        "evaluate robot.toml measurements.csv",
+        "evaluate in-force.blob measurements.csv",
+        "pack robot.toml --out new.blob --sequence -1",
     ]
     .iter()
     .map(|line| format!("$ truearm {line}\n{}", says(&folder, line)))

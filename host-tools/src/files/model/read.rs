@@ -35,7 +35,11 @@ impl Model {
         let mut robot = Robot::parse(path, text)?;
         robot.warnings.clear();
         let source = Source { path, text };
-        if let Some((key, value)) = unlike_a_number(&text.parse().unwrap_or_default()) {
+        let table: toml::Table = text.parse().unwrap_or_default();
+        if !table.contains_key("schema") {
+            return Err(source.whole("a robot as it was drawn, no identified model", HELP));
+        }
+        if let Some((key, value)) = unlike_a_number(&table) {
             return Err(source.whole(format!("{key} is {value}"), "give a finite number"));
         }
         let part: ModelPart = source.toml(HELP, &mut Vec::new())?;

@@ -182,8 +182,12 @@ fn base_of(
     if from.len() < 3 {
         return Err(Error::data(
             ErrorKind::FrameUndetermined,
-            format!("{label}: {} rows cannot fix a tracker frame", from.len()),
-            "measure at least three points that are not on a line, better ten",
+            format!(
+                "{label}: the number of different rows is {}, which cannot fix a tracker frame",
+                from.len()
+            ),
+            "measure at least three points that are not on a line, better ten; equal rows count as \
+             one",
         ));
     }
     robust_transform(&from, &to).ok_or_else(|| {
