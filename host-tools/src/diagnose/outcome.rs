@@ -34,6 +34,10 @@ pub struct Effect {
     /// One standard deviation of it, where it was found from the data and not from a gear.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order_sigma: Option<f64>,
+    /// Orders that look the same at the evenly spaced angles at which its joint stood: it may be
+    /// any of them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub orders_alike: Vec<f64>,
     /// Thermal expansion: time constant with which the arm follows the temperature that was
     /// read, s; none where it does at once.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -59,15 +63,29 @@ pub struct Effect {
 const LEAST_DOUBT: f64 = 1.0 / 64.0;
 
 impl Effect {
-    /// Its order where the data leave it open: `82 +- 2`.
+    /// Its order where the data leave it open: `82 +- 2`, or `52 or 56, 160`.
     #[must_use]
     pub fn order_left_open(&self) -> Option<String> {
-        let (order, sigma) = self.order.zip(self.order_sigma)?;
+        let order = self.order?;
+        if !self.orders_alike.is_empty() {
+            return Some(format!("{order:.0} or {}", some(&self.orders_alike)));
+        }
+        let sigma = self.order_sigma?;
         // One digit of the doubt, and no more digits of what is doubtful.
         let digits = usize::try_from(-sigma.log10().floor() as i32).unwrap_or(0);
         (sigma > LEAST_DOUBT).then(|| format!("{order:.digits$} +- {sigma:.digits$}"))
     }
 }
+
+/// Of orders that look alike, the first ones.
+#[must_use]
+pub fn some(orders: &[f64]) -> String {
+    let first: Vec<String> = orders.iter().take(SOME).map(|n| format!("{n:.0}")).collect();
+    format!("{}{}", first.join(", "), if orders.len() > SOME { " and others" } else { "" })
+}
+
+/// So many of them are said.
+const SOME: usize = 4;
 
 /// One coefficient.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -371,6 +389,7 @@ mod tests {
                 joints: vec![2],
                 order: Some(order),
                 order_sigma: sigma,
+                orders_alike: Vec::new(),
                 time_constant_s: None,
                 time_constant_sigma_s: None,
                 coefficients: Vec::new(),
@@ -387,6 +406,12 @@ mod tests {
         assert_eq!(of(81.6, Some(0.7)), Some("81.6 +- 0.7".to_owned()));
         assert_eq!(of(81.6, Some(2.4)), Some("82 +- 2".to_owned()));
         assert_eq!(of(81.6, Some(24.0)), Some("82 +- 24".to_owned()));
+    }
+
+    #[test]
+    fn of_orders_that_look_alike_none_is_said_to_be_it() {
+        assert_eq!(some(&[56.0, 160.0]), "56, 160");
+        assert_eq!(some(&[56.0, 160.0, 164.0, 268.0, 272.0]), "56, 160, 164, 268 and others");
     }
 
     #[test]

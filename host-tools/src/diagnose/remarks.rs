@@ -8,12 +8,11 @@ use truearm::effects::{Effect, MAX_TERMS};
 use super::candidates::{self, Candidate};
 use super::moments::{Moments, bends};
 use super::node::Node;
-use super::outcome::{GapRow, HoldOut, Worse, worse};
+use super::outcome::{Effect as Shown, GapRow, HoldOut, Worse, some, worse};
 use super::policy::POLICY;
 use super::tell::place;
 use super::weigh::{Doubt, Named, Weighed, scatter};
 use crate::error::listed;
-use crate::evidence::Aliases;
 use crate::evidence::poses::Scatter;
 use crate::identify::Problem;
 use crate::model::{Measurements, ModelTerm};
@@ -25,7 +24,6 @@ pub fn all<'a>(
     problem: &'a Problem,
     best: &Node,
     weighed: &'a Weighed,
-    highest_order: f64,
 ) -> impl Iterator<Item = String> + 'a {
     let data = problem.data;
     [
@@ -39,44 +37,25 @@ pub fn all<'a>(
     .into_iter()
     .flatten()
     .chain(wrong_holes(data, best))
-    .chain(aliased(problem, best, highest_order))
     .chain(weighed.scattering.iter().map(move |joint| scattering(problem, *joint)))
 }
 
-/// Lines whose order is not told: those of other orders, as far as they are looked for, look the
-/// same where a joint stood.
-fn aliased(problem: &Problem, best: &Node, highest_order: f64) -> Vec<String> {
-    let data = problem.data;
-    let mut lines: Vec<(usize, f64)> = Vec::new();
-    for term in &best.fit.fit.state.terms {
-        let joints = term.joints();
-        let (Some(order), [joint]) = (term.order(), &joints[..]) else { continue };
-        // A stated ratio of gears tells its orders.
-        let found = term.effect_name() == Effect::JointPeriodicError.name();
-        if found && !lines.contains(&(*joint, order)) {
-            lines.push((*joint, order));
-        }
-    }
-    let others = |(joint, order): (usize, f64)| {
-        let angles: Vec<f64> = best.fit.kept.iter().map(|r| data.rows[*r].q[joint - 1]).collect();
-        let others = Aliases::of(&angles, highest_order).others(order, &(1.0..=highest_order));
-        let named: Vec<String> = others.iter().take(ALIASES).map(|n| format!("{n:.0}")).collect();
-        (!named.is_empty()).then(|| {
+/// Lines whose order is not told: those of other orders look the same where a joint stood.
+pub fn aliased<'a>(data: &Measurements, effects: impl Iterator<Item = &'a Shown>) -> Vec<String> {
+    let file = data.path.display();
+    let remark = |effect: &Shown| {
+        let place = place(effect.name, &effect.joints);
+        let (order, others) = (effect.order?, some(&effect.orders_alike));
+        (!effect.orders_alike.is_empty()).then(|| {
             format!(
-                "{}: at the evenly spaced angles of joint {joint} {order:.0} cycles a turn look like \
-                 {}{}: between them the correction may be of the wrong order; measure angles of other \
-                 distances",
-                data.path.display(),
-                named.join(", "),
-                if others.len() > ALIASES { " and others" } else { "" }
+                "{file}: {place}: at its evenly spaced angles {order:.0} cycles a turn look like \
+                 {others}: between them the correction may be of the wrong order; measure angles of \
+                 other distances"
             )
         })
     };
-    lines.into_iter().filter_map(others).collect()
+    effects.filter_map(remark).collect()
 }
-
-/// Orders that are named.
-const ALIASES: usize = 4;
 
 /// Remarks where poses that no fit saw are missed by more than with less of a model.
 pub fn worse_elsewhere(

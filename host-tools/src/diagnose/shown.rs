@@ -63,12 +63,11 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let mut identified = findings.summarise();
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
-    identified.figures.warnings.extend(remarks::all(
-        problem,
-        &best,
-        &weighed,
-        show.question.highest_order,
-    ));
+    let highest_order = show.question.highest_order;
+    let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed, highest_order);
+    identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
+    let lines = effects.iter().chain(&suspected);
+    identified.figures.warnings.extend(remarks::aliased(problem.data, lines));
     let worse = remarks::worse_elsewhere(problem.data, show.holdout, &gap);
     identified.figures.warnings.extend(worse);
     identified.figures.warnings.extend(remarks::far_off(show.holdout, &gap));
@@ -78,7 +77,6 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let kinds = &mut identified.figures.kinds;
     kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
     let noise_scale = weighed.scale * problem.noise.middle(problem.data);
-    let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed);
     let outcome = Outcome {
         figures: identified.figures,
         verdict,

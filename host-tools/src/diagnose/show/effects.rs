@@ -10,8 +10,9 @@ use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::weigh::{Curved, Doubt, Weighed};
 use crate::effects::OUTLIERS;
-use crate::identify::Findings;
+use crate::evidence::Aliases;
 use crate::identify::fit::robust::Outlier;
+use crate::identify::{Findings, Problem};
 use crate::model::{CURVE, ModelTerm, Values, friction_unit};
 
 /// What the final model holds beyond geometry: what may be named, and what is
@@ -23,26 +24,31 @@ pub fn effects(
     gap: &[GapRow],
     best: &Node,
     weighed: &Weighed,
+    highest_order: f64,
 ) -> (Vec<Effect>, Vec<Effect>) {
     let certainty = certainty(findings, weighed.moments.as_ref());
     let kinds: Vec<JointKind> = findings.problem.nominal.iter().map(|link| link.kind).collect();
     let first = findings.problem.unknowns.terms().start;
+    let terms = &best.fit.fit.state.terms;
+    let sigmas = &certainty.sigmas[first..first + terms.len()];
     let (mut named, mut suspected) = curves(weighed, gap);
     for row in gap {
         let of = |t: &ModelTerm| row.model == stage_name(t.effect_name());
-        for (i, term) in best.fit.fit.state.terms.iter().enumerate().filter(|(_, t)| of(t)) {
+        for (i, term) in terms.iter().enumerate().filter(|(_, t)| of(t)) {
             let (name, joints) = (term.effect_name(), term.joints());
             let claim = weighed.names.iter().find(|n| n.name == name && n.joints == joints);
-            let sure = claim.is_some_and(is_named);
+            let there = there(terms, sigmas, i);
+            let sure = claim.is_some_and(is_named) && there >= POLICY.named;
             let effect = Effect {
                 name,
                 joints,
                 order: term.order(),
                 order_sigma: certainty.of_order(term),
+                orders_alike: alike(term, findings.problem, best, highest_order),
                 time_constant_s: term.time_constant(),
                 time_constant_sigma_s: term.time_constant().and(certainty.time_constant),
-                coefficients: vec![coefficient(term, &kinds, certainty.sigmas[first + i])],
-                probability: claim.map_or(0.0, |c| c.probability),
+                coefficients: vec![coefficient(term, &kinds, sigmas[i])],
+                probability: claim.map_or(0.0, |c| c.probability).min(there),
                 half_gain: claim.map_or([0.0; 2], |c| c.half_gain),
                 doubt: claim.and_then(|c| c.doubt),
                 holdout_gain: gain(gap, row),
@@ -56,6 +62,66 @@ pub fn effects(
         named.push(gross_rows(findings));
     }
     (named, suspected)
+}
+
+/// How sure it is that the order of a term is there. The claim is of the name at the joint, so of
+/// the strongest of its orders; another is as likely as not, and then of the strongest's size,
+/// before its cosine and sine are looked at.
+fn there(terms: &[ModelTerm], sigmas: &[f64], term: usize) -> f64 {
+    let of = |t: &ModelTerm| (t.effect_name(), t.joints());
+    let own = || terms.iter().zip(sigmas).filter(|(t, _)| of(t) == of(&terms[term]));
+    let wave = |order: Option<f64>| Amplitude::of(own().filter(move |(t, _)| t.order() == order));
+    let it = wave(terms[term].order());
+    let strongest = own().map(|(t, _)| wave(t.order()));
+    let strongest = strongest.max_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
+    match strongest {
+        Some(strongest) if strongest.chi_square > it.chi_square => it.beside(strongest.variance),
+        _ => 1.0,
+    }
+}
+
+/// Cosine and sine of an order, or whatever coefficients a term has.
+struct Amplitude {
+    /// Mean square of the coefficients.
+    variance: f64,
+    /// Mean square of their standard deviations.
+    noise: f64,
+    chi_square: f64,
+    count: f64,
+}
+
+impl Amplitude {
+    fn of<'a>(parts: impl Iterator<Item = (&'a ModelTerm, &'a f64)>) -> Self {
+        let mut out = Self { variance: 0.0, noise: 0.0, chi_square: 0.0, count: 0.0 };
+        for (term, sigma) in parts {
+            out.variance += term.coefficient().powi(2);
+            out.noise += sigma.powi(2);
+            out.chi_square += (term.coefficient() / sigma).powi(2);
+            out.count += 1.0;
+        }
+        let mean = |sum: f64| sum / out.count;
+        Self { variance: mean(out.variance), noise: mean(out.noise), ..out }
+    }
+
+    /// The probability that it is not nothing, where it would have coefficients of this variance:
+    /// of normal numbers, by the marginal likelihoods.
+    fn beside(&self, variance: f64) -> f64 {
+        let size = variance / self.noise;
+        let fits = self.chi_square / 2.0 * (size / (1.0 + size));
+        1.0 / (1.0 + (self.count / 2.0 * size.ln_1p() - fits).exp())
+    }
+}
+
+/// Orders that look like a line's, as far as they are looked for, where its joint stood. A stated
+/// ratio of gears tells its orders.
+fn alike(term: &ModelTerm, problem: &Problem, best: &Node, highest_order: f64) -> Vec<f64> {
+    let (Some(order), [joint]) = (term.order(), &term.joints()[..]) else { return Vec::new() };
+    if term.effect_name() != truearm::effects::Effect::JointPeriodicError.name() {
+        return Vec::new();
+    }
+    let rows = &problem.data.rows;
+    let angles: Vec<f64> = best.fit.kept.iter().map(|row| rows[*row].q[joint - 1]).collect();
+    Aliases::of(&angles, highest_order).others(order, &(1.0..=highest_order))
 }
 
 /// Error curves, one entry of all joints that surely have one, one of the others:
@@ -72,6 +138,7 @@ fn curves(weighed: &Weighed, gap: &[GapRow]) -> (Vec<Effect>, Vec<Effect>) {
             joints: own.iter().map(|c| usize::from(c.table.joint()) + 1).collect(),
             order: None,
             order_sigma: None,
+            orders_alike: Vec::new(),
             time_constant_s: None,
             time_constant_sigma_s: None,
             coefficients: own.iter().map(|c| curve_size(c)).collect(),
@@ -120,6 +187,7 @@ fn gross_rows(findings: &Findings) -> Effect {
         joints: Vec::new(),
         order: None,
         order_sigma: None,
+        orders_alike: Vec::new(),
         time_constant_s: None,
         time_constant_sigma_s: None,
         coefficients: Vec::new(),
@@ -136,7 +204,8 @@ fn add(out: &mut Vec<Effect>, term: &ModelTerm, new: Effect) {
     let alone = matches!(term, ModelTerm::Arm(t)
         if t.effect.is_coupled() || t.effect.acts_on() == ActsOn::Lengths);
     let same = |e: &&mut Effect| {
-        e.name == new.name && e.order == new.order && (!alone || e.joints == new.joints)
+        let order = e.order == new.order && e.orders_alike == new.orders_alike;
+        e.name == new.name && order && (!alone || e.joints == new.joints)
     };
     let Some(entry) = out.iter_mut().find(same) else { return out.push(new) };
     entry.coefficients.extend(new.coefficients);
@@ -186,5 +255,71 @@ fn coefficient(term: &ModelTerm, kinds: &[JointKind], sigma: f64) -> Coefficient
         sigma,
         friction_nm: term.friction().filter(|_| !force),
         friction_n: term.friction().filter(|_| force),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use truearm::effects::{Effect as Known, Term};
+
+    use super::*;
+
+    /// Cosines of an eccentricity in joints 1 and 2.
+    fn terms() -> Vec<ModelTerm> {
+        let of = |joint: u8, order: f64, coefficient: f64| {
+            let effect = Known::EncoderEccentricity;
+            ModelTerm::Arm(Term { effect, joint, source: 0, component: 0, order, coefficient })
+        };
+        vec![of(0, 1.0, 1e-5), of(0, 2.0, 4e-4), of(0, 2.0, 0.0), of(1, 1.0, 1e-5)]
+    }
+
+    #[test]
+    fn what_is_sure_of_a_name_is_not_of_each_of_its_orders() {
+        let sure = |term: usize| there(&terms(), &[1e-5; 4], term);
+        assert!(sure(0) < 0.1, "one deviation beside forty: {}", sure(0));
+        assert_eq!((sure(1), sure(2)), (1.0, 1.0), "the strongest is the name's");
+        assert_eq!(sure(3), 1.0, "another joint's only one");
+        // Both large: both are there.
+        let sure = there(&terms(), &[1e-6; 4], 0);
+        assert!(sure > 0.999, "{sure}");
+        // Nothing known of either, and nothing said.
+        let sure = there(&terms(), &[1.0; 4], 0);
+        assert!((sure - 0.5).abs() < 1e-3, "{sure}");
+    }
+
+    /// As often as is said: an order is there in half of the cases, of the strongest's size.
+    #[test]
+    fn orders_are_there_as_often_as_is_said() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut normal = |sigma: f64| -> f64 {
+            // By Box and Muller.
+            let [u, v] = rng.random::<[f64; 2]>();
+            sigma * (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+        };
+        let (size, noise) = (3.0, 1.0);
+        let (mut claims, mut true_ones, mut said) = (0.0, 0.0, 0.0);
+        for k in 0..20_000 {
+            let there = k % 2 == 0;
+            let mut of = || normal(if there { size } else { 0.0 }) + normal(noise);
+            let parts = [of(), of()];
+            let squares = parts.iter().map(|x| x * x).sum::<f64>();
+            let it = Amplitude {
+                variance: squares / 2.0,
+                noise: noise * noise,
+                chi_square: squares / (noise * noise),
+                count: 2.0,
+            };
+            let probability = it.beside(size * size);
+            if probability >= 0.9 {
+                claims += 1.0;
+                true_ones += f64::from(u8::from(there));
+                said += probability;
+            }
+        }
+        let (rate, said) = (true_ones / claims, said / claims);
+        assert!((rate - said).abs() < 0.01, "{rate} of {claims}, said {said}");
+        assert!(claims > 3000.0, "{claims}");
     }
 }
