@@ -97,8 +97,8 @@ impl<T: Scalar, const N: usize> Correction<T, N> {
                 }
             }
         }
-        // Of a solution of 1e26 rad nothing is taken: the scale would be subnormal, and what it
-        // gives off by far more than a rounding.
+        // Of a solution of 1e26 rad (1e60 in f64) nothing is taken: the scale would be subnormal
+        // further on, and what it gives off by far more than a rounding.
         if scale < T::EPSILON * T::EPSILON * T::EPSILON * T::EPSILON {
             scale = T::ZERO;
         }

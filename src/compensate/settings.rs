@@ -62,7 +62,7 @@ const ROTATION_LENGTH: [f64; 2] = [0.001, 10.0];
 const SINGULAR: [f64; 2] = [0.001, 1.0];
 
 impl<T: Scalar, const N: usize> Settings<T, N> {
-    /// For an arm of about a metre: one refinement, corrections up to 0.03 rad
+    /// For an arm of about a metre ([`Self::for_reach`] for others): one refinement, corrections up to 0.03 rad
     /// (m for a prismatic joint), 1 mrad a tick, faded in over 500 ticks,
     /// damping from singular values of 0.03 m per rad on (`docs/compensation.md`
     /// has the study that chose it).
@@ -78,6 +78,16 @@ impl<T: Scalar, const N: usize> Settings<T, N> {
             rotation_length: T::from_f64(0.3),
             singular: T::from_f64(0.03),
         }
+    }
+
+    /// The same for an arm that reaches `reach` m, with its tool: `singular` and
+    /// `rotation_length` are lengths of it, 0.03 and 0.3 of the reach. For arms of 0.04 to 33 m;
+    /// [`super::Compensator::new`] refuses what others make of it.
+    #[must_use]
+    pub fn for_reach(mut self, reach: T) -> Self {
+        self.singular = T::from_f64(0.03) * reach;
+        self.rotation_length = T::from_f64(0.3) * reach;
+        self
     }
 
     /// The same, with [`Self::trust_nominal_orientation`].

@@ -37,10 +37,20 @@ fn any_state<T: Scalar, const N: usize>(rng: &mut ChaCha8Rng) -> State<T, N> {
 
 /// Farther from its target at q + c than at q: how often, and by how much, m.
 fn farther<T: Scalar, const N: usize>(name: &str, p: &ArmParameters<T, N>, count: usize) {
+    farther_by(name, p, count, Settings::new);
+}
+
+fn farther_by<T: Scalar, const N: usize>(
+    name: &str,
+    p: &ArmParameters<T, N>,
+    count: usize,
+    settings: impl Fn(Task) -> Settings<T, N>,
+) {
     for task in [Task::Position, Task::Pose] {
         let mut rng = ChaCha8Rng::seed_from_u64(11);
-        let compensator = compensator(p, task);
-        let (arm, settings) = (compensator.arm(), Settings::new(task));
+        let settings = settings(task);
+        let compensator = Compensator::new(Arm::new(p), settings, &[T::ZERO; N]).unwrap();
+        let arm = compensator.arm();
         let (mut before, mut after, mut worst) = (0.0, 0.0, 0.0_f64);
         for _ in 0..count {
             let q = anywhere(&mut rng, arm);
@@ -81,6 +91,41 @@ fn each_arm<T: Scalar>(
 fn the_tool_is_never_farther_from_its_target_than_without() {
     each_arm::<f64>(|name, p| farther(name, p, 4000), |name, p| farther(name, p, 4000));
     each_arm::<f32>(|name, p| farther(name, p, 4000), |name, p| farther(name, p, 4000));
+}
+
+/// An arm of the same shape and of so many times the size, with its errors.
+fn sized<T: Scalar, const N: usize>(
+    mut p: ArmParameters<'static, T, N>,
+    times: f64,
+) -> ArmParameters<'static, T, N> {
+    let times = T::from_f64(times);
+    let links = p.nominal.iter_mut().map(|link| &mut link.parameters);
+    for parameters in links.chain(&mut p.corrections) {
+        parameters.a *= times;
+        parameters.d *= times;
+    }
+    p.base_translation *= times;
+    p.tool *= times;
+    p
+}
+
+#[test]
+fn of_arms_of_other_sizes_it_is_not_either() {
+    for times in [0.05, 0.3, 2.0, 5.0] {
+        let settings = |task| Settings::new(task).for_reach(1.3 * times);
+        let name = |which: &str| format!("{which} times {times}");
+        let ur10 = sized(parameters::<f64, 6>(&ur10(), 5e-4, Terms::None), times);
+        farther_by(&name("UR10"), &ur10, 4000, settings);
+        let puma = sized(parameters::<f32, 6>(&puma(), 5e-4, Terms::None), times);
+        let settings = |task| Settings::new(task).for_reach(1.3 * times as f32);
+        farther_by(&name("spherical wrist"), &puma, 4000, settings);
+    }
+    // As of an arm of no size.
+    for reach in [0.0, -1.0, f64::NAN, 40.0] {
+        let settings = Settings::new(Task::Position).for_reach(reach);
+        let p = shipped::<f64>(UR10);
+        assert!(Compensator::new(Arm::new(&p), settings, &[0.0; 6]).is_err(), "{reach}");
+    }
 }
 
 /// The poses at which the correction fed its own damping, and where clamps of
