@@ -174,10 +174,11 @@ impl<T: Scalar, const N: usize> Law<T, N> {
         out.share = [T::ONE; N];
         out.most = self.most;
         out.limited = Joints::default();
-        let joints = command.iter().zip(&self.limits).zip(&mut out.columns);
+        let joints = command.iter().zip(&self.free).zip(&mut out.columns);
         let places = out.share.iter_mut().zip(&mut out.most);
         for (i, (((q, [low, high]), column), (share, most))) in joints.zip(places).enumerate() {
-            let (below, above) = (*q - *low, *high - *q);
+            // To the limits, drawn in by what roundings make of a correction.
+            let (below, above) = ((*q - *low) + *most, (*high - *q) + *most);
             let left = if below < above { below } else { above };
             if left < *most {
                 let left = if left > T::ZERO { left } else { T::ZERO };

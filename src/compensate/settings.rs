@@ -159,7 +159,8 @@ pub enum SettingError {
         /// Of this joint.
         joint: usize,
     },
-    /// `max_change` is not above 0 and at most 0.2 rad or m.
+    /// `max_change` is not above 0 and at most 0.2 rad or m, or below what `max_correction` is
+    /// rounded by, 2^-19 of it in `f32`.
     MaxChange {
         /// Of this joint.
         joint: usize,
@@ -198,7 +199,8 @@ impl core::fmt::Display for SettingError {
             ),
             Self::MaxChange { joint } => write!(
                 f,
-                "max_change of joint {} must be above 0 and at most {MOST_CORRECTION}",
+                "max_change of joint {} must be at most {MOST_CORRECTION} and above what its \
+                 max_correction is rounded by",
                 joint + 1
             ),
             Self::Start { joint } => {

@@ -250,14 +250,23 @@ fn promises<T: Scalar, const N: usize>(seed: u64, counts: &mut Counts) {
             let bound = most * (1.0 + 4.0 * eps);
             assert!(now.abs() <= bound, "{at}: joint {i}, {now} of {bound}");
             if !idle && let Some([low, high]) = compensator.arm().limits()[i] {
-                // Beyond a limit is only what was commanded there, or stood there when an arm
-                // with narrower limits came.
-                let [command, stood, change] = [command[i], last.1[i], settings.max_change[i]];
-                let joint = tick.joints[i];
-                let out = joint > high && joint > command && joint > stood - change;
+                // Beyond a limit is only what was commanded there, or what stood there without a
+                // command when an arm with narrower limits came.
+                let [command, stood, joint] = [command[i], last.1[i], tick.joints[i]];
+                let (was, change) = (before[i], settings.max_change[i]);
+                let left_out = [stood > high && was > T::ZERO, stood < low && was < T::ZERO];
+                let out = joint > high && joint > command;
+                let out = out && (!left_out[0] || joint > stood - change);
                 assert!(!out, "{at}: joint {i}, {joint:?} of {command:?} beyond {high:?}");
-                let out = joint < low && joint < command && joint < stood + change;
+                let out = joint < low && joint < command;
+                let out = out && (!left_out[1] || joint < stood + change);
                 assert!(!out, "{at}: joint {i}, {joint:?} of {command:?} beyond {low:?}");
+            }
+            if let (Ok(law), Some([low, high])) = (law, compensator.arm().limits()[i]) {
+                // The law itself, whatever is applied.
+                let (command, to) = (command[i], command[i] + law[i]);
+                let out = (to > high && to > command) || (to < low && to < command);
+                assert!(!out, "{at}: joint {i}, {to:?} of {command:?} beyond {low:?} {high:?}");
             }
             let step = (now - was).abs();
             // A joint that a limit stops moves less than its command.

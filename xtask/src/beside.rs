@@ -8,7 +8,7 @@ use std::process::{Child, Command};
 
 use crate::run::{Result, target_dir};
 
-/// A run of this program with another verb. It does not outlive its owner.
+/// A run of this program with another verb.
 pub struct Beside {
     line: String,
     child: Child,
@@ -32,27 +32,11 @@ impl Beside {
     /// Waits until it has ended, and prints what it did.
     pub fn end(mut self) -> Result {
         let status = self.child.wait()?;
-        self.print()?;
+        eprint!("{}", String::from_utf8_lossy(&fs::read(&self.log)?));
+        fs::remove_file(&self.log)?;
         match status.success() {
             true => Ok(()),
             false => Err(format!("{}, see above: {status}", self.line).into()),
-        }
-    }
-
-    fn print(&self) -> Result {
-        eprint!("{}", String::from_utf8_lossy(&fs::read(&self.log)?));
-        fs::remove_file(&self.log)?;
-        Ok(())
-    }
-}
-
-impl Drop for Beside {
-    fn drop(&mut self) {
-        // Not waited for: the work that it ran beside has failed or panicked.
-        if let Ok(None) = self.child.try_wait() {
-            let _ = self.child.kill();
-            let _ = self.child.wait();
-            let _ = self.print();
         }
     }
 }

@@ -6,7 +6,7 @@ use truearm_host::Result;
 use truearm_host::blob::difference;
 use truearm_host::report::{DiffReport, to_json};
 
-use super::{Said, read_blob, refused};
+use super::{Said, count, read_blob, refused};
 
 /// Compare two parameter blobs: which parameters moved, and the tool with them.
 #[derive(Args)]
@@ -16,7 +16,7 @@ pub struct Diff {
     /// The blob after
     after: PathBuf,
     /// Poses drawn from the workspace to find how far the tool moves
-    #[arg(long, default_value_t = 10_000)]
+    #[arg(long, default_value_t = 10_000, value_parser = count, allow_hyphen_values = true)]
     poses: usize,
     /// Seed of the draw
     #[arg(long, default_value_t = 1)]

@@ -49,6 +49,13 @@ use truearm_host::{Error, ErrorKind, Result};
 use console::{Said, warn};
 use exit_status::End;
 
+/// How many there are to be of something.
+fn count(text: &str) -> std::result::Result<usize, String> {
+    const MOST: usize = 1_000_000;
+    let given = text.parse().ok().filter(|count| (1..=MOST).contains(count));
+    given.ok_or_else(|| format!("give a whole number from 1 to {MOST}"))
+}
+
 /// Identify the true geometry of a robot arm from tracker measurements.
 #[derive(Parser)]
 #[command(name = "truearm", version, arg_required_else_help = true, after_help = exit_status::TABLE)]

@@ -12,7 +12,7 @@ use truearm_host::{Error, Result};
 
 use super::page::page_files;
 use super::workspace::Where;
-use super::{End, Said, overwrite, session, warn, words};
+use super::{End, Said, count, overwrite, session, warn, words};
 
 /// Verify the compensated arm on measured points: ISO 9283 accuracy and
 /// repeatability, pass or fail. Exit status 3: fail, 4: neither is proven.
@@ -41,7 +41,14 @@ pub struct Verify {
     #[arg(long, alias = "check-poses", value_name = "FILE.csv")]
     test_poses: Option<PathBuf>,
     /// How many of them
-    #[arg(long, value_name = "N", default_value_t = 20, requires = "test_poses")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 20,
+        requires = "test_poses",
+        value_parser = count,
+        allow_hyphen_values = true
+    )]
     poses: usize,
     /// Measurements of the identification, to keep the test poses apart from; of several files each
     #[arg(long, value_name = "DATA", requires = "test_poses")]

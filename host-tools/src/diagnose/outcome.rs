@@ -68,24 +68,39 @@ impl Effect {
     pub fn order_left_open(&self) -> Option<String> {
         let order = self.order?;
         if !self.orders_alike.is_empty() {
-            return Some(format!("{order:.0} or {}", some(&self.orders_alike)));
+            let each = self
+                .doubt_of_order()
+                .map_or(String::new(), |(sigma, digits)| format!(", each +- {sigma:.digits$}"));
+            return Some(format!("{} or {}{each}", whole(order), some(&self.orders_alike)));
         }
-        let sigma = self.order_sigma?;
+        let (sigma, digits) = self.doubt_of_order()?;
+        Some(format!("{order:.digits$} +- {sigma:.digits$}"))
+    }
+
+    /// One standard deviation of the order and the digits that it is said with, where it is
+    /// worth a word.
+    fn doubt_of_order(&self) -> Option<(f64, usize)> {
+        let sigma = self.order_sigma.filter(|sigma| *sigma > LEAST_DOUBT)?;
         // One digit of the doubt, and no more digits of what is doubtful.
-        let digits = usize::try_from(-sigma.log10().floor() as i32).unwrap_or(0);
-        (sigma > LEAST_DOUBT).then(|| format!("{order:.digits$} +- {sigma:.digits$}"))
+        Some((sigma, usize::try_from(-sigma.log10().floor() as i32).unwrap_or(0)))
     }
 }
 
 /// Of orders that look alike, the first ones.
 #[must_use]
 pub fn some(orders: &[f64]) -> String {
-    let first: Vec<String> = orders.iter().take(SOME).map(|n| format!("{n:.0}")).collect();
+    let first: Vec<String> = orders.iter().take(SOME).map(|n| whole(*n)).collect();
     format!("{}{}", first.join(", "), if orders.len() > SOME { " and others" } else { "" })
 }
 
+/// Whole, or with one digit more.
+fn whole(order: f64) -> String {
+    let digits = usize::from((order - order.round()).abs() > 0.05);
+    format!("{order:.digits$}")
+}
+
 /// So many of them are said.
-const SOME: usize = 4;
+const SOME: usize = 8;
 
 /// One coefficient.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -381,25 +396,27 @@ mod tests {
         }
     }
 
+    fn said(order: f64, order_sigma: Option<f64>, orders_alike: &[f64]) -> Option<String> {
+        let effect = Effect {
+            name: "joint-periodic-error",
+            joints: vec![2],
+            order: Some(order),
+            order_sigma,
+            orders_alike: orders_alike.to_vec(),
+            time_constant_s: None,
+            time_constant_sigma_s: None,
+            coefficients: Vec::new(),
+            probability: 1.0,
+            half_gain: [0.0; 2],
+            doubt: None,
+            holdout_gain: 0.0,
+        };
+        effect.order_left_open()
+    }
+
     #[test]
     fn an_order_has_the_digits_that_are_known() {
-        let of = |order: f64, sigma: Option<f64>| {
-            let effect = Effect {
-                name: "joint-periodic-error",
-                joints: vec![2],
-                order: Some(order),
-                order_sigma: sigma,
-                orders_alike: Vec::new(),
-                time_constant_s: None,
-                time_constant_sigma_s: None,
-                coefficients: Vec::new(),
-                probability: 1.0,
-                half_gain: [0.0; 2],
-                doubt: None,
-                holdout_gain: 0.0,
-            };
-            effect.order_left_open()
-        };
+        let of = |order: f64, sigma: Option<f64>| said(order, sigma, &[]);
         assert_eq!(of(128.0, None), None);
         assert_eq!(of(80.015625, Some(0.01)), None);
         assert_eq!(of(80.015625, Some(0.04)), Some("80.02 +- 0.04".to_owned()));
@@ -410,8 +427,13 @@ mod tests {
 
     #[test]
     fn of_orders_that_look_alike_none_is_said_to_be_it() {
+        let of = |order: f64, sigma, alike: &[f64]| said(order, sigma, alike).unwrap();
         assert_eq!(some(&[56.0, 160.0]), "56, 160");
-        assert_eq!(some(&[56.0, 160.0, 164.0, 268.0, 272.0]), "56, 160, 164, 268 and others");
+        assert_eq!(some(&[8.5, 37.5]), "8.5, 37.5");
+        let many: Vec<f64> = (1..20).map(f64::from).collect();
+        assert_eq!(some(&many), "1, 2, 3, 4, 5, 6, 7, 8 and others");
+        assert_eq!(of(350.0, Some(0.51), &[161.0, 180.0]), "350 or 161, 180, each +- 0.5");
+        assert_eq!(of(52.0, None, &[56.0]), "52 or 56");
     }
 
     #[test]

@@ -45,7 +45,8 @@ pub fn aliased<'a>(data: &Measurements, effects: impl Iterator<Item = &'a Shown>
     let file = data.path.display();
     let remark = |effect: &Shown| {
         let place = place(effect.name, &effect.joints);
-        let (order, others) = (effect.order?, some(&effect.orders_alike));
+        let others = some(&effect.orders_alike);
+        let order = effect.order?;
         (!effect.orders_alike.is_empty()).then(|| {
             format!(
                 "{file}: {place}: at its evenly spaced angles {order:.0} cycles a turn look like \

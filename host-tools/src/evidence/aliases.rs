@@ -30,17 +30,17 @@ impl Aliases {
     /// How many orders of a range look like this one, itself among them.
     #[must_use]
     pub fn count(&self, order: f64, range: &RangeInclusive<f64>) -> usize {
-        let of = |s: &f64| [order + s, order - s, s - order];
-        1 + self.shifts.iter().flat_map(of).filter(|n| range.contains(n)).count()
+        1 + self.others(order, range).len()
     }
 
-    /// Orders of a range that look like this one.
+    /// Other orders of a range that look like this one, each once.
     #[must_use]
     pub fn others(&self, order: f64, range: &RangeInclusive<f64>) -> Vec<f64> {
         let of = |s: &f64| [order + s, order - s, s - order];
         let mut out: Vec<f64> =
-            self.shifts.iter().flat_map(of).filter(|n| range.contains(n)).collect();
+            self.shifts.iter().flat_map(of).filter(|n| range.contains(n) && *n != order).collect();
         out.sort_by(f64::total_cmp);
+        out.dedup();
         out
     }
 
@@ -75,6 +75,15 @@ mod tests {
     }
 
     /// However many levels a grid has.
+    /// Half of what is added leads back to the order itself, and the same from either side.
+    #[test]
+    fn each_of_them_is_one() {
+        let grid: Vec<f64> = (0..40).map(|k| (2.0 * f64::from(k)).to_radians()).collect();
+        let of = |order: f64| Aliases::of(&grid, 400.0).others(order, &(1.0..=400.0));
+        assert_eq!(of(90.0), [270.0]);
+        assert_eq!(of(180.0), [360.0]);
+    }
+
     #[test]
     fn fine_grids_have_aliases_too() {
         let grid: Vec<f64> = (0..720).map(|k| f64::from(k % 180) * 2_f64.to_radians()).collect();

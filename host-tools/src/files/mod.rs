@@ -56,7 +56,8 @@ pub(crate) fn read(path: &Path) -> Result<String> {
                 path,
                 Place::default(),
                 "a parameter blob, as a controller holds it",
-                "give a text file; `truearm unpack` makes a model.toml of a blob",
+                "give the table or TOML file that is asked for; of a blob `truearm unpack` makes a \
+                 model.toml",
             );
         }
         let line = e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n');

@@ -20,19 +20,21 @@ type Likely = (bool, bool);
 
 /// The columns that hold the same labels; `None` without any.
 pub(super) fn find(tables: &[Table]) -> Option<Key> {
-    let (first, others) = tables.split_first()?;
+    // What a column is, is asked once and not of each pair.
+    let all: Vec<Vec<Column>> = tables.iter().map(Column::all).collect();
+    let (first, others) = all.split_first()?;
     let mut best: Option<(Likely, Vec<usize>)> = None;
-    for column in 0..first.headings.len() {
-        let partner = |other: &Table| {
-            let of = |c: usize| likely([first, other], [column, c]).map(|likely| (likely, c));
-            (0..other.headings.len()).filter_map(of).rev().max_by_key(|(likely, _)| *likely)
+    for column in first {
+        let partner = |other: &Vec<Column>| {
+            let of = |c: &Column| likely([column, c]).map(|likely| (likely, c.index));
+            other.iter().filter_map(of).rev().max_by_key(|(likely, _)| *likely)
         };
         let Some(partners) = others.iter().map(partner).collect::<Option<Vec<_>>>() else {
             continue;
         };
         let least = partners.iter().map(|(likely, _)| *likely).min()?;
         let columns: Vec<usize> =
-            std::iter::once(column).chain(partners.iter().map(|(_, c)| *c)).collect();
+            std::iter::once(column.index).chain(partners.iter().map(|(_, c)| *c)).collect();
         let better = best.as_ref().is_none_or(|(known, _)| least > *known);
         if better && Compared::of(&tables.iter().collect::<Vec<_>>(), &columns).fit() {
             best = Some((least, columns));
@@ -46,18 +48,42 @@ pub(super) fn find(tables: &[Table]) -> Option<Key> {
     })
 }
 
+/// A column that may be a key.
+struct Column<'t> {
+    table: &'t Table,
+    index: usize,
+    /// Whether its heading sounds like one.
+    keyed: bool,
+    /// Whether it is no column of numbers.
+    texts: bool,
+    /// Whether its cells may be labels, whatever the heading.
+    labels: bool,
+}
+
+impl<'t> Column<'t> {
+    fn all(table: &'t Table) -> Vec<Self> {
+        let of = |index: usize| {
+            let texts = !table.numeric(index);
+            let labels = texts || whole(table, index) && counts(table, index);
+            Self { table, index, keyed: keyed(&table.headings[index]), texts, labels }
+        };
+        (0..table.headings.len()).map(of).collect()
+    }
+
+    fn heading(&self) -> &str {
+        &self.table.headings[self.index].text
+    }
+}
+
 /// `None` of columns that are no key.
-fn likely(tables: [&Table; 2], columns: [usize; 2]) -> Option<Likely> {
-    let [a, b] = [0, 1].map(|i| &tables[i].headings[columns[i]]);
-    let alike = !a.text.is_empty() && a.text.eq_ignore_ascii_case(&b.text) || keyed(a) && keyed(b);
-    let texts = [0, 1].map(|i| !tables[i].numeric(columns[i]));
-    let labels =
-        |i: usize| texts[i] || whole(tables[i], columns[i]) && counts(tables[i], columns[i]);
-    if !(alike || labels(0) && labels(1)) {
+fn likely([a, b]: [&Column; 2]) -> Option<Likely> {
+    let same = !a.heading().is_empty() && a.heading().eq_ignore_ascii_case(b.heading());
+    let alike = same || a.keyed && b.keyed;
+    if !(alike || a.labels && b.labels) {
         return None;
     }
-    let compared = Compared::of(&tables, &columns);
-    let spelled = texts == [true, true] && compared.spelled && compared.fit();
+    let compared = Compared::of(&[a.table, b.table], &[a.index, b.index]);
+    let spelled = a.texts && b.texts && compared.spelled && compared.fit();
     (spelled || alike && compared.fit() || compared.one_to_one()).then_some((spelled, alike))
 }
 

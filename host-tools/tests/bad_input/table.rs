@@ -397,7 +397,7 @@ fn models() {
         std::fs::write(&path, text).unwrap();
         said(Model::read(&path))
     };
-    expect("robot", &read(SHIPPED), &["missing field", "as written by `truearm identify`"]);
+    expect("robot", &read(SHIPPED), &["no identified model", "as written by `truearm identify`"]);
     expect("table", &read(ROWS), &["a table, not a TOML file"]);
     expect("empty", &read(""), &["no [[joints]]"]);
     let gravity = SHIPPED.replace("-9.81", "nan");

@@ -177,6 +177,8 @@ fn errors() {
         "evaluate robot.toml measurements.csv",
         "evaluate in-force.blob measurements.csv",
         "pack robot.toml --out new.blob --sequence -1",
+        "diff in-force.blob in-force.blob --poses 0",
+        "verify model.toml --test-poses t.csv --poses -1",
     ]
     .iter()
     .map(|line| format!("$ truearm {line}\n{}", says(&folder, line)))

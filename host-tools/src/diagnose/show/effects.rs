@@ -38,17 +38,21 @@ pub fn effects(
             let (name, joints) = (term.effect_name(), term.joints());
             let claim = weighed.names.iter().find(|n| n.name == name && n.joints == joints);
             let there = there(terms, sigmas, i);
-            let sure = claim.is_some_and(is_named) && there >= POLICY.named;
+            let probability = claim.map_or(0.0, |c| c.probability) * there;
+            let sure = claim.is_some_and(is_named) && probability >= POLICY.named;
             let effect = Effect {
                 name,
                 joints,
                 order: term.order(),
                 order_sigma: certainty.of_order(term),
-                orders_alike: alike(term, findings.problem, best, highest_order),
+                orders_alike: match certainty.of_order(term) {
+                    Some(sigma) if sigma > KNOWN => Vec::new(),
+                    _ => alike(term, findings.problem, best, highest_order),
+                },
                 time_constant_s: term.time_constant(),
                 time_constant_sigma_s: term.time_constant().and(certainty.time_constant),
                 coefficients: vec![coefficient(term, &kinds, sigmas[i])],
-                probability: claim.map_or(0.0, |c| c.probability).min(there),
+                probability,
                 half_gain: claim.map_or([0.0; 2], |c| c.half_gain),
                 doubt: claim.and_then(|c| c.doubt),
                 holdout_gain: gain(gap, row),
@@ -111,6 +115,9 @@ impl Amplitude {
         1.0 / (1.0 + (self.count / 2.0 * size.ln_1p() - fits).exp())
     }
 }
+
+/// An order known to so many cycles a turn is one of those that look alike; of another any may be.
+const KNOWN: f64 = 1.0;
 
 /// Orders that look like a line's, as far as they are looked for, where its joint stood. A stated
 /// ratio of gears tells its orders.
