@@ -64,7 +64,7 @@ enum Mode {
     Printed,
 }
 
-/// Beyond, nothing but the nominal arm is left, and squares overflow from 1e150 on.
+/// Beyond, nothing but the nominal arm is left; 1e40 was still right, at 1e308 squares overflow.
 const MOST_LAMBDA: f64 = 1e30;
 
 impl Identify {

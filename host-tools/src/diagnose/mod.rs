@@ -9,6 +9,7 @@ pub mod candidates;
 mod chi_square;
 mod crowd;
 mod described;
+mod effect;
 mod kind_noise;
 pub mod moments;
 mod mounting;
@@ -30,8 +31,9 @@ mod weighing;
 mod white;
 
 pub use described::{Described, ErrorCourse};
+pub use effect::{Coefficient, Effect};
 pub use naming::said;
-pub use outcome::{Alternative, Coefficient, Effect, GapRow, GapUnit, Outcome, Verdict};
+pub use outcome::{Alternative, GapRow, GapUnit, Outcome, Verdict};
 pub use tell::{instead, late, otherwise, place};
 pub use weigh::Doubt;
 

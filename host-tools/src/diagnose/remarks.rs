@@ -6,9 +6,10 @@ use truearm::JointKind;
 use truearm::effects::{Effect, MAX_TERMS};
 
 use super::candidates::{self, Candidate};
+use super::effect::Effect as Shown;
 use super::moments::{Moments, bends};
 use super::node::Node;
-use super::outcome::{Effect as Shown, GapRow, HoldOut, Worse, some, worse};
+use super::outcome::{GapRow, HoldOut, Worse, worse};
 use super::policy::POLICY;
 use super::tell::place;
 use super::weigh::{Doubt, Named, Weighed, scatter};
@@ -44,16 +45,13 @@ pub fn all<'a>(
 pub fn aliased<'a>(data: &Measurements, effects: impl Iterator<Item = &'a Shown>) -> Vec<String> {
     let file = data.path.display();
     let remark = |effect: &Shown| {
+        let [order, others] = effect.said_alike()?;
         let place = place(effect.name, &effect.joints);
-        let others = some(&effect.orders_alike);
-        let order = effect.order?;
-        (!effect.orders_alike.is_empty()).then(|| {
-            format!(
-                "{file}: {place}: at its evenly spaced angles {order:.0} cycles a turn look like \
-                 {others}: between them the correction may be of the wrong order; measure angles of \
-                 other distances"
-            )
-        })
+        Some(format!(
+            "{file}: {place}: at its evenly spaced angles {order} cycles a turn look like \
+             {others}: between them the correction may be of the wrong order; measure angles of \
+             other distances"
+        ))
     };
     effects.filter_map(remark).collect()
 }

@@ -4,9 +4,10 @@ use truearm::effects::ActsOn;
 use super::certainty::certainty;
 use super::gap::stage_name;
 use crate::diagnose::crowd::crowded;
+use crate::diagnose::effect::{Coefficient, Effect};
 use crate::diagnose::naming::{curve_probability, is_curve_named, is_named};
 use crate::diagnose::node::Node;
-use crate::diagnose::outcome::{Coefficient, Effect, GapRow};
+use crate::diagnose::outcome::GapRow;
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::weigh::{Curved, Doubt, Weighed};
 use crate::effects::OUTLIERS;
@@ -267,9 +268,10 @@ fn coefficient(term: &ModelTerm, kinds: &[JointKind], sigma: f64) -> Coefficient
 
 #[cfg(test)]
 mod tests {
-    use rand::{RngExt, SeedableRng};
+    use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use truearm::effects::{Effect as Known, Term};
+    use truearm_simulate::normal;
 
     use super::*;
 
@@ -300,16 +302,13 @@ mod tests {
     #[test]
     fn orders_are_there_as_often_as_is_said() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let mut normal = |sigma: f64| -> f64 {
-            // By Box and Muller.
-            let [u, v] = rng.random::<[f64; 2]>();
-            sigma * (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
-        };
         let (size, noise) = (3.0, 1.0);
+        let variance = size * size;
         let (mut claims, mut true_ones, mut said) = (0.0, 0.0, 0.0);
         for k in 0..20_000 {
             let there = k % 2 == 0;
-            let mut of = || normal(if there { size } else { 0.0 }) + normal(noise);
+            let size = if there { size } else { 0.0 };
+            let mut of = || size * normal(&mut rng) + noise * normal(&mut rng);
             let parts = [of(), of()];
             let squares = parts.iter().map(|x| x * x).sum::<f64>();
             let it = Amplitude {
@@ -318,7 +317,7 @@ mod tests {
                 chi_square: squares / (noise * noise),
                 count: 2.0,
             };
-            let probability = it.beside(size * size);
+            let probability = it.beside(variance);
             if probability >= 0.9 {
                 claims += 1.0;
                 true_ones += f64::from(u8::from(there));

@@ -20,7 +20,8 @@ const BESIDE: usize = 3;
 
 /// So many places lie on either side of a step. What fewer do is what rows do that are wrong, or
 /// the first ones where directions are taken from the order: of no earlier row is it told from
-/// which side they came ("elsewhere from row 2 on" was believed of three of 130 sessions).
+/// which side they came ("elsewhere from row 2 on", or 3, was said of three of 190 sessions). No study
+/// set the number.
 const EITHER_SIDE: usize = 5;
 
 /// The step of a joint's value that explains most.
