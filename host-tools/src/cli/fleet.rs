@@ -86,6 +86,10 @@ impl Fleet {
 
     /// Folders of the arms by name.
     fn folders(&self) -> Result<Vec<PathBuf>> {
+        if self.dir.is_file() {
+            let what = format!("{}: a file, not a folder", self.dir.display());
+            return Err(Error::usage(what, "give the folder that has a folder for each arm"));
+        }
         let entries = std::fs::read_dir(&self.dir).map_err(|e| Error::io(&self.dir, e))?;
         let real = |path: &Path| std::fs::canonicalize(path).ok();
         let out = self.out.as_deref().and_then(real);

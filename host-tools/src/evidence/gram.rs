@@ -4,7 +4,8 @@
 
 use std::ops::Range;
 
-use nalgebra::{Cholesky, DMatrix, DMatrixView, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DMatrixView, DMatrixViewMut, DVector, Dyn};
+use rayon::prelude::*;
 
 use super::noise::Noise;
 use super::poses::Repeats;
@@ -269,9 +270,9 @@ impl Geometry {
         let n = of.len();
         let mut unit = DMatrix::zeros(self.unit.len(), n);
         of.clone().enumerate().for_each(|(j, i)| unit[(i, j)] = 1.0 / self.unit[i]);
-        let solved = self.factor.solve(&unit);
-        let cov =
-            DMatrix::from_fn(n, n, |i, j| solved[(of.start + i, j)] / self.unit[of.start + i]);
+        // H^-1 = L^-T L^-1.
+        solve_lower(self.factor.l_dirty(), &mut unit);
+        let cov = unit.transpose() * &unit;
         let mean = mean.rows(of.start, n).into_owned();
         let Some(factor) = cov.cholesky() else { return f64::INFINITY };
         let det: f64 = 2.0 * factor.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>();
@@ -286,11 +287,12 @@ impl Geometry {
         2.0 * diagonal.iter().zip(&self.unit).map(|(l, unit)| (l * unit).ln()).sum::<f64>()
     }
 
-    /// Variance of a linear function of the unknowns.
+    /// Variances of linear functions of the unknowns, a column each.
     #[must_use]
-    pub fn variance(&self, of: &DVector<f64>) -> f64 {
-        let right = of.component_div(&self.unit);
-        self.factor.l_dirty().solve_lower_triangular(&right).map_or(0.0, |v| v.norm_squared())
+    pub fn variances(&self, mut of: DMatrix<f64>) -> Vec<f64> {
+        of.column_iter_mut().for_each(|mut column| column.component_div_assign(&self.unit));
+        solve_lower(self.factor.l_dirty(), &mut of);
+        of.column_iter().map(|column| column.norm_squared()).collect()
     }
 
     /// `L^-1 G'Z / k^2` from `G'Z`: the part of columns that geometry can
@@ -308,7 +310,7 @@ impl Geometry {
     }
 }
 
-/// Adds `by * at * a` to the lower triangle of `to`, `at` being a's transpose:
+/// Adds `by * at * a` to the lower triangle of `to`, at being a's transpose:
 /// nalgebra's own product of a transpose took seven times as long.
 fn lower_product(
     to: &mut DMatrix<f64>,
@@ -317,12 +319,14 @@ fn lower_product(
     a: DMatrixView<'_, f64>,
 ) {
     let columns = a.ncols();
-    for first in (0..columns).step_by(BLOCK) {
-        let width = BLOCK.min(columns - first);
+    let blocks = to.as_mut_slice().par_chunks_mut(BLOCK * columns.max(1)).enumerate();
+    blocks.for_each(|(k, block)| {
+        let (first, width) = (k * BLOCK, block.len() / columns);
         let below = columns - first;
-        let mut target = to.view_mut((first, first), (below, width));
+        let mut block = DMatrixViewMut::from_slice(block, columns, width);
+        let mut target = block.rows_mut(first, below);
         target.gemm(by, &at.rows(first, below), &a.columns(first, width), 1.0);
-    }
+    });
 }
 
 /// Cholesky factor of a matrix with unit diagonal that is singular only by

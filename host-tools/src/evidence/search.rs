@@ -7,7 +7,10 @@
 //! away from a model that was expanded is kept with its probability, so that
 //! the sum over look-alikes is complete where it matters.
 
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
 
 use super::subset::{Subset, Subsets};
 
@@ -89,39 +92,43 @@ impl<'a> Search<'a> {
 
     /// The fit of a model.
     pub fn fit(&mut self, members: &[usize]) -> &Subset {
-        self.fit_from(members, &[])
+        self.fit_all([(members, &[][..])]);
+        &self.fitted[members]
     }
 
-    /// Prior sizes of `parent` are the first guess.
-    fn fit_from(&mut self, members: &[usize], parent: &[usize]) -> &Subset {
-        if !self.fitted.contains_key(members) {
-            let parent = self.fitted.get(parent);
+    /// Fits those models that are not yet, side by side; the prior sizes of what a model came
+    /// from are the first guess.
+    fn fit_all<'m>(&mut self, models: impl IntoIterator<Item = (&'m [usize], &'m [usize])>) {
+        let mut new: BTreeMap<&[usize], Option<&Subset>> = BTreeMap::new();
+        for (members, parent) in models {
+            if !self.fitted.contains_key(members) {
+                new.entry(members).or_insert_with(|| self.fitted.get(parent));
+            }
+        }
+        let fit = |(members, parent): (&[usize], Option<&Subset>)| {
             let hint = |g: usize| {
                 let parent = parent?;
                 parent.members.iter().position(|m| *m == g).map(|i| parent.sizes[i])
             };
-            let subset = self.subsets.fit(members, &hint);
+            self.subsets.fit(members, &hint)
+        };
+        let fitted: Vec<Subset> = new.into_par_iter().map(fit).collect();
+        for subset in fitted {
             self.best = self.best.max(subset.log_mass);
-            self.masses.insert(members.to_vec(), subset.log_mass);
-            self.fitted.insert(members.to_vec(), subset);
+            self.masses.insert(subset.members.clone(), subset.log_mass);
+            self.fitted.insert(subset.members.clone(), subset);
         }
-        &self.fitted[members]
     }
 
     fn climb(&mut self, root: Vec<usize>) {
         self.fit(&root);
         let mut beam = vec![root];
         for _ in 0..self.effort.members {
-            let mut grown: BTreeSet<Vec<usize>> = BTreeSet::new();
-            for parent in &beam {
-                for child in self.expand(parent) {
-                    self.fit_from(&child, parent);
-                    grown.insert(child);
-                }
-            }
+            let grown: BTreeMap<Vec<usize>, f64> =
+                self.grow(&beam).into_iter().flatten().map(|(mass, m)| (m, mass)).collect();
             let mut grown: Vec<(f64, Vec<usize>)> =
-                grown.into_iter().map(|m| (self.masses[&m], m)).collect();
-            grown.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+                grown.into_iter().map(|(members, mass)| (mass, members)).collect();
+            grown.sort_by(best_first);
             grown.truncate(self.effort.beam);
             if grown.first().is_none_or(|(mass, _)| *mass < self.best - BEHIND) {
                 break;
@@ -130,19 +137,24 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Rates every addition to a model; those worth a fit.
-    fn expand(&mut self, members: &[usize]) -> Vec<Vec<usize>> {
-        if let Some(known) = self.expanded.get(members) {
-            return known.clone();
+    /// Rates every addition to fitted models, side by side.
+    fn expand(&mut self, models: &[Vec<usize>]) {
+        let new = models.iter().filter(|m| !self.expanded.contains_key(*m));
+        let new: BTreeSet<&Vec<usize>> = new.collect();
+        let room = |members: &[usize]| members.len() < self.effort.members;
+        let rate = |members: &Vec<usize>| match room(members) {
+            true => self.subsets.additions(&self.fitted[members]),
+            false => Vec::new(),
+        };
+        let rated: Vec<Vec<f64>> = new.par_iter().map(|members| rate(members)).collect();
+        for (members, additions) in new.into_iter().zip(rated) {
+            let children = self.children(members, &additions);
+            self.expanded.insert(members.clone(), children);
         }
-        let children =
-            if members.len() < self.effort.members { self.children(members) } else { Vec::new() };
-        self.expanded.insert(members.to_vec(), children.clone());
-        children
     }
 
-    fn children(&mut self, members: &[usize]) -> Vec<Vec<usize>> {
-        let additions = self.subsets.additions(&self.fit(members).clone());
+    /// Of the additions to a model those worth a fit.
+    fn children(&mut self, members: &[usize], additions: &[f64]) -> Vec<Vec<usize>> {
         let mut order: Vec<usize> = (0..additions.len()).collect();
         order.sort_by(|a, b| additions[*b].total_cmp(&additions[*a]).then(a.cmp(b)));
         let mut out = Vec::new();
@@ -173,57 +185,65 @@ impl<'a> Search<'a> {
         let mut seen: BTreeSet<Vec<usize>> = BTreeSet::new();
         let mut done = 0;
         while done < self.effort.detours {
-            let front = self.masses.iter().filter(|(m, _)| !seen.contains(*m));
+            let near = self.masses.iter().filter(|(_, mass)| **mass >= self.best - FRONT);
+            let front = near.filter(|(members, _)| !seen.contains(*members));
             let Some((members, mass)) = front.max_by(|a, b| a.1.total_cmp(b.1)) else { break };
             let (members, mass) = (members.clone(), *mass);
-            if mass < self.best - FRONT {
-                break;
-            }
             seen.insert(members.clone());
             done += members.len().max(1);
             let steps = if mass >= self.best { DETOUR } else { 1 };
-            let subset = self.fit(&members).clone();
-            self.grow(&members);
-            for member in &members {
-                self.detour(&members, &[*member], steps);
-            }
+            self.fit(&members);
+            let mut out: Vec<Vec<usize>> = members.iter().map(|m| vec![*m]).collect();
             if steps == DETOUR {
-                for pair in self.subsets.coupled(&subset, PAIRS) {
-                    self.detour(&members, &pair, steps);
-                }
+                let pairs = self.subsets.coupled(&self.fitted[&members], PAIRS);
+                out.extend(pairs.into_iter().map(Vec::from));
             }
+            self.grow(std::slice::from_ref(&members));
+            self.detours(&members, out, steps);
         }
     }
 
     /// Takes some members out for good, climbs without them and then drops what
-    /// is no longer needed: one effect may be imitated by two others.
-    fn detour(&mut self, members: &[usize], out: &[usize], steps: usize) {
-        let mut now: Vec<usize> = members.iter().copied().filter(|m| !out.contains(m)).collect();
-        let mut mass = self.fit_from(&now, members).log_mass;
+    /// is no longer needed: one effect may be imitated by two others. Goes all ways side by
+    /// side.
+    fn detours(&mut self, members: &[usize], out: Vec<Vec<usize>>, steps: usize) {
+        let without = |out: &[usize]| -> Vec<usize> {
+            members.iter().copied().filter(|m| !out.contains(m)).collect()
+        };
+        let mut now: Vec<Vec<usize>> = out.iter().map(|out| without(out)).collect();
+        self.fit_all(now.iter().map(|now| (&now[..], members)));
+        let mut going: Vec<usize> = (0..now.len()).collect();
         for _ in 0..steps {
-            let Some((better, child)) = self
-                .grow(&now)
-                .into_iter()
-                .find(|(_, child)| child.iter().all(|m| !out.contains(m)))
-            else {
-                break;
-            };
-            if better <= mass {
-                break;
-            }
-            (mass, now) = (better, child);
+            let from: Vec<Vec<usize>> = going.iter().map(|way| now[*way].clone()).collect();
+            let grown = self.grow(&from);
+            let next = going.into_iter().zip(grown).filter_map(|(way, grown)| {
+                let stays_out = |child: &[usize]| child.iter().all(|m| !out[way].contains(m));
+                let (better, child) = grown.into_iter().find(|(_, child)| stays_out(child))?;
+                (better > self.masses[&now[way]]).then(|| {
+                    now[way] = child;
+                    way
+                })
+            });
+            going = next.collect();
         }
-        if steps > 1 && mass > self.best - BEHIND {
-            self.drop_needless(now, mass);
+        if steps > 1 {
+            for now in now {
+                let mass = self.masses[&now];
+                if mass > self.best - BEHIND {
+                    self.drop_needless(now, mass);
+                }
+            }
         }
     }
 
     fn drop_needless(&mut self, mut now: Vec<usize>, mut mass: f64) {
         loop {
             let from = now.clone();
-            for member in &from {
-                let less: Vec<usize> = from.iter().copied().filter(|m| m != member).collect();
-                let without = self.fit_from(&less, &from).log_mass;
+            let less = |member: &usize| from.iter().copied().filter(|m| m != member).collect();
+            let less: Vec<Vec<usize>> = from.iter().map(less).collect();
+            self.fit_all(less.iter().map(|less| (&less[..], &from[..])));
+            for less in less {
+                let without = self.masses[&less];
                 if without > mass {
                     (mass, now) = (without, less);
                 }
@@ -234,13 +254,24 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Fits the additions worth it, best first.
-    fn grow(&mut self, members: &[usize]) -> Vec<(f64, Vec<usize>)> {
-        let mut out: Vec<(f64, Vec<usize>)> = Vec::new();
-        for child in self.expand(members) {
-            out.push((self.fit_from(&child, members).log_mass, child));
-        }
-        out.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
-        out
+    /// Fits the additions worth it to each of these models, best first.
+    fn grow(&mut self, models: &[Vec<usize>]) -> Vec<Vec<(f64, Vec<usize>)>> {
+        self.expand(models);
+        let children: Vec<Vec<Vec<usize>>> =
+            models.iter().map(|members| self.expanded[members].clone()).collect();
+        let pairs = models.iter().zip(&children);
+        self.fit_all(pairs.flat_map(|(m, all)| all.iter().map(|child| (&child[..], &m[..]))));
+        let rated = children.into_iter().map(|all| {
+            let mut out: Vec<_> =
+                all.into_iter().map(|child| (self.masses[&child], child)).collect();
+            out.sort_by(best_first);
+            out
+        });
+        rated.collect()
     }
+}
+
+/// By mass, and in a fixed order where it is the same.
+fn best_first(a: &(f64, Vec<usize>), b: &(f64, Vec<usize>)) -> Ordering {
+    b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1))
 }

@@ -9,6 +9,7 @@
 //! `B = I + D S D`, the evidence is that of [`super::Subsets`].
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::gram::Projected;
 use super::triangular::{cholesky, solve_lower};
@@ -133,11 +134,13 @@ pub fn choose(
             let rest = Rest::new(projected, beside, orders, &chosen, k);
             let (s, t) = rest.leave(projected, first, 2 * orders);
             let known = rest.explained;
-            let mut best = (noise.log_evidence(projected.s - known), None);
-            for (shape, log_odds) in &shapes {
+            let evidence = |(shape, log_odds): &(Shape, f64)| {
                 let (det, more) = explained(&s, &t, &shape.columns());
-                let evidence =
-                    log_odds - 0.5 * det + noise.log_evidence(projected.s - known - more);
+                log_odds - 0.5 * det + noise.log_evidence(projected.s - known - more)
+            };
+            let evidences: Vec<f64> = shapes.par_iter().map(evidence).collect();
+            let mut best = (noise.log_evidence(projected.s - known), None);
+            for ((shape, _), evidence) in shapes.iter().zip(evidences) {
                 if evidence > best.0 {
                     best = (evidence, Some(*shape));
                 }

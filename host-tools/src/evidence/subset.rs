@@ -24,6 +24,7 @@ use super::curve::{Curve, highest, mean, rotated};
 use super::gram::Projected;
 use super::noise::Noise;
 use super::prior::SIZES;
+use super::triangular::inverse_lower;
 
 /// Most times that the prior sizes of a model's members are chosen again; the
 /// evidence rises every time, and all but a few models settle at the second.
@@ -158,7 +159,10 @@ impl Subsets {
             Some(factor) => {
                 let diagonal = factor.l_dirty().diagonal();
                 let pairs = diagonal.iter().zip(&d);
-                (factor.inverse(), 2.0 * pairs.map(|(l, d)| (l * d).ln()).sum::<f64>())
+                let log_det = 2.0 * pairs.map(|(l, d)| (l * d).ln()).sum::<f64>();
+                // A^-1 = L^-T L^-1.
+                let root = inverse_lower(factor.l_dirty());
+                (root.transpose() * root, log_det)
             }
             None => (DMatrix::zeros(n, n), f64::INFINITY),
         };

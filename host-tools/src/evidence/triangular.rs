@@ -11,7 +11,7 @@ const FEW: usize = 48;
 /// Columns of a factor that are eliminated together.
 const PANEL: usize = 96;
 /// Right-hand sides of one task.
-const TASK: usize = 128;
+const TASK: usize = 2 * PANEL;
 
 /// Solves `L X = B` in place, L the lower triangle of a square matrix with a
 /// positive diagonal; what stands above it is not looked at.
@@ -20,11 +20,12 @@ pub fn solve_lower(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
     if rows == 0 {
         return;
     }
+    let inverses = Inverses::of(l);
     let columns = b.as_mut_slice().par_chunks_mut(rows * TASK);
     columns.for_each(|some| {
         let width = some.len() / rows;
         let mut some = DMatrixViewMut::from_slice(some, rows, width);
-        halves(&l.as_view(), &mut some.rows_mut(0, rows));
+        inverses.halves(&l.as_view(), 0, &mut some.rows_mut(0, rows));
     });
 }
 
@@ -36,30 +37,53 @@ pub fn inverse_lower(l: &DMatrix<f64>) -> DMatrix<f64> {
     if n == 0 {
         return inverse;
     }
+    let inverses = Inverses::of(l);
     let columns = inverse.as_mut_slice().par_chunks_mut(n * TASK).enumerate();
     columns.for_each(|(k, some)| {
         // Above its diagonal it is nothing.
         let (first, width) = (k * TASK, some.len() / n);
         let mut some = DMatrixViewMut::from_slice(some, n, width);
         let below = n - first;
-        halves(&l.view((first, first), (below, below)), &mut some.rows_mut(first, below));
+        let own = l.view((first, first), (below, below));
+        inverses.halves(&own, first / FEW, &mut some.rows_mut(first, below));
     });
     inverse
 }
 
-/// The first half of the unknowns, what they explain, the second half.
-fn halves(l: &DMatrixView<f64>, b: &mut nalgebra::DMatrixViewMut<f64>) {
-    let n = l.nrows();
-    if n <= FEW {
-        let _ = l.solve_lower_triangular_mut(b);
-        return;
+/// Inverses of the blocks on a triangle's diagonal: a product with one takes a third of the
+/// time of solving for its unknowns one after the other, and errs as little (Higham, Accuracy
+/// and Stability of Numerical Algorithms, 2002, 8.3).
+struct Inverses(Vec<DMatrix<f64>>);
+
+impl Inverses {
+    fn of(l: &DMatrix<f64>) -> Self {
+        let n = l.nrows();
+        let inverse = |first: usize| {
+            let few = FEW.min(n - first);
+            let mut out = DMatrix::identity(few, few);
+            let _ = l.view((first, first), (few, few)).solve_lower_triangular_mut(&mut out);
+            out
+        };
+        Self((0..n).step_by(FEW).map(inverse).collect())
     }
-    // A multiple of what is solved at a time.
-    let first = (n / 2).next_multiple_of(FEW).min(n - 1);
-    halves(&l.view((0, 0), (first, first)), &mut b.rows_mut(0, first));
-    let (known, mut rest) = b.rows_range_pair_mut(0..first, first..n);
-    rest.gemm(-1.0, &l.view((first, 0), (n - first, first)), &known, 1.0);
-    halves(&l.view((first, first), (n - first, n - first)), &mut rest);
+
+    /// The first half of the unknowns, what they explain, the second half; of a triangle whose
+    /// first block is this one.
+    fn halves(&self, l: &DMatrixView<f64>, block: usize, b: &mut DMatrixViewMut<f64>) {
+        let n = l.nrows();
+        if n <= FEW {
+            let right = b.clone_owned();
+            b.gemm(1.0, &self.0[block], &right, 0.0);
+            return;
+        }
+        // A multiple of what is solved at a time.
+        let first = (n / 2).next_multiple_of(FEW).min(n - 1);
+        self.halves(&l.view((0, 0), (first, first)), block, &mut b.rows_mut(0, first));
+        let (known, mut rest) = b.rows_range_pair_mut(0..first, first..n);
+        rest.gemm(-1.0, &l.view((first, 0), (n - first, first)), &known, 1.0);
+        let below = l.view((first, first), (n - first, n - first));
+        self.halves(&below, block + first / FEW, &mut rest);
+    }
 }
 
 /// Cholesky factor of a symmetric matrix, of which the lower triangle is read;
@@ -81,12 +105,14 @@ pub fn cholesky(mut a: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
         let down = across.transpose();
         a.view_mut((first + width, first), (below, width)).copy_from(&down);
         let rest = first + width;
-        for block in (0..below).step_by(PANEL) {
-            let wide = PANEL.min(below - block);
-            let mut target = a.view_mut((rest + block, rest + block), (below - block, wide));
+        let panels = a.as_mut_slice()[rest * n..].par_chunks_mut(PANEL * n).enumerate();
+        panels.for_each(|(k, panel)| {
+            let (block, wide) = (k * PANEL, panel.len() / n);
+            let mut panel = DMatrixViewMut::from_slice(panel, n, wide);
+            let mut target = panel.rows_mut(rest + block, below - block);
             let across = across.columns(block, wide);
             target.gemm(-1.0, &down.rows(block, below - block), &across, 1.0);
-        }
+        });
     }
     Some(Cholesky::pack_dirty(a))
 }

@@ -11,6 +11,9 @@ use crate::error::{Error, Place, Result};
 const SWAPPED: &str = "are the arguments swapped? The arm (robot.toml or model.toml) stands before \
                        the measurements";
 
+/// How the remark on a key that is not looked at begins.
+pub const UNKNOWN_KEY: &str = "unknown key";
+
 /// Keys of robot.toml, for those that resemble one.
 const KEYS: [&str; 29] = [
     "name",
@@ -130,8 +133,8 @@ impl Source<'_> {
             // A key that is right elsewhere is no slip.
             let like = resembling(name, KEYS.iter().copied()).filter(|like| *like != name);
             let remark = match like {
-                Some(like) => format!("unknown key `{key}` ignored; is `{like}` meant?"),
-                None => format!("unknown key `{key}` ignored"),
+                Some(like) => format!("{UNKNOWN_KEY} `{key}` ignored; is `{like}` meant?"),
+                None => format!("{UNKNOWN_KEY} `{key}` ignored"),
             };
             slips.extend(like.map(|_| remark.clone()));
             unknown.push(remark);

@@ -81,8 +81,11 @@ impl<const N: usize> Kinematics for SizedArm<N> {
         };
         let [rx, ry, rz] = j.base_rotation;
         let [tx, ty, tz] = j.base_translation;
+        // What only joints do, they do to the derivatives' arm as well.
+        let rigid = terms.is_empty();
+        let bent = || self.chain.forward_deflected(&inputs.q, &deflection).translation;
         Derivatives {
-            point: self.chain.forward_deflected(&inputs.q, &deflection).translation,
+            point: if rigid { j.point } else { bent() },
             base: [rx, ry, rz, tx, ty, tz],
             about: [turn(0), turn(1), turn(2)],
             axes: [0, 1, 2].map(|k| r.column(k).into_owned()),

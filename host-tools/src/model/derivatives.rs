@@ -66,11 +66,13 @@ impl Derivatives {
         links: &[Link<f64>],
     ) -> Vec<Vector3<f64>> {
         with_joints!(q.len(), N => {
-            let inputs = row.fixed::<N>(q);
+            let mut inputs = row.fixed::<N>(q);
             let of = |term| {
-                self.action_and_basis(term, &row.with_warmth_of(term, &inputs), links)
+                inputs.warmth = row.warmth_of(term);
+                let (action, basis) = self.action_and_basis(term, &inputs, links);
+                action * basis
             };
-            terms.iter().map(of).map(|(action, basis)| action * basis).collect()
+            terms.iter().map(of).collect()
         })
     }
 

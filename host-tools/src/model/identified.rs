@@ -221,10 +221,12 @@ impl Model {
                 true => "no row measured where it is",
                 false => "the model does not have it",
             };
-            return Err(Error::usage(
-                format!("--marker {marker}: {why}"),
-                format!("markers whose place was measured: {}", listed(&known)),
-            ));
+            // The one of a file without labels has none.
+            let help = match known.iter().all(String::is_empty) {
+                true => "leave it out: no marker has a label".to_owned(),
+                false => format!("markers whose place was measured: {}", listed(&known)),
+            };
+            return Err(Error::usage(format!("--marker {marker}: {why}"), help));
         }
         if self.tool_marker().is_none_or(|(label, _)| label != marker) {
             self.covariance = None;

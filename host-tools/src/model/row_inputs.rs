@@ -67,17 +67,12 @@ impl RowInputs {
         q: &[f64],
         term: &Term<f64>,
     ) -> TermInputs<f64, N> {
-        self.with_warmth_of(term, &self.fixed::<N>(q))
+        TermInputs { warmth: self.warmth_of(term), ..self.fixed::<N>(q) }
     }
 
-    /// Inputs with the temperature that a term depends on.
-    pub(crate) fn with_warmth_of<const N: usize>(
-        &self,
-        term: &Term<f64>,
-        inputs: &TermInputs<f64, N>,
-    ) -> TermInputs<f64, N> {
-        let own = std::slice::from_ref(term);
-        TermInputs { warmth: self.warmth_at(time_constant(own)), ..*inputs }
+    /// Temperature above reference that a term depends on, K.
+    pub(crate) fn warmth_of(&self, term: &Term<f64>) -> f64 {
+        self.warmth_at(time_constant(std::slice::from_ref(term)))
     }
 
     /// What terms and curves do to an arm.

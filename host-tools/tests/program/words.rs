@@ -160,6 +160,7 @@ fn errors() {
     let broken = [&cells[..7], &["much"], &cells[8..]].concat().join(",");
     write("cell.csv", rows.replace(second, &broken));
     write("robot2.toml", read("robot.toml").replacen("a_mm = 425.0", "a_mm = 42500.0", 1));
+    write("headless.toml", read("model.toml").replace("schema = \"truearm-model-1\"\n", ""));
     let blob = include_bytes!("../../../tests/data/golden/layout-3-full.blob");
     fs::write(folder.path().join("in-force.blob"), blob).unwrap();
     let said: Vec<String> = [
@@ -176,6 +177,10 @@ fn errors() {
         "diagnose robot.toml measurements.csv --most-terms 0",
         "evaluate robot.toml measurements.csv",
         "evaluate in-force.blob measurements.csv",
+        "evaluate headless.toml measurements.csv",
+        "identify model.toml cell.csv",
+        "fleet robot.toml",
+        "pack model.toml --out new.blob --marker foo",
         "pack robot.toml --out new.blob --sequence -1",
         "diff in-force.blob in-force.blob --poses 0",
         "verify model.toml --test-poses t.csv --poses -1",

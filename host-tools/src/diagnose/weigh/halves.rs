@@ -1,11 +1,15 @@
 //! Whether a claim survives in the data's other half: coefficients of both
 //! halves agree, and what one half says helps to predict the other.
 
+use rayon::prelude::*;
+
 use super::partial_fits::{Explained, Part};
+use super::possible::Possible;
 use super::row_parts::{Parts, joined};
+use super::sheet::Solution;
 use crate::diagnose::chi_square::chi_square;
 use crate::diagnose::policy::POLICY;
-use crate::evidence::{Claim, Explanation, Gram};
+use crate::evidence::{Claim, Coefficient, Explanation, Gram};
 
 /// Half of the rows.
 pub struct Half {
@@ -34,64 +38,108 @@ pub fn all(of: &Explained, scale: f64, parts: &Parts, grams: &[Gram]) -> [[Half;
     [0, 1].map(|kind| [0, 1].map(|h| half(kind, h)))
 }
 
-/// Fall of the error of each half by the claim fitted to the other one, at
-/// random halves; and whether halves at random and in time agree.
-pub fn of_claim(
+/// A claim, and whether halves bear it out.
+pub struct Borne {
+    /// Fall of the error of each half by the claim fitted to the other one, at random halves.
+    pub gain: [f64; 2],
+    /// Halves at random and in time agree.
+    pub agree: bool,
+}
+
+/// The most probable model with a claim, and without it.
+struct Judged {
+    members: Vec<usize>,
+    without: Vec<usize>,
+    /// What a spring bends the moments would bend in its place.
+    bends: bool,
+    of_time: bool,
+}
+
+impl Judged {
+    fn new(of: &Explained, claim: Claim, found: &Explanation) -> Option<Self> {
+        let holds = |m: &usize| Claim::from(&of.possible[*m].entry) == claim;
+        let mut models = found.posterior.models.iter();
+        let (members, _) = models.find(|(members, _)| members.iter().any(holds))?;
+        let any = |is: &dyn Fn(&Possible) -> bool| {
+            of.possible.iter().zip(0..).any(|(p, m)| holds(&m) && is(p))
+        };
+        Some(Self {
+            members: members.clone(),
+            without: members.iter().copied().filter(|m| !holds(m)).collect(),
+            bends: any(&Possible::is_spring),
+            of_time: any(&Possible::is_of_time),
+        })
+    }
+
+    /// Coefficients of the claim fitted to a half, and solutions with it and without.
+    fn fitted(
+        &self,
+        of: &Explained,
+        half: &Half,
+        found: &Explanation,
+    ) -> (Vec<Coefficient>, [Solution; 2]) {
+        let (own, with) = of.refitted(&half.part, found, &self.members);
+        let held = |m: &usize| !self.without.contains(m);
+        let own = self.members.iter().zip(own).filter(|(m, _)| held(m)).flat_map(|(_, c)| c);
+        let judged = half.stated.as_ref().filter(|_| self.bends);
+        let with = judged.map_or(with, |part| of.refitted(part, found, &self.members).1);
+        let part = judged.unwrap_or(&half.part);
+        (own.collect(), [with, of.refitted(part, found, &self.without).1])
+    }
+}
+
+/// Whether halves bear claims out.
+#[must_use]
+pub fn of_claims(
     of: &Explained,
-    claim: Claim,
+    claims: &[Claim],
     found: &Explanation,
     halves: &[[Half; 2]; 2],
-) -> ([f64; 2], bool) {
-    let holds = |m: &usize| Claim::from(&of.possible[*m].entry) == claim;
-    // The most probable model with the claim.
-    let with = found.posterior.models.iter().find(|(members, _)| members.iter().any(holds));
-    let Some((members, _)) = with else { return ([0.0; 2], false) };
-    let without: Vec<usize> = members.iter().copied().filter(|m| !holds(m)).collect();
-    // What a spring bends the moments would bend in its place.
-    let bends = of.possible.iter().zip(0..).any(|(p, m)| holds(&m) && p.is_spring());
-    let of_time = of.possible.iter().zip(0..).any(|(p, m)| holds(&m) && p.is_of_time());
-    let mut gains = [[0.0; 2]; 2];
-    let mut agree = true;
+) -> Vec<Borne> {
+    let apart = halves.iter().flatten().all(|half| !half.rows.is_empty());
+    let judged = claims.iter().map(|claim| Judged::new(of, *claim, found).filter(|_| apart));
+    let judged: Vec<Option<Judged>> = judged.collect();
+    let bare = |judged: &Option<Judged>| Borne { gain: [0.0; 2], agree: judged.is_some() };
+    let mut out: Vec<Borne> = judged.iter().map(bare).collect();
     for (kind, halves) in halves.iter().enumerate() {
-        if halves.iter().any(|half| half.rows.is_empty()) {
-            return ([0.0; 2], false);
+        let [first, second] = [0, 1].map(|h| {
+            let fit = |judged: &Judged| judged.fitted(of, &halves[h], found);
+            let fits: Vec<_> = judged.par_iter().flatten().map(fit).collect();
+            let (own, solutions): (Vec<_>, Vec<[Solution; 2]>) = fits.into_iter().unzip();
+            let squares = of.sheet.misfits(&halves[1 - h].rows, &solutions.concat());
+            let gain = |pair: &[f64]| {
+                let [with, without] = [pair[0], pair[1]].map(f64::sqrt);
+                1.0 - with / without.max(f64::MIN_POSITIVE)
+            };
+            own.into_iter().zip(squares.chunks_exact(2).map(gain).collect::<Vec<_>>())
+        });
+        let known = out.iter_mut().zip(&judged).filter_map(|(b, j)| Some((b, j.as_ref()?)));
+        for ((borne, judged), (first, second)) in known.zip(first.zip(second)) {
+            // How a base moves with time is another thing at the begin of a session than
+            // at its end, unless the course is known exactly.
+            let in_time = kind == 1 && judged.of_time;
+            borne.agree &= in_time || agree(&first.0, &second.0, POLICY.halves_apart[kind]);
+            // A series or a temperature may be in one half of the time only.
+            if kind == 0 {
+                borne.gain = [first.1, second.1];
+                borne.agree &= borne.gain.iter().sum::<f64>() > 0.0;
+            }
         }
-        let mut coefficients = Vec::new();
-        for h in 0..2 {
-            let (Half { part, stated, .. }, other) = (&halves[h], &halves[1 - h].rows);
-            let (own, _) = of.refitted(part, found, members);
-            let judged = stated.as_ref().filter(|_| bends).unwrap_or(part);
-            let [solution, bare] = [members, &without].map(|m| of.refitted(judged, found, m).1);
-            let rms = |s| of.sheet.misfit(other, s).sqrt();
-            gains[kind][h] = 1.0 - rms(&solution) / rms(&bare).max(f64::MIN_POSITIVE);
-            let each = members.iter().zip(own).filter(|(m, _)| holds(m));
-            coefficients.push(each.flat_map(|(_, c)| c).collect::<Vec<_>>());
-        }
-        let pairs = coefficients[0].iter().zip(&coefficients[1]);
-        let apart: f64 = pairs
-            .map(|(a, b)| {
-                let variance = a.sigma.powi(2) + b.sigma.powi(2);
-                (a.value - b.value).powi(2) / variance.max(f64::MIN_POSITIVE)
-            })
-            .sum();
-        // In one half of the time other poses were measured, at other loads and temperatures
-        // that a sigma does not know of; at random, a sigma of a hundredth of the effect does
-        // not know what is left of others: what is small beside the effect is no disagreement.
-        let size: f64 = coefficients[0]
-            .iter()
-            .zip(&coefficients[1])
-            .map(|(a, b)| {
-                let variance = a.sigma.powi(2) + b.sigma.powi(2);
-                ((a.value + b.value) / 2.0).powi(2) / variance.max(f64::MIN_POSITIVE)
-            })
-            .sum();
-        let near = apart < POLICY.halves_apart[kind].powi(2) * size;
-        // How a base moves with time is another thing at the begin of a session than
-        // at its end, unless the course is known exactly.
-        let alike = chi_square(apart, coefficients[0].len()) > POLICY.halves_disagree;
-        agree &= alike || near || kind == 1 && of_time;
-        // A series or a temperature may be in one half of the time only.
-        agree &= kind == 1 || gains[kind][0] + gains[kind][1] > 0.0;
     }
-    (gains[0], agree)
+    out
+}
+
+/// Whether coefficients of two halves agree.
+fn agree(first: &[Coefficient], second: &[Coefficient], near: f64) -> bool {
+    let pairs = || first.iter().zip(second);
+    let variance = |a: &Coefficient, b: &Coefficient| {
+        (a.sigma.powi(2) + b.sigma.powi(2)).max(f64::MIN_POSITIVE)
+    };
+    let apart: f64 = pairs().map(|(a, b)| (a.value - b.value).powi(2) / variance(a, b)).sum();
+    // In one half of the time other poses were measured, at other loads and temperatures
+    // that a sigma does not know of; at random, a sigma of a hundredth of the effect does
+    // not know what is left of others: what is small beside the effect is no disagreement.
+    let middle = |a: &Coefficient, b: &Coefficient| (a.value + b.value) / 2.0;
+    let size: f64 = pairs().map(|(a, b)| middle(a, b).powi(2) / variance(a, b)).sum();
+    chi_square(apart, first.len()) > POLICY.halves_disagree || apart < near.powi(2) * size
 }

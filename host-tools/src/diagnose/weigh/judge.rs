@@ -27,23 +27,23 @@ pub fn answer(
 ) -> Weighed {
     let entries: Vec<_> = of.possible.iter().map(|p| p.entry.clone()).collect();
     let nested = nested(of, &entries, parts, grams);
-    let claims = found.posterior.claims();
+    let mut claims = found.posterior.claims();
+    claims.retain(|_, probability| *probability >= POLICY.worth_a_word);
+    let only: Vec<Claim> = claims.keys().copied().collect();
     let halves = halves::all(of, found.scale, parts, grams);
+    let borne = halves::of_claims(of, &only, found, &halves);
     let mut names = Vec::new();
     let mut nameless: Vec<Unnamed> = Vec::new();
     let geometry = joined(grams.iter(), of.sheet.size());
     let whole = of.part(geometry, found.scale);
-    for (claim, probability) in claims {
-        if probability < POLICY.worth_a_word {
-            continue;
-        }
+    for ((claim, probability), borne) in claims.into_iter().zip(borne) {
+        let half_gain = borne.gain;
         let holds = |m: &usize| Claim::from(&of.possible[*m].entry) == claim;
         // Of several ways to be there, the one of the most probable model.
         let models = found.posterior.models.iter();
         let member = models.flat_map(|(members, _)| members).copied().find(holds);
         match member.map(|m| &of.possible[m].what) {
             Some(What::Nameless(what)) => {
-                let (half_gain, _) = halves::of_claim(of, claim, found, &halves);
                 // Smooth functions fit whatever a few rows say: what one half tells must help
                 // to predict the other.
                 let helps = half_gain[0] + half_gain[1] > 0.0;
@@ -55,13 +55,12 @@ pub fn answer(
                 nameless.push(Unnamed { what: *what, probability, half_gain, coefficients });
             }
             Some(What::Effect(candidate)) => {
-                let (half_gain, replicated) = halves::of_claim(of, claim, found, &halves);
                 let named = Named {
                     name: candidate.name(),
                     joints: candidate.joints(),
                     probability,
                     half_gain,
-                    doubt: (!replicated).then_some(Doubt::Halves),
+                    doubt: (!borne.agree).then_some(Doubt::Halves),
                 };
                 names.push((named, candidate));
             }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DVector, Vector3};
 use truearm::JointKind;
+use truearm::effects::Term;
 
 use super::joint_curves::Curve;
 use super::nameless::{self, Nameless};
@@ -84,28 +85,53 @@ impl Possible {
         }
     }
 
+    /// Its terms, where they are of the arm.
+    pub fn arm_terms(&self) -> impl Iterator<Item = Term<f64>> {
+        let terms = match &self.what {
+            What::Effect(candidate) => &candidate.terms[..],
+            What::Nameless(_) => &[],
+        };
+        terms.iter().filter_map(|term| match term {
+            ModelTerm::Arm(term) => Some(*term),
+            _ => None,
+        })
+    }
+
     /// How the target of a row moves with each of its coefficients, SI.
     #[must_use]
     pub fn columns(&self, problem: &Problem, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
+        let terms: Vec<Term<f64>> = self.arm_terms().collect();
+        self.columns_by(problem, index, d, &mut of_arm(problem, &terms, index, d))
+    }
+
+    /// The same, those of its terms of the arm being the next of these.
+    pub fn columns_by(
+        &self,
+        problem: &Problem,
+        index: usize,
+        d: &Derivatives,
+        of_arm: &mut impl Iterator<Item = Vector3<f64>>,
+    ) -> Vec<Vector3<f64>> {
+        let mut column = |term: &ModelTerm| match term {
+            ModelTerm::Arm(_) => of_arm.next().unwrap_or_else(Vector3::zeros),
+            _ => measurement_column(term, &problem.data.rows[index], d),
+        };
         match &self.what {
-            What::Effect(candidate) => {
-                let terms = candidate.terms.iter();
-                terms.map(|term| column(problem, term, index, d)).collect()
-            }
+            What::Effect(candidate) => candidate.terms.iter().map(&mut column).collect(),
             What::Nameless(nameless) => nameless.columns(problem, index, d),
         }
     }
 }
 
-/// How the target of a row moves with the coefficient of a term.
-pub fn column(problem: &Problem, term: &ModelTerm, index: usize, d: &Derivatives) -> Vector3<f64> {
-    let row = &problem.data.rows[index];
-    match term {
-        ModelTerm::Arm(term) => {
-            d.column(term, &problem.conditions.rows[index], &row.q, &problem.nominal)
-        }
-        _ => measurement_column(term, row, d),
-    }
+/// How the target of a row moves with the coefficients of terms of the arm.
+pub fn of_arm(
+    problem: &Problem,
+    terms: &[Term<f64>],
+    index: usize,
+    d: &Derivatives,
+) -> impl Iterator<Item = Vector3<f64>> {
+    let (row, inputs) = (&problem.data.rows[index], &problem.conditions.rows[index]);
+    d.columns(terms, inputs, &row.q, &problem.nominal).into_iter()
 }
 
 /// Numbers for the names and places of candidates.

@@ -5,6 +5,8 @@
 //! scale says, and the best of all orders is believed. Coefficients alone refitted without
 //! the fold, at the order that all rows chose, do not show it.
 
+use rayon::prelude::*;
+
 use super::lines::{self, Held, sharpened, size};
 use super::scan;
 use super::search_result::Searched;
@@ -48,8 +50,8 @@ pub fn ghosts(q: &Question, found: &Searched) -> Vec<Held> {
         let believed = believed(&bare, &orders, &folds, waves.len());
         waves.split_off(believed).into_iter().map(|(order, _)| (*joint, order)).collect::<Vec<_>>()
     };
-    let with_lines = columns.iter().filter(|(joint, _)| held.iter().any(|h| h.0 == *joint));
-    with_lines.flat_map(of_joint).collect()
+    let with_lines = columns.par_iter().filter(|(joint, _)| held.iter().any(|h| h.0 == *joint));
+    with_lines.flat_map_iter(of_joint).collect()
 }
 
 /// A line at every value of a joint.

@@ -1,6 +1,7 @@
 //! A joint that scatters by itself: its lines are then the best of thousands of orders, and
 //! noise the better explanation.
 
+use rayon::prelude::*;
 use truearm::effects::Effect;
 
 use super::nameless::Nameless;
@@ -46,9 +47,7 @@ pub fn next(q: &Question, found: &Searched) -> Option<usize> {
     let members = asked(found);
     let compared = Compared { q, found, problem: &problem };
     let plain = weights::after(&problem, &found.best, &known);
-    let mut without = None;
-    let joints = (0..problem.nominal.len()).filter(|joint| !known.contains(joint));
-    let rated = joints.filter_map(|joint| {
+    let scattered = |joint: usize| {
         let fitted = |m: &usize| match &found.possible[*m].what {
             What::Effect(c) => fits(c, joint),
             What::Nameless(what) => what.joint() == Some(joint),
@@ -58,14 +57,22 @@ pub fn next(q: &Question, found: &Searched) -> Option<usize> {
             return None;
         }
         let with = [&known[..], &[joint]].concat();
-        let scattered = weights::after(&problem, &found.best, &with);
-        if scattered.scattering.last().is_none_or(|s| s.1 <= 0.0) {
-            return None;
-        }
-        let plain = *without.get_or_insert_with(|| compared.evidence(&plain, &[&members]));
-        Some((joint, compared.evidence(&scattered, &[&members, &bare]) - plain))
-    });
-    let best = rated.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let weights = weights::after(&problem, &found.best, &with);
+        weights.scattering.last().is_some_and(|s| s.1 > 0.0).then_some((joint, bare, weights))
+    };
+    let joints = (0..problem.nominal.len()).into_par_iter().filter(|joint| !known.contains(joint));
+    let asked: Vec<_> = joints.filter_map(scattered).collect();
+    if asked.is_empty() {
+        return None;
+    }
+    let plain = compared.evidence(&plain, &[&members]);
+    let rated: Vec<(usize, f64)> = asked
+        .par_iter()
+        .map(|(joint, bare, weights)| {
+            (*joint, compared.evidence(weights, &[&members, bare]) - plain)
+        })
+        .collect();
+    let best = rated.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     (best.1 > -POLICY.odds.ln()).then_some(best.0)
 }
 

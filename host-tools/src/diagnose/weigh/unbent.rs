@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::DVector;
+use rayon::prelude::*;
 use truearm::effects::Term;
 
 use super::joint_curves::Curve;
@@ -78,7 +79,7 @@ pub fn reweighed(
             let [with, without] = [&all, &less].map(|of| asked.log_mass(of, model));
             (model.to_vec(), (without - with + fewer).min(0.0))
         };
-        let each: Vec<_> = models.iter().map(change).collect();
+        let each: Vec<_> = models.par_iter().map(change).collect();
         let least = each.iter().map(|(_, change)| *change).fold(f64::NEG_INFINITY, f64::max);
         of_others.insert(own.clone(), least);
         changes.extend(each);

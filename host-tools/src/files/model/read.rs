@@ -9,6 +9,7 @@ use super::keys::{CorrectionFile, GramFile, InstrumentFile, ModelPart, StationFi
 use super::{SCHEMA, frame_from_file, from_file};
 use crate::error::{Error, Result};
 use crate::files::digest::digest;
+use crate::files::robot::is_identified;
 use crate::files::source::Source;
 use crate::files::{model_curves, model_terms};
 use crate::model::{ErrorCurve, Form, GramState, Instrument, Model, ModelTerm, Robot};
@@ -37,7 +38,11 @@ impl Model {
         let source = Source { path, text };
         let table: toml::Table = text.parse().unwrap_or_default();
         if !table.contains_key("schema") {
-            return Err(source.whole("a robot as it was drawn, no identified model", HELP));
+            let what = match is_identified(text) {
+                true => "a model without its key `schema`",
+                false => "a robot as it was drawn, no identified model",
+            };
+            return Err(source.whole(what, HELP));
         }
         if let Some((key, value)) = unlike_a_number(&table) {
             return Err(source.whole(format!("{key} is {value}"), "give a finite number"));

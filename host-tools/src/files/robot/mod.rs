@@ -11,7 +11,7 @@ use toml::Spanned;
 use truearm::JointKind;
 
 use super::columns::SIGMAS;
-use super::source::Source;
+use super::source::{Source, UNKNOWN_KEY};
 use crate::error::Result;
 use crate::model::{Joint, LinkMass, Placement, Robot};
 use crate::units::{from_mm, joint_from_file};
@@ -36,7 +36,17 @@ impl Robot {
     /// # Errors
     /// Names file, line, key and remedy.
     pub fn read(path: &Path) -> Result<Self> {
-        Self::parse(path, &super::read(path)?)
+        let text = super::read(path)?;
+        let mut robot = Self::parse(path, &text)?;
+        if is_identified(&text) {
+            robot.warnings.retain(|warning| !warning.contains(UNKNOWN_KEY));
+            robot.warnings.push(format!(
+                "{}: an identified model; its joints are taken as they were drawn, without its \
+                 corrections, terms and curves",
+                path.display()
+            ));
+        }
+        Ok(robot)
     }
 
     /// Like [`Robot::read`] from a text.
@@ -84,6 +94,11 @@ impl Robot {
             warnings: check.warnings,
         })
     }
+}
+
+/// Whether a text has what only a model.toml has.
+pub(super) fn is_identified(text: &str) -> bool {
+    text.parse::<toml::Table>().is_ok_and(|file| file.contains_key("corrections"))
 }
 
 impl Checker<'_> {

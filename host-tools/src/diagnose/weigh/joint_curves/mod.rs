@@ -6,7 +6,7 @@ pub mod worth;
 
 use std::f64::consts::TAU;
 
-use nalgebra::DVector;
+use nalgebra::DMatrix;
 
 use crate::evidence::Geometry;
 use crate::evidence::smooth::{self, Prior};
@@ -56,14 +56,13 @@ impl Curve {
         table.with_gaps(self.prior.size, gaps).ok()
     }
 
-    /// A vector of all unknowns whose product with them is the curve at an angle; its columns
-    /// stand at `first` in geometry.
-    fn at(&self, angle: f64, geometry: &Geometry, first: usize) -> DVector<f64> {
-        let mut at = DVector::zeros(geometry.unknowns());
-        for (k, value) in self.basis(angle).into_iter().enumerate() {
-            at[first + k] = value;
+    /// Its variance at some angles; its columns stand at `first` in geometry.
+    fn variances(&self, angles: &[f64], geometry: &Geometry, first: usize) -> Vec<f64> {
+        let mut at = DMatrix::zeros(geometry.unknowns(), angles.len());
+        for (mut column, angle) in at.column_iter_mut().zip(angles) {
+            column.rows_mut(first, 2 * self.orders()).copy_from_slice(&self.basis(*angle));
         }
-        at
+        geometry.variances(at)
     }
 }
 
@@ -78,11 +77,8 @@ pub fn columns(curves: &[Curve]) -> usize {
 #[must_use]
 pub fn band(curve: &Curve, angles: &[f64], geometry: &Geometry, first: usize) -> f64 {
     let every = angles.len().div_ceil(LOOKS).max(1);
-    let squares: Vec<f64> = angles
-        .iter()
-        .step_by(every)
-        .map(|angle| geometry.variance(&curve.at(*angle, geometry, first)))
-        .collect();
+    let looks: Vec<f64> = angles.iter().copied().step_by(every).collect();
+    let squares = curve.variances(&looks, geometry, first);
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
 }
 
@@ -101,10 +97,13 @@ pub fn gaps(curve: &Curve, angles: &[f64], geometry: &Geometry, first: usize) ->
     }
     let count = ((high - low).max(0.0) as usize + 1).min(NODES);
     let most = (1.0 - KNOWN) * curve.prior.size.powi(2);
-    let unknown = |k: &usize| {
+    let few = |k: &usize| {
         let near: usize = [NODES - 1, 0, 1].iter().map(|by| rows[(k + by) % NODES]).sum();
-        let middle = (*k as f64 + 0.5) * TAU / NODES as f64;
-        near < ENOUGH && geometry.variance(&curve.at(middle, geometry, first)) > most
+        near < ENOUGH
     };
-    (0..count).map(|k| stretch(low + k as f64)).filter(unknown).collect()
+    let asked: Vec<usize> = (0..count).map(|k| stretch(low + k as f64)).filter(few).collect();
+    let middle = |k: &usize| (*k as f64 + 0.5) * TAU / NODES as f64;
+    let middles: Vec<f64> = asked.iter().map(middle).collect();
+    let variances = curve.variances(&middles, geometry, first);
+    asked.into_iter().zip(variances).filter(|(_, v)| *v > most).map(|(k, _)| k).collect()
 }

@@ -1,6 +1,7 @@
 //! What error curves are worth, and the way from them to the best model.
 
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 use super::Curve;
 use crate::diagnose::moments;
@@ -33,11 +34,15 @@ pub fn worth(from: &From, curves: &[Curve], tables: &[ErrorCurve]) -> Vec<Curved
     let whole = joined(from.grams.iter(), all.sheet.size());
     let geometry = whole.geometry(all.precision, scale);
     let solution = all.solution(&whole, &geometry, from.found);
-    let with = [0, 1].map(|half| error_of_half(from, all.precision, half));
-    let out = tables.iter().filter_map(|table| {
+    let halves = [0, 1].map(|half| Half::new(from, half));
+    let with = halves.each_ref().map(|half| half.error(from, all.precision));
+    let out = tables.par_iter().filter_map(|table| {
         let k = curves.iter().position(|c| c.joint == usize::from(table.joint()))?;
-        let half_gain = [0, 1].map(|half| 1.0 - with[half] / without(from, k, half));
         let columns = all.sheet.columns_of_curve(k);
+        let mut held = all.precision.clone();
+        held.rows_mut(columns.start, columns.len()).fill(sheet::HELD);
+        let without = |half: &Half| half.error(from, &held).max(f64::MIN_POSITIVE);
+        let half_gain = [0, 1].map(|h| 1.0 - with[h] / without(&halves[h]));
         let evidence = geometry.worth(all.precision, &solution.geometry, columns);
         let log_odds = evidence + prior::log_odds(all.q.problem.nominal.len(), smooth::PRIORS);
         Some(Curved { table: table.clone(), length: curves[k].prior.length, log_odds, half_gain })
@@ -45,23 +50,27 @@ pub fn worth(from: &From, curves: &[Curve], tables: &[ErrorCurve]) -> Vec<Curved
     out.collect()
 }
 
-/// Error of one random half with what the other one tells under a prior of geometry, m.
-fn error_of_half(from: &From, precision: &DVector<f64>, half: usize) -> f64 {
-    let of = |h: usize| (0..from.grams.len()).filter(move |p| from.parts.half[*p][0] == h);
-    let rows: Vec<usize> = of(half).flat_map(|p| from.parts.rows[p].clone()).collect();
-    let all = Explained { precision, ..*from.all };
-    let sum = joined(of(1 - half).map(|p| &from.grams[p]), all.sheet.size());
-    let part = all.part(sum, from.found.scale);
-    let (_, solution) = all.refitted(&part, from.found, &from.found.best.members);
-    all.sheet.misfit(&rows, &solution).sqrt()
+/// One random half, and sums of the other one.
+struct Half {
+    rows: Vec<usize>,
+    other: Gram,
 }
 
-/// The same with a curve held at nothing.
-fn without(from: &From, k: usize, half: usize) -> f64 {
-    let mut held = from.all.precision.clone();
-    let columns = from.all.sheet.columns_of_curve(k);
-    held.rows_mut(columns.start, columns.len()).fill(sheet::HELD);
-    error_of_half(from, &held, half).max(f64::MIN_POSITIVE)
+impl Half {
+    fn new(from: &From, half: usize) -> Self {
+        let of = |h: usize| (0..from.grams.len()).filter(move |p| from.parts.half[*p][0] == h);
+        let rows = of(half).flat_map(|p| from.parts.rows[p].clone()).collect();
+        let others = of(1 - half).map(|p| &from.grams[p]);
+        Self { rows, other: joined(others, from.all.sheet.size()) }
+    }
+
+    /// Its error with what the other one tells under a prior of geometry, m.
+    fn error(&self, from: &From, precision: &DVector<f64>) -> f64 {
+        let all = Explained { precision, ..*from.all };
+        let part = all.part(self.other.clone(), from.found.scale);
+        let (_, solution) = all.refitted(&part, from.found, &from.found.best.members);
+        all.sheet.misfits(&self.rows, &[solution])[0].sqrt()
+    }
 }
 
 /// Curves alone, then one effect after the other, the one that is needed most first;
@@ -138,7 +147,7 @@ impl<'e, 's, 'a> Sums<'e, 's, 'a> {
             let others = (0..from.grams.len()).filter(|p| from.parts.fold[*p] != k);
             all.part(joined(others.map(|p| &from.grams[p]), size), scale)
         };
-        let folds = (0..all.q.folds.len()).map(without).collect();
+        let folds = (0..all.q.folds.len()).into_par_iter().map(without).collect();
         Self { all, folds, whole: all.part(joined(from.grams.iter(), size), scale) }
     }
 
@@ -155,11 +164,12 @@ impl<'e, 's, 'a> Sums<'e, 's, 'a> {
     /// Every row predicted without its fold, with these members.
     fn held_out(&self, from: &From, members: &[usize]) -> Vec<Option<Residual>> {
         let mut out = vec![None; self.all.q.problem.data.rows.len()];
-        for (part, fold) in self.folds.iter().zip(self.all.q.folds) {
+        let left = self.folds.par_iter().zip(self.all.q.folds).map(|(part, fold)| {
             let (_, solution) = self.all.refitted(part, from.found, members);
-            for (row, left) in self.all.sheet.left(&fold.held_out, &solution) {
-                out[row] = Some(left);
-            }
+            self.all.sheet.left(&fold.held_out, &solution)
+        });
+        for (row, left) in left.collect::<Vec<_>>().into_iter().flatten() {
+            out[row] = Some(left);
         }
         out
     }

@@ -50,11 +50,26 @@ impl Sheet<'_> {
         self.curves.iter().flat_map(of).collect()
     }
 
-    /// What the curves of a solution do where the arm stands at a row.
-    pub(crate) fn by_curves(&self, index: usize, d: &Derivatives, of: &Solution) -> Vector3<f64> {
-        let columns = self.of_curves(index, d);
-        let own = of.geometry.rows(self.unknowns(), columns.len());
-        columns.iter().zip(own.iter()).map(|(column, c)| column * *c).sum()
+    /// What the curves of each solution do where the arm stands at a row.
+    pub(crate) fn by_curves(
+        &self,
+        index: usize,
+        d: &Derivatives,
+        of: &[Solution],
+    ) -> Vec<Vector3<f64>> {
+        let q = &self.problem.data.rows[index].q;
+        let mut sums = vec![Vector3::zeros(); of.len()];
+        let mut first = self.unknowns();
+        for curve in self.curves {
+            let joint = self.of_joint(curve, d);
+            let basis = curve.basis(q[curve.joint]);
+            for (sum, solution) in sums.iter_mut().zip(of) {
+                let own = solution.geometry.rows(first, basis.len());
+                *sum += joint * basis.iter().zip(own.iter()).map(|(b, c)| b * c).sum::<f64>();
+            }
+            first += basis.len();
+        }
+        sums
     }
 
     /// Where the columns of a curve stand in geometry.

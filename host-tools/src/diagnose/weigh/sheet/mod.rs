@@ -14,9 +14,10 @@ mod turning;
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 use truearm::LinkParameter;
+use truearm::effects::Term;
 
 use super::joint_curves::{self, Curve};
-use super::possible::{Possible, columns_of};
+use super::possible::{Possible, columns_of, of_arm};
 use crate::diagnose::moments::Bending;
 use crate::diagnose::policy::POLICY;
 use crate::evidence::Gram;
@@ -33,7 +34,7 @@ pub use scattered::{Scattered, along};
 pub use tool_point::ByCurves;
 pub use turning::ratio as turning;
 
-/// Equations given to a Gram matrix at a time.
+/// Equations given to a Gram matrix at a time, and rows that a task sums.
 const TOGETHER: usize = 240;
 
 /// Precision that holds an unknown at nothing.
@@ -70,6 +71,8 @@ pub struct Sheet<'a> {
     problem: &'a Problem<'a>,
     at: Linearised<'a>,
     possible: &'a [Possible],
+    /// Terms of the arm that they have, in turn.
+    arm_terms: Vec<Term<f64>>,
     /// Coefficient of every column in the state.
     held: DVector<f64>,
     /// Columns of candidates that may differ between readings of a pose.
@@ -126,6 +129,7 @@ impl<'a> Sheet<'a> {
             differing,
             at: problem.linearise(state),
             problem,
+            arm_terms: possible.iter().flat_map(Possible::arm_terms).collect(),
             possible,
             weights,
             curves,
@@ -342,8 +346,10 @@ impl<'a> Sheet<'a> {
         }
     }
 
+    /// Columns of the candidates; what the row says is looked up once for all of them.
     fn beside(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
-        let of = |possible: &Possible| possible.columns(self.problem, index, d);
+        let mut of_arm = of_arm(self.problem, &self.arm_terms, index, d);
+        let of = |possible: &Possible| possible.columns_by(self.problem, index, d, &mut of_arm);
         self.possible.iter().flat_map(of).collect()
     }
 }

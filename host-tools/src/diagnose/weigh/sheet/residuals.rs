@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::{Sheet, Solution, counted};
+use super::{Sheet, Solution, TOGETHER, counted};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
 use crate::observations::{Residual, postures};
@@ -12,17 +12,32 @@ impl Sheet<'_> {
     /// Measured minus predicted of rows, SI.
     #[must_use]
     pub fn left(&self, rows: &[usize], solution: &Solution) -> Vec<(usize, Residual)> {
-        rows.par_iter().map(|index| (*index, self.left_of(*index, solution))).collect()
+        let solution = std::slice::from_ref(solution);
+        let used = self.used(solution);
+        let of = |index: &usize| {
+            let left = self.left_of(*index, solution, &used);
+            left.into_iter().map(|left| (*index, left)).collect::<Vec<_>>()
+        };
+        rows.par_iter().flat_map_iter(of).collect()
     }
 
-    /// Sum of squares of the same in standard deviations, each kind's by its own noise.
+    /// Sum of squares of the same in standard deviations, each kind's by its own noise, by
+    /// each of some solutions: a row is linearised once for all of them.
     #[must_use]
-    pub fn misfit(&self, rows: &[usize], solution: &Solution) -> f64 {
-        let left = self.left(rows, solution);
-        let square = |(row, left): &(usize, Residual)| {
-            left.values().zip_map(&self.problem.scale(*row), |r, scale| r / scale).norm_squared()
+    pub fn misfits(&self, rows: &[usize], solutions: &[Solution]) -> Vec<f64> {
+        let used = self.used(solutions);
+        let of = |rows: &[usize]| {
+            let mut sums = vec![0.0; solutions.len()];
+            for row in rows {
+                let scale = self.problem.scale(*row);
+                for (sum, left) in sums.iter_mut().zip(self.left_of(*row, solutions, &used)) {
+                    *sum += left.values().zip_map(&scale, |r, scale| r / scale).norm_squared();
+                }
+            }
+            sums
         };
-        left.iter().map(square).sum()
+        let parts: Vec<Vec<f64>> = rows.par_chunks(TOGETHER).map(of).collect();
+        (0..solutions.len()).map(|k| parts.iter().map(|sums| sums[k]).sum()).collect()
     }
 
     /// Sum of squares of what is left of these rows, by the noise that the evidence has: tails
@@ -45,34 +60,64 @@ impl Sheet<'_> {
         each.iter().sum()
     }
 
-    fn left_of(&self, index: usize, solution: &Solution) -> Residual {
-        let used = |i: usize, d: &Derivatives| {
+    /// What each solution leaves of a row.
+    fn left_of(&self, index: usize, of: &[Solution], used: &[(usize, usize)]) -> Vec<Residual> {
+        let beside = |i: usize, d: &Derivatives| {
             let mut all = self.of_moments(i, d);
-            all.push(self.shift(i, d, solution));
+            all.extend(self.shifts(i, d, of, used));
             all
         };
-        let e = self.at.equations_beside(index, &used);
+        let e = self.at.equations_beside(index, &beside);
         let p = self.unknowns();
-        let mut imitated = e.block.columns(0, p) * solution.geometry.rows(0, p);
-        imitated -= self.by_moments(&e);
-        imitated -= e.block.column(p);
-        let values = Values::from_fn(e.rhs.len(), |c| (e.rhs[c] - imitated[c]) * e.scale[c]);
-        e.residual.with(values)
+        let by_moments = self.by_moments(&e);
+        let each = of.iter().zip(p..).map(|(solution, shift)| {
+            let mut imitated = e.block.columns(0, p) * solution.geometry.rows(0, p);
+            imitated -= &by_moments;
+            imitated -= e.block.column(shift);
+            let values = Values::from_fn(e.rhs.len(), |c| (e.rhs[c] - imitated[c]) * e.scale[c]);
+            e.residual.with(values)
+        });
+        each.collect()
     }
 
-    /// How the target moves from a solution's candidates and curves to those of the state.
-    fn shift(&self, index: usize, d: &Derivatives, solution: &Solution) -> Vector3<f64> {
+    /// Candidates of which the state or a solution has something, and where their columns
+    /// begin.
+    fn used(&self, solutions: &[Solution]) -> Vec<(usize, usize)> {
+        let some = |c: usize| {
+            self.held[c] != 0.0 || solutions.iter().any(|solution| solution.columns[c] != 0.0)
+        };
         let mut first = 0;
-        let mut sum = self.bent(index, d) - self.by_curves(index, d, solution);
-        for possible in self.possible {
+        let mut out = Vec::new();
+        for (k, possible) in self.possible.iter().enumerate() {
             let own = first..first + possible.count();
-            first = own.end;
-            let by = |c: usize| self.held[c] - solution.columns[c];
-            if own.clone().any(|c| solution.columns[c] != 0.0 || self.held[c] != 0.0) {
-                let columns = possible.columns(self.problem, index, d);
-                sum += own.zip(columns).map(|(c, column)| column * by(c)).sum::<Vector3<f64>>();
+            if own.clone().any(some) {
+                out.push((k, first));
             }
+            first = own.end;
         }
-        sum
+        out
+    }
+
+    /// How the target moves from the candidates and curves of each solution to those of the
+    /// state.
+    fn shifts(
+        &self,
+        index: usize,
+        d: &Derivatives,
+        of: &[Solution],
+        used: &[(usize, usize)],
+    ) -> Vec<Vector3<f64>> {
+        let bent = self.bent(index, d);
+        let by_curves = self.by_curves(index, d, of);
+        let columns = used.iter().flat_map(|(k, first)| {
+            (*first..).zip(self.possible[*k].columns(self.problem, index, d))
+        });
+        let columns: Vec<(usize, Vector3<f64>)> = columns.collect();
+        let each = of.iter().zip(by_curves).map(|(solution, by_curves)| {
+            let by = |c: usize| self.held[c] - solution.columns[c];
+            let moved = columns.iter().map(|(c, column)| column * by(*c));
+            bent - by_curves + moved.sum::<Vector3<f64>>()
+        });
+        each.collect()
     }
 }

@@ -36,11 +36,9 @@ impl Sheet<'_> {
         let variances: Vec<f64> = looks
             .par_iter()
             .flat_map_iter(|row| {
-                let block = self.at.target_beside(*row, &beside).transpose();
-                let more = block.column_iter().map(|of| {
-                    let of = of.into_owned();
-                    (free.variance(&of) - held.variance(&of)).max(0.0)
-                });
+                let of = self.at.target_beside(*row, &beside).transpose();
+                let [free, held] = [&free, &held].map(|geometry| geometry.variances(of.clone()));
+                let more = free.into_iter().zip(held).map(|(free, held)| (free - held).max(0.0));
                 more.collect::<Vec<f64>>()
             })
             .collect();
