@@ -40,7 +40,8 @@ impl Check {
         overwrite::folder_apart(self.fix.as_deref(), &FILES, [&self.robot, &self.data])?;
         let texts = [read_text(&self.robot)?, read_text(&self.data)?];
         let robot = Robot::parse(&self.robot, &texts[0])?;
-        let data = Measurements::of_file(&self.data, &texts[1], &robot)?;
+        let data = Measurements::of_file(&self.data, &texts[1], &robot)
+            .inspect_err(|_| warn(&robot.warnings))?;
         let mut warnings = [robot.warnings.clone(), data.warnings.clone()].concat();
         // Before anything can fail: what looks wrong may be why.
         warn(&warnings);

@@ -110,13 +110,13 @@ impl<'a> Search<'a> {
                 let parent = parent?;
                 parent.members.iter().position(|m| *m == g).map(|i| parent.sizes[i])
             };
-            self.subsets.fit(members, &hint)
+            (members.to_vec(), self.subsets.fit(members, &hint))
         };
-        let fitted: Vec<Subset> = new.into_par_iter().map(fit).collect();
-        for subset in fitted {
+        let fitted: Vec<(Vec<usize>, Subset)> = new.into_par_iter().map(fit).collect();
+        for (members, subset) in fitted {
             self.best = self.best.max(subset.log_mass);
-            self.masses.insert(subset.members.clone(), subset.log_mass);
-            self.fitted.insert(subset.members.clone(), subset);
+            self.masses.insert(members.clone(), subset.log_mass);
+            self.fitted.insert(members, subset);
         }
     }
 
@@ -169,7 +169,11 @@ impl<'a> Search<'a> {
             let at = members.partition_point(|m| *m < g);
             let mut child = members.to_vec();
             child.insert(at, g);
-            self.masses.entry(child.clone()).or_insert(mass);
+            // Of what was only rated the best rating stands, whoever comes first.
+            let known = self.masses.entry(child.clone()).or_insert(mass);
+            if !self.fitted.contains_key(&child) {
+                *known = known.max(mass);
+            }
             let same = of_name.entry(self.subsets.candidates()[g].name).or_default();
             *same += 1;
             if *same <= self.effort.of_a_name && out.len() < self.effort.branches {

@@ -397,3 +397,47 @@ fn models_are_weighed_again() {
     let all: f64 = again.posterior.models.iter().map(|m| m.1).sum();
     assert!((all - 1.0).abs() < 1e-9);
 }
+
+/// Bits do not hang on how many threads there are; columns of more than one block of products
+/// and right-hand sides of more than one task.
+#[test]
+fn any_number_of_threads_finds_the_same() {
+    let widths = [vec![2; 100], vec![1; 40]].concat();
+    let rows = Rows::new(31, 400, 9, &widths, &[(3, 1.0), (77, 0.8), (120, 0.6)]);
+    let precision = DVector::from_element(9, 1e-3);
+    let found = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let gram = rows.gram();
+            let found = explain(&gram, &precision, &rows.candidates, Effort::default(), None);
+            let geometry = gram.geometry(&precision, found.scale);
+            let variances = geometry.variances(DMatrix::identity(9, 9));
+            let projected = gram.project(&geometry);
+            let numbers = projected.c.iter().chain(&projected.b).chain(&variances).copied();
+            let masses = found.posterior.models.iter().map(|(_, p)| *p);
+            let bits: Vec<u64> = numbers.chain(masses).map(f64::to_bits).collect();
+            (bits, found.best.members.clone())
+        })
+    };
+    let one = found(1);
+    assert!([3, 77, 120].iter().all(|m| one.1.contains(m)), "{:?}", one.1);
+    for threads in [2, 3] {
+        assert!(found(threads) == one, "{threads} threads");
+    }
+}
+
+/// Blocks of columns give what all of them together do.
+#[test]
+fn products_by_blocks_are_products() {
+    for columns in [1, 95, 96, 97, 192, 193] {
+        let rows = Rows::new(5, 60, 4, &vec![1; columns], &[]);
+        let gram = rows.gram();
+        let whole = rows.z.transpose() * &rows.z;
+        for i in 0..columns {
+            for j in 0..columns {
+                let apart = (gram.product(i, j) - whole[(i, j)]).abs();
+                assert!(apart < 1e-11, "{columns} columns: {i} {j}");
+            }
+        }
+    }
+}

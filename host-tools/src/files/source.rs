@@ -11,9 +11,6 @@ use crate::error::{Error, Place, Result};
 const SWAPPED: &str = "are the arguments swapped? The arm (robot.toml or model.toml) stands before \
                        the measurements";
 
-/// How the remark on a key that is not looked at begins.
-pub const UNKNOWN_KEY: &str = "unknown key";
-
 /// Keys of robot.toml, for those that resemble one.
 const KEYS: [&str; 29] = [
     "name",
@@ -118,6 +115,11 @@ impl Source<'_> {
         lines.take(line.saturating_sub(1)).map(str::len).sum()
     }
 
+    /// The warning of a key that is not looked at and resembles no other.
+    pub fn unknown(&self, key: &str) -> String {
+        format!("{}: unknown key `{key}` ignored", self.path.display())
+    }
+
     /// Reads TOML into `F`; unknown keys become warnings.
     pub fn toml<F: DeserializeOwned>(&self, help: &str, warnings: &mut Vec<String>) -> Result<F> {
         let fail = |e: toml::de::Error, help: &str| match e.span() {
@@ -133,13 +135,14 @@ impl Source<'_> {
             // A key that is right elsewhere is no slip.
             let like = resembling(name, KEYS.iter().copied()).filter(|like| *like != name);
             let remark = match like {
-                Some(like) => format!("{UNKNOWN_KEY} `{key}` ignored; is `{like}` meant?"),
-                None => format!("{UNKNOWN_KEY} `{key}` ignored"),
+                Some(like) => format!("{}; is `{like}` meant?", self.unknown(&key)),
+                None => self.unknown(&key),
             };
-            slips.extend(like.map(|_| remark.clone()));
+            let slip = |like| format!("unknown key `{key}` ignored; is `{like}` meant?");
+            slips.extend(like.map(slip));
             unknown.push(remark);
         });
-        warnings.extend(unknown.iter().map(|line| format!("{}: {line}", self.path.display())));
+        warnings.extend(unknown);
         // A key that is missing may be there under another name.
         read.map_err(|e| match &slips[..] {
             [] => fail(e, help),

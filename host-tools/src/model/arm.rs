@@ -129,3 +129,36 @@ pub fn chain(links: &[Link<f64>], base: Pose<f64>, tool: Vector3<f64>) -> Box<dy
         Box::new(SizedArm { turns: chain.link_turns(), chain, links })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What curves do to joints of either kind is in the tool point, with and without terms.
+    #[test]
+    fn the_point_of_derivatives_is_that_of_the_bent_arm() {
+        let links = [
+            Link::revolute(0.0, 0.2, 0.3, 0.1, 0.02),
+            Link::prismatic(1.5, 0.1, -0.2, 0.3, 0.0),
+            Link::revolute(-1.5, 0.2, 0.1, 0.1, -0.01),
+        ];
+        let base =
+            Pose::from_rotation_vector(Vector3::new(1.0, -0.5, 0.2), Vector3::new(0.1, 0.2, 0.3));
+        let arm = chain(&links, base, Vector3::new(0.05, -0.02, 0.1));
+        let inputs = RowInputs { curves: vec![1e-3, -2e-3, 5e-4], ..RowInputs::default() };
+        let gain = Term {
+            effect: truearm::effects::Effect::JointGain,
+            joint: 0,
+            source: 0,
+            component: 0,
+            order: 0.0,
+            coefficient: 1e-3,
+        };
+        for terms in [&[][..], &[gain]] {
+            let q = [0.4, 0.7, -1.1];
+            let apart = arm.derivatives(&q, terms, &inputs).point
+                - arm.bent(&q, terms, &inputs).translation;
+            assert!(apart.norm() < 1e-14, "{} terms: {apart}", terms.len());
+        }
+    }
+}

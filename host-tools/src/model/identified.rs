@@ -221,10 +221,11 @@ impl Model {
                 true => "no row measured where it is",
                 false => "the model does not have it",
             };
-            // The one of a file without labels has none.
-            let help = match known.iter().all(String::is_empty) {
-                true => "leave it out: no marker has a label".to_owned(),
-                false => format!("markers whose place was measured: {}", listed(&known)),
+            let labelled = self.measured().any(|(label, _)| !label.is_empty());
+            let help = match labelled {
+                // The one of a file without labels has none.
+                false => "leave it out: no marker with a label was measured".to_owned(),
+                true => format!("markers whose place was measured: {}", listed(&known)),
             };
             return Err(Error::usage(format!("--marker {marker}: {why}"), help));
         }

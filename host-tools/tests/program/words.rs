@@ -160,6 +160,9 @@ fn errors() {
     let broken = [&cells[..7], &["much"], &cells[8..]].concat().join(",");
     write("cell.csv", rows.replace(second, &broken));
     write("robot2.toml", read("robot.toml").replacen("a_mm = 425.0", "a_mm = 42500.0", 1));
+    let misspelt = |name: &str| read(name).replace("measurement_sigma_mm", "measurment_sigma_mm");
+    write("slip.toml", misspelt("model.toml"));
+    write("stray.toml", format!("corrections = \"none\"\n{}", misspelt("robot.toml")));
     write("headless.toml", read("model.toml").replace("schema = \"truearm-model-1\"\n", ""));
     let blob = include_bytes!("../../../tests/data/golden/layout-3-full.blob");
     fs::write(folder.path().join("in-force.blob"), blob).unwrap();
@@ -179,6 +182,9 @@ fn errors() {
         "evaluate in-force.blob measurements.csv",
         "evaluate headless.toml measurements.csv",
         "identify model.toml cell.csv",
+        "check model.toml cell.csv",
+        "identify slip.toml cell.csv",
+        "identify stray.toml cell.csv",
         "fleet robot.toml",
         "pack model.toml --out new.blob --marker foo",
         "pack robot.toml --out new.blob --sequence -1",

@@ -11,7 +11,8 @@ use toml::Spanned;
 use truearm::JointKind;
 
 use super::columns::SIGMAS;
-use super::source::{Source, UNKNOWN_KEY};
+use super::model::MODEL_KEYS;
+use super::source::Source;
 use crate::error::Result;
 use crate::model::{Joint, LinkMass, Placement, Robot};
 use crate::units::{from_mm, joint_from_file};
@@ -23,6 +24,9 @@ pub use prior::{prior_tables, with_priors};
 
 /// What to do about a file that does not have the right keys.
 pub(super) const HELP: &str = "see docs/files.md for the keys of this file";
+/// What is made of a model.toml in the place of a robot.toml.
+const AS_DRAWN: &str = "an identified model; its joints are taken as they were drawn, without its \
+                        corrections, terms and curves";
 /// Standard deviation of a measured coordinate where none is given, mm.
 const USUAL_SIGMA: f64 = 0.03;
 /// Degrees or mm beyond which no joint goes.
@@ -36,17 +40,7 @@ impl Robot {
     /// # Errors
     /// Names file, line, key and remedy.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = super::read(path)?;
-        let mut robot = Self::parse(path, &text)?;
-        if is_identified(&text) {
-            robot.warnings.retain(|warning| !warning.contains(UNKNOWN_KEY));
-            robot.warnings.push(format!(
-                "{}: an identified model; its joints are taken as they were drawn, without its \
-                 corrections, terms and curves",
-                path.display()
-            ));
-        }
-        Ok(robot)
+        Self::parse(path, &super::read(path)?)
     }
 
     /// Like [`Robot::read`] from a text.
@@ -58,6 +52,11 @@ impl Robot {
         source.refuse_table()?;
         let mut warnings = Vec::new();
         let file: RobotFile = source.toml(HELP, &mut warnings)?;
+        if is_identified(text) {
+            let own = MODEL_KEYS.map(|key| source.unknown(key));
+            warnings.retain(|warning| !own.contains(warning));
+            warnings.push(format!("{}: {AS_DRAWN}", path.display()));
+        }
         let mut check = Checker { source, warnings, plausible: Plausible::of(&file) };
         check.count(file.joints.len())?;
         let sigma = check.sigma(file.measurement_sigma_mm.as_ref())?;
@@ -96,9 +95,12 @@ impl Robot {
     }
 }
 
-/// Whether a text has what only a model.toml has.
+/// Whether a text is that of a model.toml: a list of corrections, whatever became of its schema.
 pub(super) fn is_identified(text: &str) -> bool {
-    text.parse::<toml::Table>().is_ok_and(|file| file.contains_key("corrections"))
+    let file: toml::Table = text.parse().unwrap_or_default();
+    file.get("corrections")
+        .and_then(toml::Value::as_array)
+        .is_some_and(|all| !all.is_empty() && all.iter().all(toml::Value::is_table))
 }
 
 impl Checker<'_> {

@@ -350,7 +350,9 @@ impl<'a> Sheet<'a> {
     fn beside(&self, index: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
         let mut of_arm = of_arm(self.problem, &self.arm_terms, index, d);
         let of = |possible: &Possible| possible.columns_by(self.problem, index, d, &mut of_arm);
-        self.possible.iter().flat_map(of).collect()
+        let columns = self.possible.iter().flat_map(of).collect();
+        debug_assert!(of_arm.next().is_none(), "a term has one column");
+        columns
     }
 }
 

@@ -25,6 +25,9 @@ impl Sheet<'_> {
     /// each of some solutions: a row is linearised once for all of them.
     #[must_use]
     pub fn misfits(&self, rows: &[usize], solutions: &[Solution]) -> Vec<f64> {
+        if solutions.is_empty() {
+            return Vec::new();
+        }
         let used = self.used(solutions);
         let of = |rows: &[usize]| {
             let mut sums = vec![0.0; solutions.len()];

@@ -1,12 +1,13 @@
 //! How well the tool point is known where joints have error curves.
 
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::{HELD, Sheet};
 use crate::evidence::Gram;
 use crate::model::arm::Derivatives;
 
-/// Rows at which it is asked for: each costs two triangular solves a coordinate.
+/// Rows at which it is asked for: each is a right-hand side of two triangles a coordinate.
 const LOOKS: usize = 300;
 
 /// What is not known of the curves, and of geometry on account of them: variance of a
@@ -33,15 +34,15 @@ impl Sheet<'_> {
             |i: usize, d: &Derivatives| [self.of_moments(i, d), self.of_curves(i, d)].concat();
         let looks: Vec<usize> =
             rows.iter().copied().step_by(rows.len().div_ceil(LOOKS).max(1)).collect();
-        let variances: Vec<f64> = looks
-            .par_iter()
-            .flat_map_iter(|row| {
-                let of = self.at.target_beside(*row, &beside).transpose();
-                let [free, held] = [&free, &held].map(|geometry| geometry.variances(of.clone()));
-                let more = free.into_iter().zip(held).map(|(free, held)| (free - held).max(0.0));
-                more.collect::<Vec<f64>>()
-            })
-            .collect();
+        let of_row = |row: &usize| self.at.target_beside(*row, &beside).transpose();
+        let blocks: Vec<DMatrix<f64>> = looks.par_iter().map(of_row).collect();
+        let mut all = DMatrix::zeros(free.unknowns(), 3 * blocks.len());
+        for (k, block) in blocks.iter().enumerate() {
+            all.columns_mut(3 * k, 3).copy_from(block);
+        }
+        let [free, held] = [free.variances(all.clone()), held.variances(all)];
+        let variances = free.into_iter().zip(held).map(|(free, held)| (free - held).max(0.0));
+        let variances: Vec<f64> = variances.collect();
         ByCurves {
             mean: variances.iter().sum::<f64>() / variances.len().max(1) as f64,
             largest: variances.into_iter().fold(0.0, f64::max),
