@@ -28,10 +28,9 @@ pub fn all(of: &Explained, scale: f64, parts: &Parts, grams: &[Gram]) -> [[Half;
     let stated = Explained { precision: &held, ..*of };
     let unknown = held != *of.precision;
     let half = |kind: usize, h: usize| {
-        let own = (0..grams.len()).filter(|p| parts.half[*p][kind] == h);
-        let rows = own.clone().flat_map(|p| parts.rows[p].clone()).collect();
+        let rows = parts.rows_of_half(kind, h);
         let unknowns = grams.first().map_or([0; 2], |g| [g.unknowns(), g.columns()]);
-        let sum = joined(own.map(|p| &grams[p]), unknowns);
+        let sum = joined(parts.of_half(kind, h).map(|p| &grams[p]), unknowns);
         let stated = unknown.then(|| stated.part(sum.clone(), scale));
         Half { part: of.part(sum, scale), stated, rows }
     };

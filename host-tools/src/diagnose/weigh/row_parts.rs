@@ -52,6 +52,17 @@ impl Parts {
         }
         out
     }
+
+    /// The parts of one half of a kind.
+    pub fn of_half(&self, kind: usize, half: usize) -> impl Iterator<Item = usize> {
+        (0..self.half.len()).filter(move |part| self.half[*part][kind] == half)
+    }
+
+    /// Their rows.
+    #[must_use]
+    pub fn rows_of_half(&self, kind: usize, half: usize) -> Vec<usize> {
+        self.of_half(kind, half).flat_map(|part| self.rows[part].clone()).collect()
+    }
 }
 
 /// Of each row 1 if its pose is in the second half of those of its kind, else 0.

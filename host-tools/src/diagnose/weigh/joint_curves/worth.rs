@@ -58,10 +58,9 @@ struct Half {
 
 impl Half {
     fn new(from: &From, half: usize) -> Self {
-        let of = |h: usize| (0..from.grams.len()).filter(move |p| from.parts.half[*p][0] == h);
-        let rows = of(half).flat_map(|p| from.parts.rows[p].clone()).collect();
-        let others = of(1 - half).map(|p| &from.grams[p]);
-        Self { rows, other: joined(others, from.all.sheet.size()) }
+        let others = from.parts.of_half(0, 1 - half).map(|p| &from.grams[p]);
+        let other = joined(others, from.all.sheet.size());
+        Self { rows: from.parts.rows_of_half(0, half), other }
     }
 
     /// Its error with what the other one tells under a prior of geometry, m.
