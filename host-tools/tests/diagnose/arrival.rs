@@ -1,76 +1,15 @@
 //! Where joints came from, what they were read to hold, how the base settled: what
 //! a file tells without saying it, and columns that say it.
 
-use crate::simulated::{Truth, UR10_LIKE, csv_of, robot, vector};
+use super::session::{SIGMA, arm, diagnosed, names, session, still, with};
+use crate::simulated::{Truth, csv_of, vector};
 use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
+use truearm_host::diagnose::{DiagnoseOptions, Verdict, diagnose};
 use truearm_host::error::ErrorKind;
 use truearm_host::evaluate::{Reregister, evaluate};
 use truearm_host::model::{Measurements, Robot};
-
-const SIGMA: f64 = 3e-5;
-
-/// An arm of which nothing but geometry is known.
-fn arm() -> Robot {
-    let mut robot = robot(UR10_LIKE);
-    robot.sigma = SIGMA;
-    robot.links.clear();
-    robot.gravity = None;
-    robot
-}
-
-/// Points at random poses where the joints really are at `real` of what was read
-/// and what was read before, seen after the base moved by `moved` of the row.
-struct Session {
-    truth: Truth,
-    poses: Vec<Vec<f64>>,
-    points: Vec<Vector3<f64>>,
-}
-
-/// Where the joints are at what is read, and what was read before.
-type Real = dyn Fn(&[f64], &[f64]) -> Vec<f64>;
-
-fn session(rows: usize, seed: u64, real: &Real, moved: &dyn Fn(usize) -> Vector3<f64>) -> Session {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let truth = Truth::draw(&arm(), 1, 1, &mut rng);
-    let pose = |rng: &mut ChaCha8Rng| {
-        let degrees = |_| (rng.random_range(-140.0..140.0_f64) * 1e4).round() / 1e4;
-        (0..6).map(degrees).map(f64::to_radians).collect::<Vec<f64>>()
-    };
-    let poses: Vec<Vec<f64>> = (0..rows).map(|_| pose(&mut rng)).collect();
-    let point = |k: usize| {
-        let before = &poses[k.saturating_sub(1)];
-        truth.point(&real(&poses[k], before), 0, 0) + moved(k) + vector(&mut rng) * SIGMA
-    };
-    let points = (0..rows).map(point).collect();
-    Session { truth, poses, points }
-}
-
-/// The file with columns beside it, one text a row and the header.
-fn with(session: &Session, header: &str, cell: impl Fn(usize) -> String) -> String {
-    let text = csv_of(&session.truth.robot, &session.poses, &session.points);
-    let lines = text.lines().enumerate().map(|(k, line)| match (k, header) {
-        (_, "") => format!("{line}\n"),
-        (0, _) => format!("{line},{header}\n"),
-        _ => format!("{line},{}\n", cell(k - 1)),
-    });
-    lines.collect()
-}
-
-fn diagnosed(robot: &Robot, text: &str) -> Outcome {
-    let data = Measurements::parse("m.csv".as_ref(), text, robot).unwrap();
-    diagnose(robot, &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap().outcome
-}
-
-fn names(outcome: &Outcome) -> Vec<(&'static str, Vec<usize>)> {
-    outcome.effects.iter().map(|e| (e.name, e.joints.clone())).collect()
-}
-
-fn still(_: usize) -> Vector3<f64> {
-    Vector3::zeros()
-}
 
 /// One joint off by so much to the side that it moved to.
 fn aside(joint: usize, by: f64) -> impl Fn(&[f64], &[f64]) -> Vec<f64> {
@@ -349,60 +288,6 @@ fn a_wrist_that_couples_by_a_thirtieth() {
     let outcome =
         diagnosed(&arm(), &with(&session(80, 17, &coupled, &still), "", |_| String::new()));
     assert_eq!(names(&outcome), [("joint-coupling", vec![5, 6])]);
-}
-
-/// A joint whose zero is one of two at random, which nothing that was recorded says: of
-/// thousands of orders the best fits. Lines stood in each of these sessions as long as noise
-/// was the same every way.
-#[test]
-fn scatter_of_a_joint_is_no_line() {
-    for seed in 20..26 {
-        let session = session(150, seed, &scattered(0), &still);
-        let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
-        let told: Vec<_> = outcome.effects.iter().chain(&outcome.suspected).collect();
-        assert!(told.is_empty(), "{seed}: {told:?}");
-        let says = |words: &str| words.contains("joint 1 scatters by 2");
-        assert!(outcome.figures.warnings.iter().any(|w| says(w)), "{:?}", outcome.figures.warnings);
-        // Noise that is beyond what was stated is no good arm's.
-        let beyond = outcome.noise_scale > 3.0;
-        assert_eq!(outcome.verdict == Verdict::Unexplained, beyond, "{seed}");
-        assert_eq!(outcome.unnamed.iter().any(|w| says(w)), beyond, "{:?}", outcome.unnamed);
-    }
-}
-
-/// A line of the joint that scatters, and one of another, are lines all the same; what is
-/// stated of them holds.
-#[test]
-fn lines_beside_the_scatter_of_a_joint() {
-    for seed in 30..33 {
-        let waving = |q: &[f64], _: &[f64]| {
-            let mut out = scattered(0)(q, &[]);
-            out[0] += 5e-4 * (40.0 * q[0]).cos();
-            out[2] += 3e-4 * (16.0 * q[2]).sin();
-            out
-        };
-        let session = session(150, seed, &waving, &still);
-        let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
-        let lines: Vec<_> = outcome.effects.iter().map(|e| (e.order, e.joints.clone())).collect();
-        assert_eq!(lines.len(), 2, "{seed}: {lines:?}");
-        for (joint, order, size) in [(1, 40.0, 5e-4), (3, 16.0, 3e-4)] {
-            let own = outcome.effects.iter().find(|e| e.joints == [joint]).unwrap();
-            assert_eq!(own.order, Some(order), "{seed}");
-            let found = own.coefficients.iter().map(|c| c.value.powi(2)).sum::<f64>().sqrt();
-            let sigma = own.coefficients[0].sigma;
-            assert!((found - size).abs() < 4.0 * sigma, "{seed}: {found} +- {sigma} of {size}");
-        }
-    }
-}
-
-/// A joint whose zero is one of two at random.
-fn scattered(joint: usize) -> impl Fn(&[f64], &[f64]) -> Vec<f64> {
-    move |q, _| {
-        let side = if (q[joint] * 1e9) as i64 % 2 == 0 { 1.0 } else { -1.0 };
-        let mut q = q.to_vec();
-        q[joint] += 2.5e-4 * side;
-        q
-    }
 }
 
 /// Poses read three times that are farther off than their readings: by what was stated that

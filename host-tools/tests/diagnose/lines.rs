@@ -1,9 +1,10 @@
-//! How sure the order of a line is said to be.
+//! Which order a line has, and how sure it is said to be.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm_host::diagnose::{DiagnoseOptions, Effect, diagnose};
 
+use super::session::{arm, diagnosed, session, still, with};
 use super::simulated::{Truth, UR10_LIKE, measured, robot, vector};
 
 /// A line of joint 3, 80.4 cycles a turn and 0.4 mrad, seen while the joint moves by so many
@@ -52,4 +53,22 @@ fn an_order_is_off_by_what_is_said_of_it() {
     let [line] = &own[..] else { panic!("{own:?}") };
     let (off, sigma) = (line.order.unwrap(), line.order_sigma.unwrap());
     assert!(sigma < 0.03 && off.abs() < 4.0 * sigma + 1.0 / 64.0, "{off} {sigma}");
+}
+
+/// What is wrong with a disc that is read once too often a turn: the eccentricity of joint 1 that
+/// makes no error at one cycle a turn is not said to make one.
+#[test]
+fn an_oval_disc_is_no_disc_that_is_off() {
+    for seed in 1..5 {
+        let oval = |q: &[f64], _: &[f64]| {
+            let mut q = q.to_vec();
+            q[0] += 3e-4 * (2.0 * q[0] + 0.4).sin();
+            q
+        };
+        let session = session(150, seed, &oval, &still);
+        let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
+        let told: Vec<_> =
+            outcome.effects.iter().map(|e| (e.name, e.joints.clone(), e.order)).collect();
+        assert_eq!(told, [("encoder-eccentricity", vec![1], Some(2.0))], "{seed}");
+    }
 }

@@ -12,6 +12,8 @@ mod lines;
 mod other_arms;
 mod other_cells;
 mod repeats;
+mod scatter;
+mod session;
 #[path = "../simulated/mod.rs"]
 mod simulated;
 mod springs;

@@ -8,7 +8,6 @@ use super::weighed::{Doubt, Unnamed};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::Moments;
 use crate::diagnose::question::Question;
-use crate::identify::Problem;
 use crate::model::ModelTerm;
 
 /// Structure without a name is believed from here on, as in a verdict.
@@ -19,9 +18,6 @@ const ONE_LEVEL: f64 = 0.01;
 const ONE_PHASE: f64 = 0.3;
 /// Functions of a joint's angle that geometry and a gain have: a constant and a slope.
 pub const OTHERS: usize = 2;
-/// A joint is loaded if its torque at assumed masses varies by more than this share of the
-/// largest.
-const LOADED: f64 = 0.01;
 
 /// What speaks against an effect, replication apart.
 #[must_use]
@@ -37,7 +33,11 @@ pub fn of(
     let assumed = q.moments.is_some_and(Moments::are_assumed);
     let once = |term: &ModelTerm| term.order() == Some(1.0);
     let eccentric = candidate.name() == Effect::EncoderEccentricity.name();
-    if assumed && eccentric && candidate.terms.iter().all(once) && is_loaded(problem, rows, joint) {
+    if assumed
+        && eccentric
+        && candidate.terms.iter().all(once)
+        && problem.conditions.is_loaded(joint)
+    {
         return Some(Doubt::Unweighed);
     }
     let lag = matches!(candidate.terms[..], [ModelTerm::Lag { .. }]);
@@ -50,18 +50,6 @@ pub fn of(
     let angles = rows.iter().map(|row| problem.data.rows[*row].q[joint]);
     let few = levels(angles.collect(), highest) <= candidate.terms.len() + OTHERS;
     (highest > 0.0 && few).then_some(Doubt::Levels)
-}
-
-/// Whether gravity's torque on a joint varies, as far as assumed masses tell.
-fn is_loaded(problem: &Problem, rows: &[usize], joint: usize) -> bool {
-    let range = |joint: usize| {
-        let torques = rows.iter().filter_map(|row| problem.conditions.rows[*row].torque.get(joint));
-        let ends = torques
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(*t), high.max(*t)));
-        (ends.1 - ends.0).max(0.0)
-    };
-    let most = (0..problem.nominal.len()).map(range).fold(0.0, f64::max);
-    range(joint) > LOADED * most
 }
 
 /// How many angles a wave of this order can tell apart.

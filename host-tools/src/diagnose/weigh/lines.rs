@@ -10,11 +10,15 @@ use crate::diagnose::policy::POLICY;
 use crate::effects::Offer;
 use crate::evidence::Aliases;
 use crate::evidence::lines::{JointColumn, Line, Orders};
-use crate::identify::State;
+use crate::identify::{Problem, State};
 
 /// Lines within so many steps of one another may be one: at the ends of what the
 /// joint covered their phases are less than a turn apart.
 const ONE: f64 = 12.0;
+
+/// Change of phase, rad, at the ends of what a joint covers that is none: a tenth of the line.
+/// A line of the UR10's joint 5 moved on by half of this in every round, and the search with it.
+const STILL: f64 = 0.1;
 
 /// Steps of a golden section.
 const SECTIONS: usize = 16;
@@ -26,12 +30,35 @@ pub type Held = (usize, f64);
 /// Lines that a fitted model has.
 #[must_use]
 pub fn of(added: &[Candidate]) -> Vec<Held> {
-    let line = |c: &&Candidate| c.name() == Effect::JointPeriodicError.name();
-    let held = added.iter().filter(line).filter_map(|c| {
-        let term = c.terms.first()?;
-        Some((term.joints().first()? - 1, term.order()?))
-    });
-    held.collect()
+    added.iter().filter_map(line).collect()
+}
+
+fn line(candidate: &Candidate) -> Option<Held> {
+    let term = candidate.terms.first()?;
+    let is_line = candidate.name() == Effect::JointPeriodicError.name();
+    is_line.then_some((term.joints().first()? - 1, term.order()?))
+}
+
+/// Whether members of a model are what it had, lines at orders that phases at the ends of what
+/// the joint covers do not tell apart.
+#[must_use]
+pub fn are_still(problem: &Problem, members: &[Candidate], added: &[Candidate]) -> bool {
+    let still = |own: Held, other: Held| {
+        let (least, most) = problem
+            .data
+            .rows
+            .iter()
+            .map(|row| row.q[own.0])
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), q| {
+                (least.min(q), most.max(q))
+            });
+        own.0 == other.0 && (own.1 - other.1).abs() * (most - least) / 2.0 <= STILL
+    };
+    let was = |m: &Candidate| {
+        let near = |a: &Candidate| line(m).zip(line(a)).is_some_and(|(m, a)| still(m, a));
+        added.iter().any(|a| a.terms == m.terms || near(a))
+    };
+    members.len() == added.len() && members.iter().all(was)
 }
 
 /// Lines as candidates: those held and, but of joints that are closed, those of a scan.

@@ -55,8 +55,19 @@ use unweighed_springs::sprung;
 pub use weighed::{Curved, Doubt, Named, Stage, Unnamed, Weighed};
 pub use weights::scatter;
 
-/// Rounds of linearising and weighing.
-const ROUNDS: usize = 4;
+/// How far a search goes: what it weighs at once, and rounds of linearising and weighing.
+#[derive(Clone, Copy)]
+struct Reach {
+    effort: Effort,
+    rounds: usize,
+}
+
+/// To its end.
+const WHOLE: Reach = Reach { effort: EFFORT, rounds: 4 };
+/// The same where joints may err by a curve.
+const AT_FIRST: Reach = Reach { effort: FIRST, ..WHOLE };
+/// As far as it takes to see which joints scatter besides, before all is weighed to its end.
+const BESIDE_SCATTER: Reach = Reach { rounds: 2, ..WHOLE };
 
 /// Further rounds where physics refuses what was found.
 const REFUSALS: usize = 4;
@@ -76,41 +87,41 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
     let found = (&plain.best.added[..], &plain.best.fit.fit.state);
     if let Some((node, bent)) = sprung(q, found, &plain.weights, plain.found.scale)? {
         let start = Start { bent, node, ..begin.clone() };
-        plain = search(q, start, FIRST, progress)?;
+        plain = search(q, start, AT_FIRST, progress)?;
     }
     // What one line explains is no curve; it is weighed with everything else first.
     let Chosen { mut curves, lines } = plain.wanted(q);
     if !lines.is_empty() {
-        plain = search(q, Start { lines, ..plain.again() }, FIRST, progress)?;
+        plain = search(q, Start { lines, ..plain.again() }, AT_FIRST, progress)?;
         curves = plain.wanted(q).curves;
     }
     if curves.is_empty() {
         let found = match plain.found.best.members.len() < FIRST.members {
             true => plain,
             // It went as far as it was let: farther.
-            false => search(q, plain.again(), EFFORT, progress)?,
+            false => search(q, plain.again(), WHOLE, progress)?,
         };
-        return replicated(q, found, EFFORT, progress)?.judged(q);
+        return replicated(q, found, progress)?.judged(q);
     }
     let (scale, refused) = (plain.found.scale, plain.refused);
     let start = Start { curves, scale, refused, bent: plain.bent, ..begin };
-    let first = search(q, start, FIRST, progress)?;
+    let first = search(q, start, AT_FIRST, progress)?;
     // At the noise that is left now, lengths and sizes are told better.
     let curves = first.wanted(q).curves;
     let mut again = Start { curves, ..first.again() };
     // A curve that is no longer wanted must not stay in what is predicted.
     again.bent.tables.retain(|t| again.curves.iter().any(|c| c.joint == usize::from(t.joint())));
-    replicated(q, search(q, again, EFFORT, progress)?, EFFORT, progress)?.judged(q)
+    replicated(q, search(q, again, WHOLE, progress)?, progress)?.judged(q)
 }
 
 /// A search from geometry and where it began: where evidence may have been lost to tails and
 /// flags, with all rows alike.
 fn from_geometry(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<(Start, Searched)> {
     let start = Start::at(q, root);
-    let found = search(q, start.clone(), FIRST, progress)?;
+    let found = search(q, start.clone(), AT_FIRST, progress)?;
     let Some(node) = swallowed::all_alike(q, root, &found) else { return Ok((start, found)) };
     let alike = Start { even: true, ..Start::at(q, &node) };
-    Ok(match search(q, alike.clone(), FIRST, progress) {
+    Ok(match search(q, alike.clone(), AT_FIRST, progress) {
         Ok(other) if swallowed::is_better(q, &other, &found) => (alike, other),
         _ => (start, found),
     })
@@ -118,23 +129,26 @@ fn from_geometry(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<(Star
 
 /// The same where joints may scatter by themselves, without lines that do not predict poses
 /// held out of their scan; of their joints no other is looked for.
-fn replicated(
-    q: &Question,
-    mut found: Searched,
-    effort: Effort,
-    progress: &dyn Fn(),
-) -> Result<Searched> {
-    while let Some(joint) = scattering::next(q, &found) {
+fn replicated(q: &Question, mut found: Searched, progress: &dyn Fn()) -> Result<Searched> {
+    loop {
+        let joints = scattering::next(q, &found);
+        if joints.is_empty() && found.ended {
+            break;
+        }
+        if joints.is_empty() {
+            found = search(q, found.again(), WHOLE, progress)?;
+            continue;
+        }
         let problem = found.bent.problem(q.problem);
         let asked = Question { problem: &problem, ..*q };
         let mut start = found.again();
-        start.scattering.push(joint);
         // What fitted the scatter has to be found again beside it: with it in, the scatter
         // is taken for smaller than it is.
-        let others = |c: &&Candidate| !scattering::fits(c, joint);
+        let others = |c: &&Candidate| joints.iter().all(|joint| !scattering::fits(c, *joint));
         let kept: Vec<_> = start.node.added.iter().filter(others).cloned().collect();
+        start.scattering.extend(joints.iter().map(|joint| (*joint, 0.0)));
         start.node = fitted(&asked, kept, &found.best.fit.fit.state)?;
-        found = search(q, start, effort, progress)?;
+        found = search(q, start, BESIDE_SCATTER, progress)?;
     }
     for _ in 0..RESCANS {
         let ghosts = rescan::ghosts(q, &found);
@@ -151,18 +165,19 @@ fn replicated(
             fitted(&Question { problem: &problem, ..*q }, kept, &found.best.fit.fit.state)?;
         start.refused.extend(out);
         start.closed.extend(ghosts.iter().map(|(joint, _)| *joint));
-        found = search(q, start, effort, progress)?;
+        found = search(q, start, WHOLE, progress)?;
     }
     Ok(found)
 }
 
 /// Rounds of linearising, weighing and fitting until nothing changes.
-fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Result<Searched> {
+fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Result<Searched> {
     let Start { mut node, curves, mut bent, mut scale, mut refused, lines, .. } = start;
     let Start { closed, scattering, even, mut nameless, .. } = start;
     let lambda = q.flags.lambda;
     let mut held = [lines::of(&node.added), lines].concat();
-    let mut scattered = Vec::new();
+    let mut scattered = scattering;
+    let joints: Vec<usize> = scattered.iter().map(|s| s.0).collect();
     let mut round = 0;
     loop {
         round += 1;
@@ -171,7 +186,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let asked = Question { problem: &problem, ..*q };
         let (state, rows) = (node.fit.fit.state.clone(), node.fit.kept.clone());
         let mut weights =
-            weights::after(&nameless::without(&problem, &state, &nameless), &node, &scattering);
+            weights::after(&nameless::without(&problem, &state, &nameless), &node, &joints);
         if even && round == 1 {
             weights.rows.fill(1.0);
         }
@@ -188,7 +203,7 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let whole = sheet.gram(&rows);
         let entries: Vec<_> = possible.iter().map(|p| p.entry.clone()).collect();
         let known = (scale > 0.0).then(|| Known { members: members_of(&possible, &node), scale });
-        let found = explain(&whole, &precision, &entries, effort, known.as_ref());
+        let found = explain(&whole, &precision, &entries, reach.effort, known.as_ref());
         progress();
         let at = unbent::At {
             problem: &problem,
@@ -204,9 +219,10 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         scale = found.scale;
         let added = cloned(&possible, &found.best.members);
         let without_name = possible::nameless(&possible, &found);
-        let same = are(&added, &node.added)
-            && possible::same(&without_name, &nameless)
+        let beside = possible::same(&without_name, &nameless)
             && scattering::is_settled(&scattered, &weights.scattering);
+        let same = beside && are(&added, &node.added);
+        let still = beside && lines::are_still(&problem, &added, &node.added);
         nameless = without_name;
         scattered.clone_from(&weights.scattering);
         // What has a name is fitted without it, and rows that it moves far are no tails.
@@ -221,9 +237,9 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         next.find(&sheet, &solution, &geometry);
         // Beside curves, which have a prior that no fit of rows knows, a step at a time;
         // else moments begin where they were: with other members a whole step may lead away.
-        let still = curves.is_empty() && !sheet.moments(&solution).is_empty();
-        bent = before.towards(&next, if still { 0.0 } else { 1.0 });
-        if still {
+        let in_turn = curves.is_empty() && !sheet.moments(&solution).is_empty();
+        bent = before.towards(&next, if in_turn { 0.0 } else { 1.0 });
+        if in_turn {
             let with = With { weights: &weights, scale };
             (node, bent) = settled(&apart, &added, &state, bent, with)?;
         } else if !same || !curves.is_empty() {
@@ -235,16 +251,18 @@ fn search(q: &Question, start: Start, effort: Effort, progress: &dyn Fn()) -> Re
         let asked = Question { problem: &problem, ..*q };
         let mut bad = node.implausible(&problem.conditions);
         bad.extend(between::wild(&problem, &node));
-        let again = !bad.is_empty() && round < ROUNDS + REFUSALS;
+        let again = !bad.is_empty() && round < reach.rounds + REFUSALS;
         if !bad.is_empty() {
             let kept = node.added.iter().filter(|c| !bad.contains(c)).cloned().collect();
             found.leave_out(|m| possible[m].is(&bad));
             refused.extend(bad);
             node = fitted(&asked, kept, &state)?;
         }
-        if !again && (same && !moved || round >= ROUNDS) {
+        let settled = still && !moved;
+        if !again && (settled || round >= reach.rounds) {
             drop(sheet);
             return Ok(Searched {
+                ended: settled || reach.rounds >= WHOLE.rounds,
                 best: node,
                 curves,
                 bent,

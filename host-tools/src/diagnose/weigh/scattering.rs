@@ -38,42 +38,23 @@ pub fn fits(candidate: &candidates::Candidate, joint: usize) -> bool {
     kind && candidate.joints().last() == Some(&(joint + 1))
 }
 
-/// The next joint, counted from 0, whose scatter explains more than its effects alone, with
-/// them or in their place.
+/// The next joints, counted from 0, whose scatter explains more than their effects alone, with
+/// them or in their place: each beside those before it, so that one search follows and not one
+/// a joint.
 #[must_use]
-pub fn next(q: &Question, found: &Searched) -> Option<usize> {
+pub fn next(q: &Question, found: &Searched) -> Vec<usize> {
     let known: Vec<usize> = found.weights.scattering.iter().map(|s| s.0).collect();
     let problem = found.bent.problem(q.problem);
-    let members = asked(found);
     let compared = Compared { q, found, problem: &problem };
-    let plain = weights::after(&problem, &found.best, &known);
-    let scattered = |joint: usize| {
-        let fitted = |m: &usize| match &found.possible[*m].what {
-            What::Effect(c) => fits(c, joint),
-            What::Nameless(what) => what.joint() == Some(joint),
-        };
-        let bare: Vec<usize> = members.iter().copied().filter(|m| !fitted(m)).collect();
-        if bare.len() == members.len() {
-            return None;
-        }
-        let with = [&known[..], &[joint]].concat();
-        let weights = weights::after(&problem, &found.best, &with);
-        weights.scattering.last().is_some_and(|s| s.1 > 0.0).then_some((joint, bare, weights))
-    };
-    let joints = (0..problem.nominal.len()).into_par_iter().filter(|joint| !known.contains(joint));
-    let asked: Vec<_> = joints.filter_map(scattered).collect();
-    if asked.is_empty() {
-        return None;
+    let mut joints = known.clone();
+    let mut members = asked(found);
+    let mut plain = None;
+    while let Some(more) = compared.next(&joints, &members, plain) {
+        joints.push(more.joint);
+        members = more.members;
+        plain = Some(more.evidence);
     }
-    let plain = compared.evidence(&plain, &[&members]);
-    let rated: Vec<(usize, f64)> = asked
-        .par_iter()
-        .map(|(joint, bare, weights)| {
-            (*joint, compared.evidence(weights, &[&members, bare]) - plain)
-        })
-        .collect();
-    let best = rated.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (best.1 > -POLICY.odds.ln()).then_some(best.0)
+    joints.split_off(known.len())
 }
 
 /// Whether what joints scatter, (joint, ratio of variance), is what it was a round ago: while
@@ -101,12 +82,54 @@ struct Compared<'a> {
     problem: &'a Problem<'a>,
 }
 
+/// A joint that scatters, and the better of the models with and without what fits it.
+struct More {
+    joint: usize,
+    members: Vec<usize>,
+    evidence: f64,
+}
+
 impl Compared<'_> {
-    /// Log evidence of the best of some models under such noise, up to a constant of the rows.
-    fn evidence(&self, weights: &Weights, models: &[&[usize]]) -> f64 {
+    /// The joint whose scatter explains most beside these and a model of these members, if it
+    /// explains enough more than they do alone (their evidence, where it is known).
+    fn next(&self, joints: &[usize], members: &[usize], plain: Option<f64>) -> Option<More> {
+        let after = |joints: &[usize]| weights::after(self.problem, &self.found.best, joints);
+        let scattered = |joint: usize| {
+            let fitted = |m: &usize| match &self.found.possible[*m].what {
+                What::Effect(c) => fits(c, joint),
+                What::Nameless(what) => what.joint() == Some(joint),
+            };
+            let bare: Vec<usize> = members.iter().copied().filter(|m| !fitted(m)).collect();
+            if bare.len() == members.len() {
+                return None;
+            }
+            let weights = after(&[joints, &[joint]].concat());
+            weights.scattering.last().is_some_and(|s| s.1 > 0.0).then_some((joint, bare, weights))
+        };
+        let others = (0..self.problem.nominal.len()).into_par_iter();
+        let asked: Vec<_> =
+            others.filter(|joint| !joints.contains(joint)).filter_map(scattered).collect();
+        if asked.is_empty() {
+            return None;
+        }
+        let plain = plain.unwrap_or_else(|| self.evidence(&after(joints), [members])[0]);
+        let more = |(joint, bare, weights): (usize, Vec<usize>, Weights)| {
+            let [with, without] = self.evidence(&weights, [members, &bare]);
+            let (members, evidence) =
+                if without > with { (bare, without) } else { (members.to_vec(), with) };
+            More { joint, members, evidence }
+        };
+        let rated: Vec<More> = asked.into_par_iter().map(more).collect();
+        let best = rated.into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
+        (best.evidence - plain > -POLICY.odds.ln()).then_some(best)
+    }
+
+    /// Log evidence under such noise of models that are parts of the first one, up to a
+    /// constant of the rows.
+    fn evidence<const M: usize>(&self, weights: &Weights, models: [&[usize]; M]) -> [f64; M] {
         let Self { q, found, problem } = self;
         let (state, rows) = (&found.best.fit.fit.state, &found.best.fit.kept);
-        let all = asked(found);
+        let all = models[0];
         let possible: Vec<_> = all.iter().map(|m| found.possible[*m].clone()).collect();
         let sheet = Sheet::new(problem, state, &possible, weights, &found.curves).bending(
             found.bent.bending(state),
@@ -116,11 +139,11 @@ impl Compared<'_> {
         let precision = sheet.precision(q.flags.lambda);
         let gram = sheet.gram(rows);
         let entries: Vec<Candidate> = possible.iter().map(|p| p.entry.clone()).collect();
+        let scattered = Scattered::of(problem, state, rows, &weights.scattering);
         // At the noise that is left beside the scatter.
-        let of = |members: &&[usize]| {
+        let of = |members: &[usize]| {
             let own: Vec<usize> = (0..all.len()).filter(|k| members.contains(&all[*k])).collect();
-            let mut scale = found.found.scale;
-            let mut out = f64::NEG_INFINITY;
+            let (mut scale, mut out) = (found.found.scale, f64::NEG_INFINITY);
             for _ in 0..ROUNDS {
                 let geometry = gram.geometry(&precision, scale);
                 let subsets = Subsets::new(gram.project(&geometry), entries.clone());
@@ -129,10 +152,9 @@ impl Compared<'_> {
                 out = best.log_mass - poses * scale.ln() - 0.5 * geometry.log_det();
                 scale = subsets.scale_of(&best);
             }
-            out
+            out - 0.5 * scattered.log_det
         };
-        let best = models.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
-        best - 0.5 * Scattered::of(problem, state, rows, &weights.scattering).log_det
+        models.map(of)
     }
 }
 

@@ -20,6 +20,8 @@ use crate::identify::State;
 
 /// Where it ends: what was weighed in the last round, and the fit of what it found.
 pub struct Searched {
+    /// Nothing changed any more, or rounds were over: not only as far as it was let.
+    pub ended: bool,
     pub best: Node,
     pub curves: Vec<Curve>,
     pub bent: Bent,
@@ -46,7 +48,7 @@ impl Searched {
             refused: self.refused.clone(),
             lines: Vec::new(),
             closed: self.closed.clone(),
-            scattering: self.weights.scattering.iter().map(|s| s.0).collect(),
+            scattering: self.weights.scattering.clone(),
             even: false,
             nameless: self.nameless(),
         }

@@ -28,8 +28,9 @@ pub struct Start {
     pub lines: Vec<Held>,
     /// Joints, counted from 0, of which no scan is believed.
     pub closed: Vec<usize>,
-    /// Joints, counted from 0, that scatter by themselves.
-    pub scattering: Vec<usize>,
+    /// Joints, counted from 0, that scatter by themselves, and the ratio of variance of each as
+    /// far as it is known.
+    pub scattering: Vec<(usize, f64)>,
     /// Rows count alike in the first round, whatever tails the fit leaves.
     pub even: bool,
     /// What has no name, as far as it is known: rows that it moves far are no tails.

@@ -8,6 +8,9 @@ use truearm::{Approach, Link, Pose};
 use crate::model::arm::{ArmMasses, Kinematics, RowInputs, chain};
 use crate::model::{ErrorCurve, JointTables, Measurements, Model, Mounting, Robot, Row, Warming};
 
+/// A joint is loaded if its torque varies by more than this share of the most that one varies by.
+const LOADED: f64 = 0.01;
+
 /// Inputs of every row, and which of them are known at all.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Conditions {
@@ -137,6 +140,22 @@ impl Conditions {
     #[must_use]
     pub fn new(data: &Measurements, robot: &Robot) -> Self {
         Self::at(data, robot, &robot.nominal())
+    }
+
+    /// Whether what loads a joint, counted from 0, varies from row to row, as far as masses tell,
+    /// assumed ones too.
+    #[must_use]
+    pub fn is_loaded(&self, joint: usize) -> bool {
+        let range = |joint: usize| {
+            let torques = self.rows.iter().filter_map(|row| row.torque.get(joint));
+            let ends = torques.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| {
+                (low.min(*t), high.max(*t))
+            });
+            (ends.1 - ends.0).max(0.0)
+        };
+        let joints = self.rows.iter().map(|row| row.torque.len()).max().unwrap_or(0);
+        let most = (0..joints).map(range).fold(0.0, f64::max);
+        range(joint) > LOADED * most
     }
 
     /// Of these measurements, loads of the robot with these links.
