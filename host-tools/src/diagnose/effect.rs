@@ -18,8 +18,8 @@ pub struct Effect {
     /// One standard deviation of it, where it was found from the data and not from a gear.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order_sigma: Option<f64>,
-    /// Orders that look the same at the evenly spaced angles at which its joint stood: it may be
-    /// any of them.
+    /// Orders that look the same at the angles at which its joint stood, evenly spaced or of a
+    /// part of a turn: it may be any of them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub orders_alike: Vec<f64>,
     /// Thermal expansion: time constant with which the arm follows the temperature that was

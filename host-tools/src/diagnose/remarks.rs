@@ -48,8 +48,8 @@ pub fn aliased<'a>(data: &Measurements, effects: impl Iterator<Item = &'a Shown>
         let [order, others] = effect.said_alike()?;
         let place = place(effect.name, &effect.joints);
         Some(format!(
-            "{file}: {place}: at its evenly spaced angles {order} cycles a turn look like \
-             {others}: between them the correction may be of the wrong order; measure angles of \
+            "{file}: {place}: at its angles {order} cycles a turn look like {others}: elsewhere \
+             the correction may be of the wrong order; measure more of its turn, at angles of \
              other distances"
         ))
     };

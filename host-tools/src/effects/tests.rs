@@ -3,6 +3,7 @@ use truearm::{JointKind, Link, MdhParameters};
 
 use super::*;
 use crate::identify::Conditions;
+use crate::model::arm::RowInputs;
 use crate::model::{Joint, Robot};
 
 /// Every effect of the crate has its half here, under one name, and those of the
@@ -101,6 +102,24 @@ fn assumed_masses_do_not_tell_moments_across() {
     assert_eq!(missing, ["lateral-compliance: needs [[links]]"]);
     let name = Effect::LateralCompliance.name();
     assert!(offers.iter().all(|offer| offer.terms[0].effect_name() != name));
+}
+
+/// A spring that nobody weighed may be what an oval disc alone is taken for: of joints that are
+/// loaded it is not offered.
+#[test]
+fn an_oval_disc_alone_is_no_spring() {
+    let row = |torque: f64| RowInputs { torque: vec![0.0, 0.0, torque], ..RowInputs::default() };
+    let known = Conditions { rows: vec![row(-2.0), row(3.0)], ..conditions(true) };
+    let at = |assumed| {
+        let (offers, _) = offers(&Data { robot: &robot(), conditions: &known, assumed });
+        let alone = |o: &&Offer| {
+            o.terms[0].effect_name() == Effect::EncoderEccentricity.name()
+                && o.terms.iter().all(|term| term.order() == Some(2.0))
+        };
+        offers.iter().filter(alone).flat_map(|o| o.terms[0].joints()).collect::<Vec<_>>()
+    };
+    assert_eq!(at(true), [1]);
+    assert_eq!(at(false), [1, 3]);
 }
 
 #[test]

@@ -5,6 +5,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::tails::{Rest, TAILS, Tails};
+
 /// Ratios tried a factor of ten, and from where to where, of what `a' a` is on the average.
 const STEPS: usize = 8;
 const FROM: f64 = 1e-2;
@@ -63,6 +65,38 @@ pub fn ratio(rows: &[Seen]) -> f64 {
     rated.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.0, |best| best.0)
 }
 
+/// The variance of every axis that fits best beside this ratio.
+#[must_use]
+pub fn other_variance(rows: &[Seen], ratio: f64) -> f64 {
+    let rest = rows.iter().map(|row| row.across + row.along / (1.0 + ratio * row.square));
+    let equations: usize = rows.iter().map(|row| row.equations).sum();
+    rest.sum::<f64>() / equations.max(1) as f64
+}
+
+/// By how much, in nats, a variance along a of that size makes rows less likely than none, the
+/// other variance and its tails the likeliest in both.
+#[must_use]
+pub fn less_likely(rows: &[Seen], variance: f64) -> f64 {
+    let largest = other_variance(rows, 0.0).max(f64::MIN_POSITIVE);
+    let tried = (0..=4 * STEPS).map(|k| largest * 10_f64.powf(-(k as f64) / STEPS as f64));
+    let others: Vec<(Tails, f64)> =
+        tried.flat_map(|own| TAILS.map(|nu| (Tails { nu, scale: own.sqrt() }, own))).collect();
+    let likeliest = |variance: f64| {
+        let with = |(tails, own): &(Tails, f64)| {
+            let larger = |row: &Seen| 1.0 + variance / own * row.square;
+            let rest = |row: &Seen| {
+                let square = row.across + row.along / larger(row);
+                Rest { square, equations: row.equations, count: 1.0 }
+            };
+            let log_det: f64 = rows.iter().map(|row| larger(row).ln()).sum();
+            let rests: Vec<Rest> = rows.iter().map(rest).collect();
+            tails.log_likelihood(&rests, 1.0) - 0.5 * log_det
+        };
+        others.iter().map(with).fold(f64::NEG_INFINITY, f64::max)
+    };
+    likeliest(0.0) - likeliest(variance)
+}
+
 /// Multiplies the equations of a row by `V^-1/2`.
 pub fn whiten(block: &mut DMatrix<f64>, a: &DVector<f64>, ratio: f64) {
     let square = a.norm_squared();
@@ -98,6 +132,32 @@ mod tests {
             let left = (&w * v * w.transpose() - DMatrix::identity(n, n)).amax();
             prop_assert!(left < 1e-9 * (1.0 + ratio), "{left}");
         }
+    }
+
+    /// A variance that rows have is likely, one that they have not is not, and both the more, the
+    /// more rows; one that is far out is no scatter.
+    #[test]
+    fn what_rows_do_not_scatter_is_unlikely() {
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let mut normal =
+            |k: f64| k * ((0..12).map(|_| rng.random_range(0.0..1.0)).sum::<f64>() - 6.0);
+        let mut rows = |truth: f64, count: usize| -> Vec<Seen> {
+            let row = |_| {
+                let a = DVector::from_fn(3, |_, _| normal(1.0));
+                let much = normal(f64::sqrt(truth));
+                Seen::of(&a, &(&a * much + DVector::from_fn(3, |_, _| normal(1.0))))
+            };
+            (0..count).map(row).collect()
+        };
+        for count in [30, 300] {
+            let much = f64::from(count) / 10.0;
+            assert!(less_likely(&rows(0.0, count as usize), 4.0) > much);
+            assert!(less_likely(&rows(4.0, count as usize), 4.0) < -much);
+            let mut far = rows(0.0, count as usize);
+            far[0].along = 1e4;
+            assert!(less_likely(&far, 4.0) > much - 10.0);
+        }
+        assert!(less_likely(&rows(0.0, 300), 1e-6).abs() < 0.1);
     }
 
     /// The ratio comes back, none where there is none.

@@ -34,6 +34,16 @@ pub struct Rest {
     pub count: f64,
 }
 
+/// Log likelihoods of rows.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Tailed {
+    /// With their tails, at the scale that fits best.
+    pub whole: f64,
+    /// That, less what formulas for normal noise make of rows multiplied by the roots of their
+    /// weights, whose evidence does not know what the weights cost.
+    pub beyond: f64,
+}
+
 /// Equations of rows, as much as each counts.
 fn equations(rows: &[Rest]) -> f64 {
     rows.iter().map(|r| r.equations as f64 * r.count).sum()
@@ -60,6 +70,16 @@ impl Tails {
         if best.1 > normal.1 + WORTH { best } else { normal }
     }
 
+    /// What these rows are worth by these tails.
+    #[must_use]
+    pub fn tailed(&self, rows: &[Rest]) -> Tailed {
+        let normal = Self { nu: f64::INFINITY, ..*self };
+        let weighted: Vec<Rest> =
+            rows.iter().map(|r| Rest { square: self.weight(*r) * r.square, ..*r }).collect();
+        let whole = self.log_likelihood(rows, 1.0);
+        Tailed { whole, beyond: whole - normal.log_likelihood(&weighted, 1.0) }
+    }
+
     fn rescaled(mut self, rows: &[Rest], share: f64) -> Self {
         let equations = equations(rows).max(1.0);
         let mut square = rows.iter().map(|r| r.square * r.count).sum::<f64>() / equations * share;
@@ -82,7 +102,8 @@ impl Tails {
     }
 
     /// Residuals are a little smaller than the noise: `share` makes up for it.
-    fn log_likelihood(&self, rows: &[Rest], share: f64) -> f64 {
+    #[must_use]
+    pub fn log_likelihood(&self, rows: &[Rest], share: f64) -> f64 {
         let each = rows.iter().map(|r| {
             let m = r.equations as f64;
             let square = r.square * share / (self.scale * self.scale);

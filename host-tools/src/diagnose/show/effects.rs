@@ -9,7 +9,7 @@ use crate::diagnose::naming::{curve_probability, is_curve_named, is_named};
 use crate::diagnose::node::Node;
 use crate::diagnose::outcome::GapRow;
 use crate::diagnose::policy::POLICY;
-use crate::diagnose::weigh::{Curved, Doubt, Weighed};
+use crate::diagnose::weigh::{Curved, Doubt, Named, Weighed};
 use crate::effects::OUTLIERS;
 use crate::evidence::Aliases;
 use crate::identify::fit::robust::Outlier;
@@ -38,9 +38,18 @@ pub fn effects(
         for (i, term) in terms.iter().enumerate().filter(|(_, t)| of(t)) {
             let (name, joints) = (term.effect_name(), term.joints());
             let claim = weighed.names.iter().find(|n| n.name == name && n.joints == joints);
-            let there = there(terms, sigmas, i);
-            let probability = claim.map_or(0.0, |c| c.probability) * there;
+            let own = |k: usize| of_order(claim, terms, sigmas, k);
+            // The claim is of the name at the joint: the most probable of its orders has it.
+            let other = |k: &usize| {
+                let (t, order) = (&terms[*k], terms[*k].order());
+                (t.effect_name(), t.joints()) == (name, joints.clone()) && order != term.order()
+            };
+            let more = |k: usize| own(k) > own(i) || (own(k) == own(i) && k < i);
+            let first = !(0..terms.len()).filter(other).any(more);
+            let whole = claim.map_or(0.0, |c| c.probability);
+            let probability = if first { whole } else { own(i) };
             let sure = claim.is_some_and(is_named) && probability >= POLICY.named;
+            let known = claim.is_some_and(|c| c.orders.is_empty()) || own(i) >= POLICY.named;
             let effect = Effect {
                 name,
                 joints,
@@ -48,7 +57,8 @@ pub fn effects(
                 order_sigma: certainty.of_order(term),
                 orders_alike: match certainty.of_order(term) {
                     Some(sigma) if sigma > KNOWN => Vec::new(),
-                    _ => alike(term, findings.problem, best, highest_order),
+                    _ if known => alike(term, findings.problem, best, highest_order),
+                    _ => others(claim, term),
                 },
                 time_constant_s: term.time_constant(),
                 time_constant_sigma_s: term.time_constant().and(certainty.time_constant),
@@ -69,9 +79,24 @@ pub fn effects(
     (named, suspected)
 }
 
-/// How sure it is that the order of a term is there. The claim is of the name at the joint, so of
-/// the strongest of its orders; another is as likely as not, and then of the strongest's size,
-/// before its cosine and sine are looked at.
+/// How probable the order of a term is: by all models that hold it, or, of what all models of the
+/// claim have, and of lines, by what it does.
+fn of_order(claim: Option<&Named>, terms: &[ModelTerm], sigmas: &[f64], term: usize) -> f64 {
+    let Some(claim) = claim else { return 0.0 };
+    let told = claim.orders.iter().find(|order| Some(order.0) == terms[term].order());
+    told.map_or_else(|| claim.probability * there(terms, sigmas, term), |order| order.1)
+}
+
+/// Other orders of the claim that it may as well be.
+fn others(claim: Option<&Named>, term: &ModelTerm) -> Vec<f64> {
+    let all = claim.map_or(&[][..], |claim| &claim.orders[..]);
+    let may = |order: &&(f64, f64)| order.1 > 1.0 - POLICY.named && Some(order.0) != term.order();
+    all.iter().filter(may).map(|order| order.0).collect()
+}
+
+/// How sure it is that the order of a term is there, where no model is without the claim's
+/// strongest: another is as likely as not, and then of the strongest's size, before its cosine
+/// and sine are looked at.
 fn there(terms: &[ModelTerm], sigmas: &[f64], term: usize) -> f64 {
     let of = |t: &ModelTerm| (t.effect_name(), t.joints());
     let own = || terms.iter().zip(sigmas).filter(|(t, _)| of(t) == of(&terms[term]));
@@ -275,10 +300,10 @@ mod tests {
 
     use super::*;
 
-    /// Cosines of an eccentricity in joints 1 and 2.
+    /// Cosines of waves in joints 1 and 2.
     fn terms() -> Vec<ModelTerm> {
         let of = |joint: u8, order: f64, coefficient: f64| {
-            let effect = Known::EncoderEccentricity;
+            let effect = Known::JointPeriodicError;
             ModelTerm::Arm(Term { effect, joint, source: 0, component: 0, order, coefficient })
         };
         vec![of(0, 1.0, 1e-5), of(0, 2.0, 4e-4), of(0, 2.0, 0.0), of(1, 1.0, 1e-5)]

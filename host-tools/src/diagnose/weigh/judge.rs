@@ -1,6 +1,7 @@
 //! A search's result judged: on poses held out, in both halves, against rivals.
 
 use rayon::prelude::*;
+use truearm::effects::{Order, Term};
 
 use super::doubts;
 use super::halves;
@@ -59,6 +60,7 @@ pub fn answer(
                     name: candidate.name(),
                     joints: candidate.joints(),
                     probability,
+                    orders: orders(of, found, claim),
                     half_gain,
                     doubt: (!borne.agree).then_some(Doubt::Halves),
                 };
@@ -88,6 +90,34 @@ pub fn answer(
         by_curves: ByCurves::default(),
         stages: Vec::new(),
     }
+}
+
+/// How probable each order is of a claim that candidates of some of several orders make: by all
+/// models that have it. Lines are candidates of one order each, near others that are the same
+/// line.
+fn orders(of: &Explained, found: &Explanation, claim: Claim) -> Vec<(f64, f64)> {
+    let own = |m: &usize| {
+        let entry = &of.possible[*m].entry;
+        Claim::from(entry) == claim && entry.part == 0
+    };
+    let candidates: Vec<usize> = (0..of.possible.len()).filter(own).collect();
+    let waves = |m: usize| {
+        let wave =
+            |term: &Term<f64>| matches!(term.effect.order(), Order::Harmonic | Order::Cycles);
+        let terms = of.possible[m].arm_terms().filter(wave);
+        terms.map(|term| term.order).collect::<Vec<f64>>()
+    };
+    let mut all: Vec<f64> = candidates.iter().flat_map(|m| waves(*m)).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    // What all of them have is as probable as the claim, and says nothing of its size.
+    let probability = |order: f64| {
+        let with: Vec<usize> =
+            candidates.iter().copied().filter(|m| waves(*m).contains(&order)).collect();
+        let told = with.len() < candidates.len();
+        told.then(|| (order, found.posterior.probability_of(&with)))
+    };
+    all.into_iter().filter_map(probability).collect()
 }
 
 /// Residuals of every row, predicted with all decided without its fold; the

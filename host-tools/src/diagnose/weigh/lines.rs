@@ -10,7 +10,7 @@ use crate::diagnose::policy::POLICY;
 use crate::effects::Offer;
 use crate::evidence::Aliases;
 use crate::evidence::lines::{JointColumn, Line, Orders};
-use crate::identify::{Problem, State};
+use crate::identify::State;
 
 /// Lines within so many steps of one another may be one: at the ends of what the
 /// joint covered their phases are less than a turn apart.
@@ -40,25 +40,20 @@ fn line(candidate: &Candidate) -> Option<Held> {
 }
 
 /// Whether members of a model are what it had, lines at orders that phases at the ends of what
-/// the joint covers do not tell apart.
+/// their joint covers (least and most, rad) do not tell apart.
 #[must_use]
-pub fn are_still(problem: &Problem, members: &[Candidate], added: &[Candidate]) -> bool {
-    let still = |own: Held, other: Held| {
-        let (least, most) = problem
-            .data
-            .rows
-            .iter()
-            .map(|row| row.q[own.0])
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), q| {
-                (least.min(q), most.max(q))
-            });
-        own.0 == other.0 && (own.1 - other.1).abs() * (most - least) / 2.0 <= STILL
+pub fn are_still(members: &[Candidate], added: &[Candidate], covered: &[[f64; 2]]) -> bool {
+    let near = |a: Held, b: Held| {
+        let [least, most] = covered[a.0];
+        a.0 == b.0 && (a.1 - b.1).abs() * (most - least) / 2.0 <= STILL
     };
-    let was = |m: &Candidate| {
-        let near = |a: &Candidate| line(m).zip(line(a)).is_some_and(|(m, a)| still(m, a));
-        added.iter().any(|a| a.terms == m.terms || near(a))
+    let one = |a: &Candidate, b: &Candidate| {
+        a.terms == b.terms || line(a).zip(line(b)).is_some_and(|(a, b)| near(a, b))
     };
-    members.len() == added.len() && members.iter().all(was)
+    // Both ways, or two that are near one stand for it and for what is gone.
+    let within =
+        |some: &[Candidate], all: &[Candidate]| some.iter().all(|a| all.iter().any(|b| one(a, b)));
+    members.len() == added.len() && within(members, added) && within(added, members)
 }
 
 /// Lines as candidates: those held and, but of joints that are closed, those of a scan.
@@ -187,4 +182,35 @@ pub(super) fn sharpened(column: &JointColumn, order: f64, step: f64, held: &[Wav
     }
     // As a blob holds it.
     ((low + high) / 2.0 * 64.0).round() / 64.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(joint: usize, order: f64) -> Candidate {
+        Offer::of_arm(Effect::JointPeriodicError, &[joint], &[order], 1).into()
+    }
+
+    #[test]
+    fn lines_are_still_as_far_as_their_joint_tells() {
+        let gap: Candidate = Offer::of_arm(Effect::Backlash, &[1], &[0.0], 1).into();
+        let were = [gap.clone(), wave(0, 80.0), wave(1, 128.0)];
+        let still =
+            |now: &[Candidate], half: f64| are_still(now, &were, &[[1.0 - half, 1.0 + half]; 3]);
+        // In any order, and by no more than a tenth of a radian at the ends.
+        assert!(still(&[wave(1, 128.0), wave(0, 80.03), gap.clone()], 3.0));
+        assert!(!still(&[wave(1, 128.0), wave(0, 80.05), gap.clone()], 3.0));
+        assert!(still(&[wave(1, 128.0), wave(0, 80.05), gap.clone()], 0.5));
+        // Not at another joint, and nothing that is more or less.
+        assert!(!still(&[wave(1, 128.0), wave(2, 80.0), gap.clone()], 3.0));
+        assert!(!still(&[wave(1, 128.0), wave(0, 80.0)], 3.0));
+        // Two beside one are not it and another.
+        assert!(!still(&[gap.clone(), wave(0, 80.0), wave(0, 80.01)], 3.0));
+        let twice = [gap.clone(), wave(0, 80.0), wave(0, 80.01)];
+        assert!(!are_still(&were, &twice, &[[-3.0, 3.0]; 3]));
+        // What is no line is the same or another.
+        let other: Candidate = Offer::of_arm(Effect::Backlash, &[1], &[0.01], 1).into();
+        assert!(!still(&[other, wave(0, 80.0), wave(1, 128.0)], 3.0));
+    }
 }

@@ -130,25 +130,16 @@ fn from_geometry(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<(Star
 /// The same where joints may scatter by themselves, without lines that do not predict poses
 /// held out of their scan; of their joints no other is looked for.
 fn replicated(q: &Question, mut found: Searched, progress: &dyn Fn()) -> Result<Searched> {
+    let mut dropped = Vec::new();
     loop {
-        let joints = scattering::next(q, &found);
-        if joints.is_empty() && found.ended {
-            break;
-        }
-        if joints.is_empty() {
-            found = search(q, found.again(), WHOLE, progress)?;
-            continue;
-        }
-        let problem = found.bent.problem(q.problem);
-        let asked = Question { problem: &problem, ..*q };
-        let mut start = found.again();
-        // What fitted the scatter has to be found again beside it: with it in, the scatter
-        // is taken for smaller than it is.
-        let others = |c: &&Candidate| joints.iter().all(|joint| !scattering::fits(c, *joint));
-        let kept: Vec<_> = start.node.added.iter().filter(others).cloned().collect();
-        start.scattering.extend(joints.iter().map(|joint| (*joint, 0.0)));
-        start.node = fitted(&asked, kept, &found.best.fit.fit.state)?;
-        found = search(q, start, BESIDE_SCATTER, progress)?;
+        found = match (scattering::next(q, &found, &dropped), found.ended) {
+            (Some(change), _) => {
+                dropped.extend(change.dropped());
+                search(q, scattering::after(q, &found, change)?, BESIDE_SCATTER, progress)?
+            }
+            (None, false) => search(q, found.again(), WHOLE, progress)?,
+            (None, true) => break,
+        };
     }
     for _ in 0..RESCANS {
         let ghosts = rescan::ghosts(q, &found);
@@ -173,11 +164,11 @@ fn replicated(q: &Question, mut found: Searched, progress: &dyn Fn()) -> Result<
 /// Rounds of linearising, weighing and fitting until nothing changes.
 fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Result<Searched> {
     let Start { mut node, curves, mut bent, mut scale, mut refused, lines, .. } = start;
-    let Start { closed, scattering, even, mut nameless, .. } = start;
+    let Start { closed, scattering: mut scattered, even, mut nameless, .. } = start;
     let lambda = q.flags.lambda;
     let mut held = [lines::of(&node.added), lines].concat();
-    let mut scattered = scattering;
     let joints: Vec<usize> = scattered.iter().map(|s| s.0).collect();
+    let covered = q.problem.data.covered();
     let mut round = 0;
     loop {
         round += 1;
@@ -222,7 +213,7 @@ fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Resu
         let beside = possible::same(&without_name, &nameless)
             && scattering::is_settled(&scattered, &weights.scattering);
         let same = beside && are(&added, &node.added);
-        let still = beside && lines::are_still(&problem, &added, &node.added);
+        let still = beside && lines::are_still(&added, &node.added, &covered);
         nameless = without_name;
         scattered.clone_from(&weights.scattering);
         // What has a name is fitted without it, and rows that it moves far are no tails.

@@ -8,10 +8,13 @@ use super::nameless::Nameless;
 use super::possible::What;
 use super::search_result::Searched;
 use super::sheet::{Scattered, Sheet, Weights};
+use super::start::Start;
 use super::{members_of, weights};
 use crate::diagnose::candidates;
+use crate::diagnose::node::fitted;
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::question::Question;
+use crate::error::Result;
 use crate::evidence::{Candidate, Subsets};
 use crate::identify::Problem;
 use crate::model::ModelTerm;
@@ -38,23 +41,96 @@ pub fn fits(candidate: &candidates::Candidate, joint: usize) -> bool {
     kind && candidate.joints().last() == Some(&(joint + 1))
 }
 
-/// The next joints, counted from 0, whose scatter explains more than their effects alone, with
-/// them or in their place: each beside those before it, so that one search follows and not one
-/// a joint.
+/// What is next to be changed of the joints, counted from 0, that scatter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Change {
+    /// This one does, too.
+    Add(usize),
+    /// This one does not, beside those that were found after it.
+    Drop(usize),
+}
+
+impl Change {
+    /// A joint that is not asked again.
+    #[must_use]
+    pub fn dropped(self) -> Option<usize> {
+        match self {
+            Self::Add(_) => None,
+            Self::Drop(joint) => Some(joint),
+        }
+    }
+}
+
+/// The joint whose scatter explains most, beside what stands for it or in its place, and enough
+/// more than nothing; or one that no longer explains enough beside others. What was `dropped` is
+/// not asked again.
 #[must_use]
-pub fn next(q: &Question, found: &Searched) -> Vec<usize> {
+pub fn next(q: &Question, found: &Searched, dropped: &[usize]) -> Option<Change> {
     let known: Vec<usize> = found.weights.scattering.iter().map(|s| s.0).collect();
     let problem = found.bent.problem(q.problem);
+    let members = asked(found);
     let compared = Compared { q, found, problem: &problem };
-    let mut joints = known.clone();
-    let mut members = asked(found);
-    let mut plain = None;
-    while let Some(more) = compared.next(&joints, &members, plain) {
-        joints.push(more.joint);
-        members = more.members;
-        plain = Some(more.evidence);
+    let plain = compared.noise(&known);
+    let enough = -POLICY.odds.ln();
+    let scattered = |joint: usize| {
+        let fitted = |m: &usize| match &found.possible[*m].what {
+            What::Effect(c) => fits(c, joint),
+            What::Nameless(what) => what.joint() == Some(joint),
+        };
+        let bare: Vec<usize> = members.iter().copied().filter(|m| !fitted(m)).collect();
+        let noise = compared.noise(&[&known[..], &[joint]].concat());
+        // Nothing that it has may be its scatter: what is left has to say so by itself.
+        let alone = bare.len() == members.len() && noise.whole() < plain.whole() + enough;
+        let ratio = noise.weights.scattering.last().map_or(0.0, |s| s.1);
+        let denied = || {
+            let all = &noise.weights.scattering;
+            weights::denied(&problem, &found.best, all) > enough
+        };
+        (ratio > 0.0 && !alone && !denied()).then_some((joint, bare, noise))
+    };
+    let joints = (0..problem.nominal.len()).into_par_iter();
+    let others = joints.filter(|joint| !known.contains(joint) && !dropped.contains(joint));
+    let asked: Vec<_> = others.filter_map(scattered).collect();
+    // The last one was found beside all others.
+    let before = known.split_last().map_or(&[][..], |(_, before)| before);
+    if asked.is_empty() && before.is_empty() {
+        return None;
     }
-    joints.split_off(known.len())
+    let plain = compared.evidence(&plain, &[&members]);
+    let without = before.par_iter().map(|joint| {
+        let others: Vec<usize> = known.iter().copied().filter(|k| k != joint).collect();
+        (*joint, plain - compared.evidence(&compared.noise(&others), &[&members]))
+    });
+    let least = without.collect::<Vec<_>>().into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    if let Some((joint, _)) = least.filter(|least| least.1 < enough) {
+        return Some(Change::Drop(joint));
+    }
+    let rated: Vec<(usize, f64)> = asked
+        .par_iter()
+        .map(|(joint, bare, noise)| (*joint, compared.evidence(noise, &[&members, bare]) - plain))
+        .collect();
+    let best = rated.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (best.1 > enough).then_some(Change::Add(best.0))
+}
+
+/// Where a search begins after this change. What fitted the scatter of a joint has to be found
+/// again beside it: with it in, the scatter is taken for smaller than it is.
+///
+/// # Errors
+/// When a fit does not converge.
+pub fn after(q: &Question, found: &Searched, change: Change) -> Result<Start> {
+    let problem = found.bent.problem(q.problem);
+    let asked = Question { problem: &problem, ..*q };
+    let mut start = found.again();
+    match change {
+        Change::Add(joint) => {
+            start.node.added.retain(|c| !fits(c, joint));
+            start.scattering.push((joint, 0.0));
+        }
+        Change::Drop(joint) => start.scattering.retain(|s| s.0 != joint),
+    }
+    start.node = fitted(&asked, start.node.added, &found.best.fit.fit.state)?;
+    Ok(start)
 }
 
 /// Whether what joints scatter, (joint, ratio of variance), is what it was a round ago: while
@@ -82,54 +158,35 @@ struct Compared<'a> {
     problem: &'a Problem<'a>,
 }
 
-/// A joint that scatters, and the better of the models with and without what fits it.
-struct More {
-    joint: usize,
-    members: Vec<usize>,
-    evidence: f64,
+/// Noise of a fit some joints of which scatter.
+struct Noise {
+    weights: Weights,
+    scattered: Scattered,
+}
+
+impl Noise {
+    /// Log likelihood of what the fit leaves, up to a constant of the rows.
+    fn whole(&self) -> f64 {
+        self.weights.tailed.whole - 0.5 * self.scattered.log_det
+    }
 }
 
 impl Compared<'_> {
-    /// The joint whose scatter explains most beside these and a model of these members, if it
-    /// explains enough more than they do alone (their evidence, where it is known).
-    fn next(&self, joints: &[usize], members: &[usize], plain: Option<f64>) -> Option<More> {
-        let after = |joints: &[usize]| weights::after(self.problem, &self.found.best, joints);
-        let scattered = |joint: usize| {
-            let fitted = |m: &usize| match &self.found.possible[*m].what {
-                What::Effect(c) => fits(c, joint),
-                What::Nameless(what) => what.joint() == Some(joint),
-            };
-            let bare: Vec<usize> = members.iter().copied().filter(|m| !fitted(m)).collect();
-            if bare.len() == members.len() {
-                return None;
-            }
-            let weights = after(&[joints, &[joint]].concat());
-            weights.scattering.last().is_some_and(|s| s.1 > 0.0).then_some((joint, bare, weights))
-        };
-        let others = (0..self.problem.nominal.len()).into_par_iter();
-        let asked: Vec<_> =
-            others.filter(|joint| !joints.contains(joint)).filter_map(scattered).collect();
-        if asked.is_empty() {
-            return None;
-        }
-        let plain = plain.unwrap_or_else(|| self.evidence(&after(joints), [members])[0]);
-        let more = |(joint, bare, weights): (usize, Vec<usize>, Weights)| {
-            let [with, without] = self.evidence(&weights, [members, &bare]);
-            let (members, evidence) =
-                if without > with { (bare, without) } else { (members.to_vec(), with) };
-            More { joint, members, evidence }
-        };
-        let rated: Vec<More> = asked.into_par_iter().map(more).collect();
-        let best = rated.into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
-        (best.evidence - plain > -POLICY.odds.ln()).then_some(best)
+    /// That of these joints, as large as what is left says.
+    fn noise(&self, joints: &[usize]) -> Noise {
+        let Self { found, problem, .. } = self;
+        let weights = weights::after(problem, &found.best, joints);
+        let fit = &found.best.fit;
+        let scattered = Scattered::of(problem, &fit.fit.state, &fit.kept, &weights.scattering);
+        Noise { weights, scattered }
     }
 
-    /// Log evidence under such noise of models that are parts of the first one, up to a
-    /// constant of the rows.
-    fn evidence<const M: usize>(&self, weights: &Weights, models: [&[usize]; M]) -> [f64; M] {
+    /// Log evidence of the best of some models under such noise, up to a constant of the rows.
+    fn evidence(&self, noise: &Noise, models: &[&[usize]]) -> f64 {
         let Self { q, found, problem } = self;
+        let Noise { weights, scattered } = noise;
         let (state, rows) = (&found.best.fit.fit.state, &found.best.fit.kept);
-        let all = models[0];
+        let all = asked(found);
         let possible: Vec<_> = all.iter().map(|m| found.possible[*m].clone()).collect();
         let sheet = Sheet::new(problem, state, &possible, weights, &found.curves).bending(
             found.bent.bending(state),
@@ -139,11 +196,11 @@ impl Compared<'_> {
         let precision = sheet.precision(q.flags.lambda);
         let gram = sheet.gram(rows);
         let entries: Vec<Candidate> = possible.iter().map(|p| p.entry.clone()).collect();
-        let scattered = Scattered::of(problem, state, rows, &weights.scattering);
         // At the noise that is left beside the scatter.
-        let of = |members: &[usize]| {
+        let of = |members: &&[usize]| {
             let own: Vec<usize> = (0..all.len()).filter(|k| members.contains(&all[*k])).collect();
-            let (mut scale, mut out) = (found.found.scale, f64::NEG_INFINITY);
+            let mut scale = found.found.scale;
+            let mut out = f64::NEG_INFINITY;
             for _ in 0..ROUNDS {
                 let geometry = gram.geometry(&precision, scale);
                 let subsets = Subsets::new(gram.project(&geometry), entries.clone());
@@ -152,9 +209,11 @@ impl Compared<'_> {
                 out = best.log_mass - poses * scale.ln() - 0.5 * geometry.log_det();
                 scale = subsets.scale_of(&best);
             }
-            out - 0.5 * scattered.log_det
+            out
         };
-        models.map(of)
+        let best = models.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        // Formulas for normal noise do not know what tails cost.
+        best + weights.tailed.beyond - 0.5 * scattered.log_det
     }
 }
 

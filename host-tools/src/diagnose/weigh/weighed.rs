@@ -22,6 +22,8 @@ pub struct Named {
     pub joints: Vec<usize>,
     /// That the arm has it.
     pub probability: f64,
+    /// Where it may be there at some of several orders: that each is, cycles a turn.
+    pub orders: Vec<(f64, f64)>,
     /// Fall of the error of each half of the poses when it is fitted to the
     /// other one.
     pub half_gain: [f64; 2],

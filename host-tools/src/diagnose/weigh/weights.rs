@@ -34,7 +34,7 @@ pub fn after(problem: &Problem, node: &Node, scattering: &[usize]) -> Weights {
         rows[*row] = tails.weight(*rest);
     }
     let turning = turning(problem, kept, &residuals, common);
-    Weights { rows, common, turning, scattering }
+    Weights { rows, common, turning, scattering, tailed: tails.tailed(&rests) }
 }
 
 /// What a fit leaves of each pose, in the mean of its readings.
@@ -78,6 +78,45 @@ fn scattered(
     };
     (kept.iter().map(residual).collect(), out)
 }
+
+/// By how much, in nats, readings of a pose, the arm away in between, speak against the scatter
+/// of the last of these joints: what returns with the pose is no scatter.
+#[must_use]
+pub fn denied(problem: &Problem, node: &Node, scattering: &[(usize, f64)]) -> f64 {
+    let Some(((joint, ratio), others)) = scattering.split_last() else { return 0.0 };
+    let (at, kept) = (problem.linearise(&node.fit.fit.state), &node.fit.kept);
+    let (mut all, mut apart) = (Vec::new(), Vec::new());
+    for readings in by_pose(&problem.data.rows, kept) {
+        let rows: Vec<usize> = readings.iter().map(|k| kept[*k]).collect();
+        let mut mean = DVector::zeros(0);
+        let mut visits = 0.0;
+        for (k, row) in rows.iter().enumerate() {
+            let (ways, residual) = along(&at, problem, *row, *joint, others);
+            if ways.ncols() != 1 {
+                continue;
+            }
+            let (way, residual) = (ways.column(0).into(), DVector::from_column_slice(&residual));
+            all.push(Seen::of(&way, &residual));
+            if k > 0 && (rows[k - 1] + 1 == *row || !repeat(&problem.data.rows, &rows)) {
+                continue;
+            }
+            if visits > 0.0 {
+                // Contrasts of Helmert are as independent as the readings, and scatter as they do.
+                let root = f64::sqrt(visits / (visits + 1.0));
+                apart.push(Seen::of(&way, &((&mean - &residual) * root)));
+                mean += (residual - &mean) / (visits + 1.0);
+            } else {
+                mean = residual;
+            }
+            visits += 1.0;
+        }
+    }
+    let variance = ratio * directed::other_variance(&all, *ratio);
+    if apart.len() < REPEATED { 0.0 } else { directed::less_likely(&apart, variance) }
+}
+
+/// Fewer readings of poses read before tell nothing of what returns with the pose.
+const REPEATED: usize = 10;
 
 /// How readings of a target in a pose, and poses, scatter after a fit, in sigmas.
 #[must_use]

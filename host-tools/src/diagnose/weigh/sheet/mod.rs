@@ -4,6 +4,7 @@
 mod beside_springs;
 mod exchange;
 mod extra_unknowns;
+mod held;
 mod line_scan;
 mod repeats;
 mod residuals;
@@ -17,17 +18,19 @@ use truearm::LinkParameter;
 use truearm::effects::Term;
 
 use super::joint_curves::{self, Curve};
-use super::possible::{Possible, columns_of, of_arm};
+use super::possible::{Possible, of_arm};
 use crate::diagnose::moments::Bending;
 use crate::diagnose::policy::POLICY;
 use crate::evidence::Gram;
 use crate::evidence::poses::{Repeats, whiten};
+use crate::evidence::tails::Tailed;
 use crate::identify::problem::accumulate::tree;
 use crate::identify::{Linearised, Problem, State, Unknown};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
 use crate::observations::{by_pose, postures, repeat};
 use beside_springs::shares;
+use held::held;
 pub use repeats::counted;
 use repeats::differs;
 pub use scattered::{Scattered, along};
@@ -56,13 +59,21 @@ pub struct Weights {
     /// Joints, counted from 0, that scatter by themselves, and the ratio of the variance of
     /// their angle, rad^2, to that of the stated noise.
     pub scattering: Vec<(usize, f64)>,
+    /// Log likelihood of the tails that the weights of rows stand for.
+    pub tailed: Tailed,
 }
 
 impl Weights {
     /// Of rows that count alike.
     #[must_use]
     pub fn alike(rows: usize) -> Self {
-        Self { rows: vec![1.0; rows], common: 0.0, turning: 0.0, scattering: Vec::new() }
+        Self {
+            rows: vec![1.0; rows],
+            common: 0.0,
+            turning: 0.0,
+            scattering: Vec::new(),
+            tailed: Tailed::default(),
+        }
     }
 }
 
@@ -116,16 +127,8 @@ impl<'a> Sheet<'a> {
         let columns: Vec<_> = possible.iter().flat_map(Possible::coefficients_zero).collect();
         let own = |k: &usize| columns[*k].as_ref().is_some_and(differs);
         let differing = (0..columns.len()).filter(own).collect();
-        let held = columns.iter().map(|term| {
-            let same = |t: &&crate::model::ModelTerm| {
-                let mut t = (*t).clone();
-                *t.coefficient_mut() = 0.0;
-                *term == Some(t)
-            };
-            state.terms.iter().find(same).map_or(0.0, |t| t.coefficient())
-        });
         Self {
-            held: DVector::from_iterator(columns_of(possible), held),
+            held: held(&columns, &state.terms),
             differing,
             at: problem.linearise(state),
             problem,
