@@ -97,6 +97,25 @@ fn what_returns_with_the_pose_is_no_scatter() {
     }
 }
 
+/// A zero that is another from a row on is that, and no scatter beside it.
+#[test]
+fn a_slip_is_no_scatter() {
+    for (seed, joint, row) in [(70, 1, 40), (71, 2, 60), (72, 3, 80)] {
+        let mut session = session(120, seed, &|q: &[f64], _: &[f64]| q.to_vec(), &still);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        for k in row..120 {
+            let mut q = session.poses[k].clone();
+            q[joint] += 5e-4;
+            session.points[k] = session.truth.point(&q, 0, 0) + vector(&mut rng) * SIGMA;
+        }
+        let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
+        let any = (1..7).any(|joint| told(&outcome, joint));
+        assert!(!any, "{seed}: {:?}", outcome.figures.warnings);
+        let slip = format!("the zero of joint {} is another from row", joint + 1);
+        assert!(outcome.unnamed.iter().any(|w| w.contains(&slip)), "{:?}", outcome.unnamed);
+    }
+}
+
 /// Whether a joint is said to scatter.
 fn told(outcome: &Outcome, joint: usize) -> bool {
     let words = format!("joint {joint} scatters by ");

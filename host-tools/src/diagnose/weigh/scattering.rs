@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 use truearm::effects::Effect;
 
-use super::nameless::Nameless;
+use super::nameless;
 use super::possible::What;
 use super::search_result::Searched;
 use super::sheet::{Scattered, Sheet, Weights};
@@ -67,9 +67,17 @@ impl Change {
 #[must_use]
 pub fn next(q: &Question, found: &Searched, dropped: &[usize]) -> Option<Change> {
     let known: Vec<usize> = found.weights.scattering.iter().map(|s| s.0).collect();
-    let problem = found.bent.problem(q.problem);
+    let (problem, state) = (found.bent.problem(q.problem), &found.best.fit.fit.state);
+    let nameless = found.nameless();
+    // What has no name and is of no joint is set aside, or it is scatter.
+    let others: Vec<_> = nameless.iter().filter(|held| held.0.joint().is_none()).cloned().collect();
+    let compared = Compared {
+        q,
+        found,
+        problem: &nameless::without(&problem, state, &others),
+        left: &nameless::without(&problem, state, &nameless),
+    };
     let members = asked(found);
-    let compared = Compared { q, found, problem: &problem };
     let plain = compared.noise(&known);
     let enough = -POLICY.odds.ln();
     let scattered = |joint: usize| {
@@ -84,20 +92,18 @@ pub fn next(q: &Question, found: &Searched, dropped: &[usize]) -> Option<Change>
         let ratio = noise.weights.scattering.last().map_or(0.0, |s| s.1);
         let denied = || {
             let all = &noise.weights.scattering;
-            weights::denied(&problem, &found.best, all) > enough
+            weights::denied(compared.left, &found.best, all) > enough
         };
         (ratio > 0.0 && !alone && !denied()).then_some((joint, bare, noise))
     };
     let joints = (0..problem.nominal.len()).into_par_iter();
     let others = joints.filter(|joint| !known.contains(joint) && !dropped.contains(joint));
     let asked: Vec<_> = others.filter_map(scattered).collect();
-    // The last one was found beside all others.
-    let before = known.split_last().map_or(&[][..], |(_, before)| before);
-    if asked.is_empty() && before.is_empty() {
+    if asked.is_empty() && known.is_empty() {
         return None;
     }
     let plain = compared.evidence(&plain, &[&members]);
-    let without = before.par_iter().map(|joint| {
+    let without = known.par_iter().map(|joint| {
         let others: Vec<usize> = known.iter().copied().filter(|k| k != joint).collect();
         (*joint, plain - compared.evidence(&compared.noise(&others), &[&members]))
     });
@@ -125,6 +131,7 @@ pub fn after(q: &Question, found: &Searched, change: Change) -> Result<Start> {
     match change {
         Change::Add(joint) => {
             start.node.added.retain(|c| !fits(c, joint));
+            start.nameless.retain(|held| held.0.joint() != Some(joint));
             start.scattering.push((joint, 0.0));
         }
         Change::Drop(joint) => start.scattering.retain(|s| s.0 != joint),
@@ -141,21 +148,22 @@ pub fn is_settled(before: &[(usize, f64)], now: &[(usize, f64)]) -> bool {
         && before.iter().zip(now).all(|(a, b)| (a.1 - b.1).abs() <= SETTLED * a.1.max(b.1))
 }
 
-/// What the most probable model has: effects, and joints that are off as something goes.
+/// What the most probable model has: effects, and what has no name but a joint.
 fn asked(found: &Searched) -> Vec<usize> {
-    let follows = |m: &usize| match &found.possible[*m].what {
-        What::Nameless(Nameless::Follows(follows)) => follows.part.joint().is_some(),
-        _ => false,
+    let asked = |m: &usize| match &found.possible[*m].what {
+        What::Nameless(nameless) => nameless.joint().is_some(),
+        What::Effect(_) => false,
     };
-    let nameless = found.found.best.members.iter().copied().filter(follows);
+    let nameless = found.found.best.members.iter().copied().filter(asked);
     members_of(&found.possible, &found.best).into_iter().chain(nameless).collect()
 }
-
 /// A search's result under other noise.
 struct Compared<'a> {
     q: &'a Question<'a>,
     found: &'a Searched,
     problem: &'a Problem<'a>,
+    /// The same without anything that has no name.
+    left: &'a Problem<'a>,
 }
 
 /// Noise of a fit some joints of which scatter.
@@ -174,16 +182,16 @@ impl Noise {
 impl Compared<'_> {
     /// That of these joints, as large as what is left says.
     fn noise(&self, joints: &[usize]) -> Noise {
-        let Self { found, problem, .. } = self;
-        let weights = weights::after(problem, &found.best, joints);
+        let Self { found, left, .. } = self;
+        let weights = weights::after(left, &found.best, joints);
         let fit = &found.best.fit;
-        let scattered = Scattered::of(problem, &fit.fit.state, &fit.kept, &weights.scattering);
+        let scattered = Scattered::of(left, &fit.fit.state, &fit.kept, &weights.scattering);
         Noise { weights, scattered }
     }
 
     /// Log evidence of the best of some models under such noise, up to a constant of the rows.
     fn evidence(&self, noise: &Noise, models: &[&[usize]]) -> f64 {
-        let Self { q, found, problem } = self;
+        let Self { q, found, problem, .. } = self;
         let Noise { weights, scattered } = noise;
         let (state, rows) = (&found.best.fit.fit.state, &found.best.fit.kept);
         let all = asked(found);

@@ -97,7 +97,9 @@ pub fn denied(problem: &Problem, node: &Node, scattering: &[(usize, f64)]) -> f6
             }
             let (way, residual) = (ways.column(0).into(), DVector::from_column_slice(&residual));
             all.push(Seen::of(&way, &residual));
-            if k > 0 && (rows[k - 1] + 1 == *row || !repeat(&problem.data.rows, &rows)) {
+            let pose = |row: usize| problem.data.rows[row].pose;
+            let stayed = |before: usize| (before..*row).all(|r| pose(r) == pose(*row));
+            if k > 0 && (stayed(rows[k - 1]) || !repeat(&problem.data.rows, &rows)) {
                 continue;
             }
             if visits > 0.0 {
