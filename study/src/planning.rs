@@ -99,7 +99,7 @@ impl Trial {
             let found = fit(&problem, &rows, None, &self.truth.state(), Freedom::All(1.0));
             let arm = Predictor::new(&found.unwrap().state);
             for (i, row) in judged.rows.iter().enumerate() {
-                let error = arm.point(row, i, &conditions) - row.measured.point();
+                let error = arm.point(row, &conditions.rows[i]) - row.measured.point();
                 squares[k % 2][i] += error.norm_squared();
             }
         }

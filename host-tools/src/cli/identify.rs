@@ -2,8 +2,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use truearm_host::evaluate::evaluate;
-use truearm_host::identify::{LambdaRule, Options, Scaling, identify};
-use truearm_host::model::Measurements;
+use truearm_host::files::Pieces;
+use truearm_host::gram::{LARGE, Whole, identify_in_pieces};
+use truearm_host::identify::{Identification, LambdaRule, Options, Scaling, identify};
+use truearm_host::model::{Measurements, Robot};
 use truearm_host::page::{Measured, Next, identified};
 use truearm_host::report::IdentifyReport;
 
@@ -13,7 +15,7 @@ use super::check::{Ended, explained, remark};
 use super::evaluate::Frames;
 use super::progress::Bar;
 use super::rows::{apart, residuals};
-use super::{Said, deliver, overwrite, read_all, warn, words};
+use super::{Said, all_of, deliver, overwrite, warn, words};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
 #[derive(Args)]
@@ -53,6 +55,10 @@ pub struct Identify {
     /// residuals in sigmas, or lambda I in metres and radians as the paper prints
     #[arg(long, value_enum, default_value_t = Mode::Prior)]
     scaling: Mode,
+    /// Read the files a piece at a time, as is done with more than a million rows: little memory.
+    /// Points only; distances and pictures are then of rows drawn by chance
+    #[arg(long)]
+    in_pieces: bool,
     /// Go on with fewer equations than unknowns
     #[arg(long)]
     allow_few_poses: bool,
@@ -74,16 +80,9 @@ impl Identify {
         let inputs = std::iter::once(&self.robot).chain(files).chain(&self.validate);
         overwrite::folder_apart(self.out.as_deref(), &overwrite::MODEL_FOLDER, inputs)?;
         let files: Vec<&PathBuf> = self.data.iter().chain(&self.more).collect();
-        let (robot, data) = read_all(&self.robot, &files)?;
+        let robot = Robot::read(&self.robot)?;
         let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
-        if let Some(other) = &other {
-            apart("--validate", &data, other)?;
-        }
-        let bar = Bar::new("identifying");
-        let found = identify(&robot, &data, &options, &|done, total| bar.update(done, total));
-        bar.finish();
-        let mut found = found.map_err(|error| explained(error, &robot, &data))?;
-        found.figures.warnings.extend(remark(Ended::of(&found.figures), &robot, &data));
+        let (data, mut found) = self.found(&robot, &files, other.as_ref(), &options)?;
         let mut validation = None;
         if let Some(other) = &other {
             let frames = self.reregister.map(Into::into).unwrap_or_default();
@@ -109,6 +108,37 @@ impl Identify {
             || residuals(&data, &found.rows),
             (|| identified(&report, &on, &next), self.figures),
         )
+    }
+
+    /// The rows, or some of them where they are too many to be held, and what was found.
+    fn found(
+        &self,
+        robot: &Robot,
+        files: &[&PathBuf],
+        other: Option<&Measurements>,
+        options: &Options,
+    ) -> Result<(Measurements, Identification)> {
+        let not_in = |data: &Measurements| match other {
+            Some(other) => apart("--validate", data, other),
+            None => Ok(()),
+        };
+        let bar = Bar::new("identifying");
+        if self.in_pieces || Pieces::more_than(LARGE, files)? {
+            let rows = Pieces::of(files, robot)?;
+            let progress = |_, read| bar.update(read, rows.rows());
+            let found = identify_in_pieces(&rows, options, &progress);
+            bar.finish();
+            let Whole { sample, found } = found?;
+            not_in(&sample)?;
+            return Ok((sample, found));
+        }
+        let data = all_of(files, robot)?;
+        not_in(&data)?;
+        let found = identify(robot, &data, options, &|done, total| bar.update(done, total));
+        bar.finish();
+        let mut found = found.map_err(|error| explained(error, robot, &data))?;
+        found.figures.warnings.extend(remark(Ended::of(&found.figures), robot, &data));
+        Ok((data, found))
     }
 
     fn options(&self) -> Result<Options> {

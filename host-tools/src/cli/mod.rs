@@ -150,11 +150,16 @@ fn read_both(robot: &Path, data: &Path) -> Result<(Robot, Measurements)> {
 /// Reads an arm and files of what was measured of it, one behind the other.
 fn read_all(robot: &Path, data: &[&PathBuf]) -> Result<(Robot, Measurements)> {
     let robot = Robot::read(robot)?;
-    let data = session(data.iter().copied(), &robot).inspect_err(|_| warn(&robot.warnings))?;
-    let data = data.ok_or_else(|| {
-        Error::usage("no file of measurements", "give one behind robot.toml, or by --data")
-    })?;
+    let data = all_of(data, &robot)?;
     Ok((robot, data))
+}
+
+/// Files of what was measured of an arm that is read.
+fn all_of(data: &[&PathBuf], robot: &Robot) -> Result<Measurements> {
+    let data = session(data.iter().copied(), robot).inspect_err(|_| warn(&robot.warnings))?;
+    data.ok_or_else(|| {
+        Error::usage("no file of measurements", "give one behind robot.toml, or by --data")
+    })
 }
 
 /// Files of what was measured of an arm, one behind the other; `None` of none.

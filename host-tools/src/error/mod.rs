@@ -165,6 +165,15 @@ impl Error {
         self
     }
 
+    /// The same without, where lines of that part are not those of the file.
+    #[must_use]
+    pub(crate) fn without_excerpt(mut self) -> Self {
+        if let Self::File { excerpt, .. } = &mut self {
+            *excerpt = None;
+        }
+        self
+    }
+
     /// Of the data as a whole.
     pub fn data(kind: ErrorKind, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::Data { kind, message: shortened(message.into()), help: shortened(help.into()) }

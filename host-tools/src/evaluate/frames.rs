@@ -129,7 +129,7 @@ pub(super) fn with_bases(
     };
     let arm = Predictor::new(&state);
     let points: Vec<_> =
-        data.rows.iter().enumerate().map(|(i, r)| arm.point(r, i, conditions)).collect();
+        data.rows.iter().enumerate().map(|(i, r)| arm.point(r, &conditions.rows[i])).collect();
     let mut bases = Vec::new();
     for (s, label) in data.stations.iter().enumerate() {
         let of = |i: &usize| {

@@ -33,7 +33,7 @@ impl<'a> CsvEdit<'a> {
         let wrong = |e: csv::Error| {
             Error::file(path, Place::default(), e.to_string(), "write one row a measurement")
         };
-        let mut reader = super::csv_reader(text);
+        let mut reader = super::csv_reader(text, true);
         let header = reader.headers().map_err(wrong)?.iter().map(str::to_owned).collect();
         let mut rows = Vec::new();
         for record in reader.records() {

@@ -2,13 +2,11 @@ use std::path::Path;
 
 use truearm::JointKind;
 
-use super::columns::{Cells, Columns, Labels};
 use super::instruments::Gathered;
-use super::pairs;
-use super::source::Source;
-use crate::error::{Error, Result, listed};
+use super::pieces::{Columnar, is_columnar};
+use crate::error::{Result, listed};
 use crate::model::near::Reach;
-use crate::model::{Measurements, Robot, Row, find_sessions, number_runs};
+use crate::model::{Measurements, Robot, number_runs};
 use crate::observations::refer_to_zeros;
 
 /// Rows whose joints agree within this are one pose, rad (0.01 degrees).
@@ -22,6 +20,10 @@ impl Measurements {
     /// # Errors
     /// Names file, line, column and remedy.
     pub fn read(path: &Path, robot: &Robot) -> Result<Self> {
+        if is_columnar(path)? {
+            let book = Gathered::beside(path, robot)?;
+            return Ok(Columnar::open(path)?.whole(robot, book)?.completed(robot));
+        }
         Self::of_file(path, &super::read(path)?, robot)
     }
 
@@ -51,95 +53,14 @@ impl Measurements {
     }
 
     fn parsed(path: &Path, text: &str, robot: &Robot, book: Gathered) -> Result<Self> {
-        let mut data = Self::table(path, text, robot, (Some("q"), true), book)?;
-        data.arrive(robot);
-        data.remark(robot);
-        Ok(data)
+        Ok(Self::table(path, text, robot, (Some("q"), true), book)?.completed(robot))
     }
 
-    /// The rows of a file: what its joint columns begin with, if it has any, and
-    /// whether it says what was measured.
-    pub(super) fn table(
-        path: &Path,
-        text: &str,
-        robot: &Robot,
-        columns: (Option<&str>, bool),
-        book: Gathered,
-    ) -> Result<Self> {
-        let source = Source { path, text };
-        source.refuse_toml()?;
-        let mut reader = super::csv_reader(text);
-        let headers = reader.headers().map_err(|e| unreadable(&source, &e))?;
-        let names: Vec<String> = headers.iter().map(str::to_owned).collect();
-        let joints = columns.0;
-        let columns = Columns::find(source, &names, robot, columns)?;
-        let mut labels = Labels { book, ..Labels::default() };
-        let mut rows = Vec::new();
-        // Once for all: what grows by doubling is in memory twice. Where there is no room for
-        // as many rows as lines, they grow.
-        let _ = rows.try_reserve_exact(text.bytes().filter(|byte| *byte == b'\n').count());
-        for record in reader.records() {
-            let record = record.map_err(|e| unreadable(&source, &e))?;
-            let (line, start) = record
-                .position()
-                .map_or((0, 0), |p| source.begin(p.line() as usize, p.byte() as usize));
-            if record.len() != names.len() {
-                return Err(source.in_line(
-                    line,
-                    start,
-                    format!("{} cells where the header has {}", record.len(), names.len()),
-                    "give every row a cell for every column; leave unknown ones empty",
-                ));
-            }
-            let cells = Cells { source, line, start, names: &names, record: &record };
-            if rows.is_empty() && cells.unit_row()? {
-                continue;
-            }
-            rows.push(columns.row(&cells, robot, &mut labels)?);
-        }
-        if rows.is_empty() {
-            return Err(source.whole("no data rows", "add measurements"));
-        }
-        labels.refuse_twins(&source)?;
-        let extra = columns.extra.iter().map(|c| names[*c].clone()).collect();
-        let mut data = Self { extra_columns: extra, ..Self::bare(path, rows, robot) };
-        data.stations = labels.stations;
-        data.markers = labels.markers;
-        if !columns.of_poses() && data.rows.iter().any(|row| row.orientation.is_some()) {
-            data.warnings.push(format!(
-                "{}: orientations are not used: state how good they are, measurement_sigma_deg in \
-                 {} or a column sigma_deg, or write `pose` in a column `kind`",
-                path.display(),
-                robot.path.display()
-            ));
-        }
-        labels.book.hand_over(&mut data, robot);
-        pairs::join(&mut data, &labels.pairs, source)?;
-        if joints.is_some() {
-            data.number(robot);
-        }
-        find_sessions(&mut data.rows);
-        number_runs(&mut data.rows, &[]);
-        Ok(data)
-    }
-
-    /// Rows of which nothing else is known.
-    fn bare(path: &Path, rows: Vec<Row>, robot: &Robot) -> Self {
-        Self {
-            path: path.to_owned(),
-            behind: Vec::new(),
-            rows,
-            stations: Vec::new(),
-            markers: Vec::new(),
-            poses: 0,
-            extra_columns: Vec::new(),
-            directions_from_order: false,
-            instruments: Vec::new(),
-            known_markers: Vec::new(),
-            guessed_markers: Vec::new(),
-            base: robot.base.pose(),
-            warnings: Vec::new(),
-        }
+    /// With what the order of the rows says, and what looks wrong.
+    fn completed(mut self, robot: &Robot) -> Self {
+        self.arrive(robot);
+        self.remark(robot);
+        self
     }
 
     /// Where no column says from which side joints came to rest, the order of the
@@ -232,7 +153,7 @@ impl Measurements {
     }
 
     /// Numbers the poses by their joint values.
-    fn number(&mut self, robot: &Robot) {
+    pub(super) fn number(&mut self, robot: &Robot) {
         let reach = Reach::of_joints(robot, SAME_ANGLE, SAME_LENGTH);
         let numbers;
         (numbers, self.poses) = reach.number(self.rows.iter().map(|row| row.q.as_slice()));
@@ -240,7 +161,7 @@ impl Measurements {
     }
 
     /// Things that look wrong but may be meant.
-    fn remark(&mut self, robot: &Robot) {
+    pub(super) fn remark(&mut self, robot: &Robot) {
         let mut warn =
             |text: String| self.warnings.push(format!("{}: {text}", self.path.display()));
         if !self.extra_columns.is_empty() {
@@ -292,12 +213,4 @@ impl Measurements {
 /// Values of a joint that agree within this are one, rad or m.
 fn same(kind: JointKind) -> f64 {
     if kind == JointKind::Revolute { SAME_ANGLE } else { SAME_LENGTH }
-}
-
-fn unreadable(source: &Source, error: &csv::Error) -> Error {
-    let help = "write one comma-separated row a measurement";
-    match error.position() {
-        Some(at) => source.in_line(at.line() as usize, at.byte() as usize, error.to_string(), help),
-        None => source.whole(error.to_string(), help),
-    }
 }

@@ -16,7 +16,9 @@ mod model_terms;
 mod number;
 mod pairs;
 mod path;
+mod pieces;
 mod poses;
+mod reading;
 mod robot;
 mod signed;
 mod source;
@@ -30,6 +32,7 @@ pub use instruments::Gathered;
 pub use key::read_key;
 pub use number::number;
 pub use path::Wanted;
+pub use pieces::{Pieces, Sample};
 pub use poses::{planned_csv, poses_csv};
 pub use robot::{RobotDraft, prior_tables, with_priors};
 pub use signed::{Comment, foreign, overwritable, overwritable_like, signed};
@@ -51,6 +54,11 @@ pub fn read_text(path: &Path) -> Result<String> {
 pub(crate) fn read(path: &Path) -> Result<String> {
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
     let text = String::from_utf8(bytes).map_err(|e| {
+        if e.as_bytes().starts_with(pieces::MAGIC) {
+            let help = "give the table or TOML file that is asked for; Parquet files hold \
+                        measurements of `identify`, `diagnose`, `evaluate` and their like";
+            return Error::file(path, Place::default(), "a Parquet file", help);
+        }
         if e.as_bytes().starts_with(&truearm::blob::MAGIC) {
             return Error::file(
                 path,
@@ -74,9 +82,10 @@ pub(crate) fn read(path: &Path) -> Result<String> {
     }
 }
 
-/// How tables are read: lines that begin with `#` are comments.
-fn csv_reader(text: &str) -> csv::Reader<&[u8]> {
+/// How tables are read, or what follows their headings: lines that begin with `#` are comments.
+fn csv_reader(text: &str, headings: bool) -> csv::Reader<&[u8]> {
     csv::ReaderBuilder::new()
+        .has_headers(headings)
         .trim(csv::Trim::All)
         .flexible(true)
         .comment(Some(b'#'))

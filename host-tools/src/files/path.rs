@@ -150,7 +150,7 @@ fn joints_wanted(source: &Source, header: &[&str], wanted: Wanted) -> Result<boo
 
 /// The cells of the rows that were read, as they stand in the file.
 fn cells(source: &Source, rows: &[Row]) -> Vec<Vec<String>> {
-    let mut reader = super::csv_reader(source.text);
+    let mut reader = super::csv_reader(source.text, true);
     // What could not be read was an error before; a row of units is no row.
     let mut rows = rows.iter().peekable();
     let records = reader.records().filter_map(std::result::Result::ok);

@@ -152,7 +152,7 @@ impl Source<'_> {
 
     /// The headings of a table: those of its first line that is no remark.
     pub fn headings(&self) -> Vec<String> {
-        let mut reader = super::csv_reader(self.text);
+        let mut reader = super::csv_reader(self.text, true);
         let headings = reader.headers().map(|names| names.iter().map(str::to_owned).collect());
         headings.unwrap_or_default()
     }

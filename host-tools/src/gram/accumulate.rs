@@ -1,102 +1,167 @@
 use super::part::{FoldSums, Part};
 use super::{FOLDS, state};
 use crate::error::{Error, ErrorKind, Result};
-use crate::identify::certainty::covariance::FrameSums;
-use crate::identify::problem::accumulate::{CHUNK, tree};
-use crate::identify::start::Pairs;
-use crate::identify::{Linearised, Problem, State};
-use crate::model::arm::{Kinematics, chain};
-use crate::model::{Measurements, Model, Row, Values};
-use crate::tikhonov::Normal;
-use nalgebra::Vector3;
-use rayon::prelude::*;
-use truearm::{JointKind, Pose};
+use crate::identify::problem::accumulate::tree;
+use crate::identify::problem::moving;
+use crate::identify::{Conditions, Predictor, Unknowns};
+use crate::model::arm::{Kinematics, RowInputs, chain};
+use crate::model::near::cell;
+use crate::model::{Measurements, Model, Row};
+use nalgebra::{DVector, Vector3};
+use truearm::{Link, Pose};
+
+/// Rows of a part that one core sums.
+const LEAF: usize = 8192;
+/// Rows of a fold whose equations are summed at once: they stay in the processor's cache.
+const AT_ONCE: usize = 32;
 
 /// Sums over the rows of a part at a state.
 ///
 /// # Errors
 /// A file without rows, rows that are no points, and labels that the state does not know.
 pub fn accumulate(model: &Model, data: &Measurements) -> Result<Part> {
-    let data = &state::labelled(model, data)?;
+    let data = &*state::labelled(model, data)?;
     model.loaded(data)?;
     model.timed(data)?;
-    let (problem, at) = (state::problem(model, data), state::state(model));
-    let rows = problem.counted();
+    let rows = data.distinct();
     if rows.is_empty() {
         return Err(Error::data(ErrorKind::NoRows, "no rows to add", "give a file with rows"));
     }
-    let here = problem.linearise(&at).about_here();
-    let residuals: Vec<Values> = rows.par_iter().map(|row| here.scaled_residual(*row)).collect();
-    let (unknowns, joints) = (problem.unknowns.list().len(), problem.nominal.len());
-    let mut part = Part::none(
-        state::digest(model),
-        unknowns,
-        joints,
-        data.stations.len() * data.markers.len(),
-    );
+    let summing = Summing::new(model, &state::no_rows(model));
+    let conditions = summing.bent.then(|| Conditions::of_model(data, model));
+    let rigid = RowInputs::default();
+    let leaf = |rows: &[usize]| {
+        let mut sums = Sums::none(&summing);
+        for index in rows {
+            let inputs = conditions.as_ref().map_or(&rigid, |known| &known.rows[*index]);
+            sums.add(&data.rows[*index], inputs);
+        }
+        sums.part()
+    };
+    let join = |a: Part, b: Part| a.plus(&b).unwrap_or_else(|e| unreachable!("one state: {e}"));
+    let mut part = tree(&rows, LEAF, &leaf, &join);
     (part.files, part.poses, part.rows) = (1, data.poses as u64, rows.len() as u64);
     part.covered = data.covered();
-    residuals.iter().flat_map(|r| r.to_vec()).for_each(|r| part.residuals.add(r));
-    let flange = chain(&problem.nominal, Pose::identity(), Vector3::zeros());
-    for row in &data.rows {
-        part.turns[row.station * data.markers.len() + row.marker]
-            .add(&flange.pose(&row.q).rotation);
-    }
-    // The first round measures the scale that the others weigh by.
-    let Some(gram) = &model.gram else { return Ok(part) };
-    let counts = |r: &Values| r.amax() <= gram.weights;
-    let kept: Vec<usize> =
-        rows.iter().zip(&residuals).filter(|(_, r)| counts(r)).map(|(row, _)| *row).collect();
-    part.flagged = (rows.len() - kept.len()) as u64;
-    for (k, fold) in part.folds.iter_mut().enumerate() {
-        let own: Vec<usize> =
-            kept.iter().copied().filter(|row| fold_of(&problem, &data.rows[*row]) == k).collect();
-        *fold = sums(&here, &problem, &own, unknowns);
-    }
-    let frame = Pose::from_rotation_vector(model.frame_translation, model.frame_rotation);
-    part.frame = FrameSums::of(&problem, &at, &kept, &frame);
-    part.points = points(&problem, &at, &kept);
     Ok(part)
 }
 
-fn sums(here: &Linearised, problem: &Problem, rows: &[usize], unknowns: usize) -> FoldSums {
-    if rows.is_empty() {
-        return FoldSums { normal: Normal::none(unknowns), rows: 0, precision: 0.0 };
-    }
-    let precision = rows.iter().map(|row| problem.data.rows[*row].sigma.powi(-2)).sum();
-    FoldSums { normal: here.normal(rows, None), rows: rows.len() as u64, precision }
-}
-
-/// Points of the identified and of the nominal arm, without the station.
-fn points(problem: &Problem, at: &State, rows: &[usize]) -> Pairs {
-    let arms = |links: &[truearm::Link<f64>]| -> Vec<Box<dyn Kinematics>> {
-        at.markers.iter().map(|m| chain(links, Pose::identity(), *m)).collect()
-    };
-    let (identified, nominal) = (arms(&at.links), arms(&problem.nominal));
-    let leaf = |rows: &[usize]| {
-        let mut pairs = Pairs::default();
-        for row in rows.iter().map(|row| &problem.data.rows[*row]) {
-            let at = |arms: &[Box<dyn Kinematics>]| arms[row.marker].pose(&row.q).translation;
-            pairs.add(at(&identified), at(&nominal));
-        }
-        pairs
-    };
-    tree(rows, CHUNK, &leaf, &|a, b| a.plus(&b))
-}
-
-/// Edge of a cell of joint values, rad or m: a pose read again is mostly in the same one.
-const CELL: [f64; 2] = [1.745_329_251_994_33e-4, 1e-5];
-
 /// The fold of a row: by the cell of its joint values alone, so that every part agrees.
-fn fold_of(problem: &Problem, row: &Row) -> usize {
-    let edge = |kind: JointKind| match kind {
-        JointKind::Revolute => CELL[0],
-        JointKind::Prismatic => CELL[1],
-    };
-    let cells = row.q.iter().zip(&problem.nominal).map(|(q, l)| (q / edge(l.kind)).round() as i64);
-    // FNV-1a, then its high bits: the low ones of such a product are poor.
-    let hash = cells.flat_map(i64::to_le_bytes).fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    ((hash >> 32) % FOLDS as u64) as usize
+pub(super) fn fold_of(q: &[f64], links: &[Link<f64>]) -> usize {
+    // The high bits: the low ones of such a product are poor.
+    ((cell(q, links.iter().map(|link| link.kind)) >> 32) % FOLDS as u64) as usize
+}
+
+/// What a state is to its rows.
+struct Summing<'a> {
+    model: &'a Model,
+    digest: u64,
+    unknowns: Unknowns,
+    units: DVector<f64>,
+    predictor: Predictor,
+    /// Without base and target, of nominal links.
+    flange: Box<dyn Kinematics>,
+    /// The robot's frame, and of each marker the state's links in it.
+    frame: Pose<f64>,
+    framed: Vec<Box<dyn Kinematics>>,
+    /// Whether anything beside its joints moves the arm.
+    bent: bool,
+    nominal: Vec<Link<f64>>,
+}
+
+impl<'a> Summing<'a> {
+    fn new(model: &'a Model, no_rows: &Measurements) -> Self {
+        let (problem, at) = (state::problem(model, no_rows), state::state(model));
+        let frame = Pose::from_rotation_vector(model.frame_translation, model.frame_rotation);
+        Self {
+            model,
+            digest: state::digest(model),
+            units: problem.units(),
+            flange: chain(&problem.nominal, Pose::identity(), Vector3::zeros()),
+            framed: at.markers.iter().map(|marker| chain(&at.links, frame, *marker)).collect(),
+            frame,
+            bent: !model.terms.is_empty() || !model.curves.is_empty(),
+            predictor: Predictor::new(&at),
+            unknowns: problem.unknowns,
+            nominal: problem.nominal,
+        }
+    }
+}
+
+/// Sums on the way.
+struct Sums<'a> {
+    of: &'a Summing<'a>,
+    part: Part,
+    /// Of each fold, equations `[a; b]` that are not summed yet.
+    waiting: Vec<Vec<f64>>,
+}
+
+impl<'a> Sums<'a> {
+    fn none(of: &'a Summing<'a>) -> Self {
+        let Summing { model, digest, unknowns, nominal, .. } = of;
+        let turns = model.stations.len() * model.markers.len();
+        let part = Part::none(*digest, unknowns.list().len(), nominal.len(), turns);
+        Self { of, part, waiting: vec![Vec::new(); FOLDS] }
+    }
+
+    fn add(&mut self, row: &Row, inputs: &RowInputs) {
+        let Summing { model, predictor, flange, .. } = self.of;
+        let place = model.markers.len() * row.station + row.marker;
+        let nominal = flange.pose(&row.q);
+        self.part.turns[place].add(&nominal.rotation);
+        // The first round measures the scale that the others weigh by.
+        let Some(gram) = &model.gram else {
+            self.residual(&(row.measured.point() - predictor.point(row, inputs)), row);
+            return;
+        };
+        let d = predictor.derivatives(row, inputs);
+        let residual = row.measured.point() - d.point;
+        if self.residual(&residual, row) > gram.weights {
+            self.part.flagged += 1;
+            return;
+        }
+        let Summing { unknowns, units, nominal: links, frame, framed, bent, .. } = self.of;
+        let fold = fold_of(&row.q, links);
+        let terms = match unknowns.terms().is_empty() {
+            true => Vec::new(),
+            false => predictor.columns(row, inputs, &d),
+        };
+        let (height, waiting) = (units.len() + 1, &mut self.waiting[fold]);
+        let first = waiting.len();
+        waiting.resize(first + 3 * height, 0.0);
+        let equations = &mut waiting[first..];
+        moving(unknowns, row, (&d, &terms), &mut |column, moved| {
+            let factor = units[column] / row.sigma;
+            (0..3).for_each(|c| equations[c * height + column] = moved[c] * factor);
+        });
+        (0..3).for_each(|c| equations[(c + 1) * height - 1] = residual[c] / row.sigma);
+        let sums = &mut self.part.folds[fold];
+        (sums.rows, sums.precision) = (sums.rows + 1, sums.precision + row.sigma.powi(-2));
+        if waiting.len() >= 3 * AT_ONCE * height {
+            sums.normal.add_columns(waiting);
+            waiting.clear();
+        }
+        // What bends the arm is not in its frame.
+        let framed = match bent {
+            false => d.rebased(&model.stations[row.station].1, frame),
+            true => framed[row.marker].derivatives(&row.q, &[], &RowInputs::default()),
+        };
+        self.part.frame.add(unknowns, row, &framed);
+        let identified = frame.inverse().transform_point(&framed.point);
+        let target = nominal.transform_point(&model.markers[row.marker].1);
+        self.part.points.add(identified, target);
+    }
+
+    /// Counts a residual, m; the largest of its coordinates in sigmas.
+    fn residual(&mut self, residual: &Vector3<f64>, row: &Row) -> f64 {
+        let scaled = residual / row.sigma;
+        scaled.iter().for_each(|r| self.part.residuals.add(*r));
+        scaled.amax()
+    }
+
+    fn part(mut self) -> Part {
+        for (FoldSums { normal, .. }, waiting) in self.part.folds.iter_mut().zip(&self.waiting) {
+            normal.add_columns(waiting);
+        }
+        self.part
+    }
 }

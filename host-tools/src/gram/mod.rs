@@ -19,11 +19,13 @@ mod histogram;
 mod part;
 mod state;
 mod step;
+mod whole;
 
 pub use accumulate::accumulate;
 pub use file::{NoPart, is_part};
 pub use part::Part;
 pub use step::{Step, step};
+pub use whole::{LARGE, Whole, identify_in_pieces};
 
 /// Parts of the rows that are held out one after the other, by the pose.
 pub const FOLDS: usize = 10;

@@ -1,5 +1,7 @@
 //! What a state is to its parts: unknowns in one order, whatever labels the rows of a part have.
 
+use std::borrow::Cow;
+
 use nalgebra::Vector3;
 
 use crate::error::{Error, ErrorKind, Label, Result, listed};
@@ -79,7 +81,7 @@ pub(super) fn places(model: &Model) -> Vec<Vector3<f64>> {
 ///
 /// # Errors
 /// Rows that are no points, and a station or marker that the model does not know.
-pub(super) fn labelled(model: &Model, data: &Measurements) -> Result<Measurements> {
+pub(super) fn labelled<'d>(model: &Model, data: &'d Measurements) -> Result<Cow<'d, Measurements>> {
     if let Some(row) = data.rows.iter().position(|row| row.kind != KindId::default()) {
         let of = &data.rows[row];
         return Err(Error::data(
@@ -90,12 +92,15 @@ pub(super) fn labelled(model: &Model, data: &Measurements) -> Result<Measurement
     }
     let stations = places_of(data, Label::Station, &data.stations, &labels(&model.stations))?;
     let markers = places_of(data, Label::Marker, &data.markers, &labels(&model.markers))?;
-    let mut rows = data.rows.clone();
-    for row in &mut rows {
+    let own = no_rows(model);
+    if data.stations == own.stations && data.markers == own.markers {
+        return Ok(Cow::Borrowed(data));
+    }
+    let mut all = data.clone();
+    for row in &mut all.rows {
         (row.station, row.marker) = (stations[row.station], markers[row.marker]);
     }
-    let own = no_rows(model);
-    Ok(Measurements { rows, stations: own.stations, markers: own.markers, ..data.clone() })
+    Ok(Cow::Owned(Measurements { stations: own.stations, markers: own.markers, ..all }))
 }
 
 fn labels<T>(known: &[(String, T)]) -> Vec<String> {

@@ -1,7 +1,7 @@
 use nalgebra::{DMatrix, DVector};
 use truearm::MdhParameters;
 
-use super::part::Part;
+use super::part::{FoldSums, Part};
 use super::{LAST, NEAR, state};
 use crate::error::{Error, ErrorKind, Result};
 use crate::identify::certainty::covariance::{factor, of_arm_by};
@@ -29,6 +29,11 @@ pub struct Step {
     pub rms_mm: Option<f64>,
     /// The same of poses held out.
     pub cross_validated_rms_mm: Option<f64>,
+    /// Whether the scale of the residuals and lambda stay as they are from here on.
+    pub(super) steady: bool,
+    /// Of each fold the step to what the others lead to, in units; `None` where they lead
+    /// nowhere.
+    pub(super) held_out: Vec<Option<DVector<f64>>>,
 }
 
 /// Solves a round.
@@ -66,7 +71,14 @@ pub fn step(model: &Model, part: &Part) -> Result<Step> {
             flagged: 0,
             targets: state::places(model),
         });
-        return Ok(Step { model: next, largest: 0.0, rms_mm: None, cross_validated_rms_mm: None });
+        return Ok(Step {
+            model: next,
+            largest: 0.0,
+            rms_mm: None,
+            cross_validated_rms_mm: None,
+            steady: false,
+            held_out: Vec::new(),
+        });
     };
     if part.folds.iter().all(|fold| fold.rows == 0) {
         return Err(Error::contradiction(part.flagged as usize, part.rows as usize));
@@ -113,14 +125,16 @@ impl Round<'_> {
         if !corrections.iter().all(|c| c.is_finite()) || corrections.amax() > ANOTHER_ARM {
             return Err(far());
         }
-        let (mut left, mut held_out, mut precision) = (whole.s(), 0.0, 0.0);
-        for fold in self.part.folds.iter().filter(|fold| fold.rows > 0) {
-            precision += fold.precision;
-            let others = whole.minus(&fold.normal).and_then(|others| solve(others).ok());
-            held_out += others.map_or(f64::NAN, |x| residual_square(&fold.normal, &x));
-        }
+        let folds = &self.part.folds;
+        let without = |fold: &FoldSums| solve(whole.minus(&fold.normal)?).ok();
+        let held_out: Vec<Option<DVector<f64>>> = folds.iter().map(without).collect();
+        let judged = folds.iter().zip(&held_out).filter(|(fold, _)| fold.rows > 0);
+        let square = |(fold, x): (&FoldSums, &Option<DVector<f64>>)| {
+            x.as_ref().map_or(f64::NAN, |x| residual_square(&fold.normal, x))
+        };
+        let square: f64 = judged.map(square).sum();
+        let precision: f64 = folds.iter().map(|fold| fold.precision).sum();
         let mm = |square: f64| (square / precision).sqrt() * 1e3;
-        left = left.max(0.0);
         let largest = x.amax();
         let steady = steady(gram);
         // As `identify` does, once it is known which rows do not fit.
@@ -136,9 +150,10 @@ impl Round<'_> {
             flagged: self.part.flagged as usize,
             targets: state::places(self.model),
         };
-        let cross_validated_rms_mm = Some(mm(held_out)).filter(|rms| rms.is_finite());
+        let cross_validated_rms_mm = Some(mm(square)).filter(|rms| rms.is_finite());
         let model = self.next((&whole, lambda), &x, gram, cross_validated_rms_mm);
-        Ok(Step { model, largest, rms_mm: Some(mm(left)), cross_validated_rms_mm })
+        let rms_mm = Some(mm(whole.s().max(0.0)));
+        Ok(Step { model, largest, rms_mm, cross_validated_rms_mm, steady, held_out })
     }
 
     /// Lambda of this round. Two digits: how rows are split must not matter.

@@ -70,6 +70,22 @@ pub struct AllRows {
     pub cross_validated: Option<Stats>,
 }
 
+/// Of rows that were read in pieces: how many of them figures of distances and of single rows are
+/// of, and what all of them say.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Drawn {
+    /// Rows drawn by chance, the same in every run.
+    pub rows: usize,
+    /// How often all rows were read to sum them.
+    pub rounds: u32,
+    /// Rows of all that are gross errors and do not count.
+    pub flagged: usize,
+    /// Root mean square of the distances of all others, weighed by 1/sigma^2, mm.
+    pub rms_mm: f64,
+    /// The same of poses held out; none where a tenth of the poses is too much to miss.
+    pub cross_validated_rms_mm: Option<f64>,
+}
+
 /// The figures of an identified arm.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Figures {
@@ -126,6 +142,8 @@ pub struct Figures {
     pub rows_not_cross_validated: usize,
     /// The blocks with flagged rows included.
     pub all_rows: AllRows,
+    /// Where rows were read in pieces: distances, flagged rows and pictures are those of some.
+    pub drawn: Option<Drawn>,
     /// Flagged data rows, counted from 1.
     pub outlier_rows: Vec<usize>,
     /// What is wrong in them.

@@ -19,7 +19,7 @@ mod tests;
 pub mod typical;
 
 pub use blame::blamed;
-pub use figures::{AllRows, Condition, Figures, FlaggedRow, KindFigures};
+pub use figures::{AllRows, Condition, Drawn, Figures, FlaggedRow, KindFigures};
 pub use fit::{LCurvePoint, LambdaChoice, LambdaRule, choose, l_curve};
 pub use problem::{
     Beside, Conditions, Equations, Layout, Linearised, Noise, Predictor, Problem, Scaling, State,

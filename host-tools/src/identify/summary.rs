@@ -104,6 +104,7 @@ impl Findings<'_> {
                 identified: stats(results, true, |r| r.identified),
                 cross_validated: lengths(held_out.iter().flatten().copied()),
             },
+            drawn: None,
             outlier_rows: flags.iter().map(|f| f.row).collect(),
             outliers: flags,
             unidentifiable: redundancy.redundant,

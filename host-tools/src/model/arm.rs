@@ -161,4 +161,34 @@ mod tests {
             assert!(apart.norm() < 1e-14, "{} terms: {apart}", terms.len());
         }
     }
+
+    /// On another base derivatives are those of the arm there.
+    #[test]
+    fn rebased() {
+        let links = [
+            Link::revolute(0.0, 0.2, 0.3, 0.1, 0.02),
+            Link::prismatic(1.5, 0.1, -0.2, 0.3, 0.0),
+            Link::revolute(-1.5, 0.2, 0.1, 0.1, -0.01),
+        ];
+        let pose = |a: f64, b: f64| {
+            Pose::from_rotation_vector(Vector3::new(a, -b, a * b), Vector3::new(b, a, a - b))
+        };
+        for (a, b) in [(0.3, 1.2), (-2.0, 0.4), (1e3, -0.9)] {
+            let (own, other) = (pose(a, b), pose(b, 0.1 * a));
+            let tool = Vector3::new(0.05, -0.02, 0.1);
+            let of = |base| {
+                let q = [0.4, 0.7, -1.1];
+                chain(&links, base, tool).derivatives(&q, &[], &RowInputs::default())
+            };
+            let (there, moved) = (of(other), of(own).rebased(&own, &other));
+            let numbers = |d: &Derivatives| -> Vec<f64> {
+                let links = d.links.iter().flat_map(|l| l.to_array());
+                let all = d.base.into_iter().chain(d.about).chain(d.axes).chain(d.tool);
+                all.chain([d.point]).chain(links).flat_map(|v| [v.x, v.y, v.z]).collect()
+            };
+            for (a, b) in numbers(&there).iter().zip(numbers(&moved)) {
+                assert!((a - b).abs() < 1e-11 * (1.0 + own.translation.norm()), "{a} {b}");
+            }
+        }
+    }
 }

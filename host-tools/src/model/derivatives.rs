@@ -1,9 +1,9 @@
 //! How the tool point moves, and how the last frame turns, with everything.
 
 use nalgebra::{Matrix3, Vector3};
-use truearm::Link;
 use truearm::effects::{Term, TermInputs};
 use truearm::kinematics::LinkColumns;
+use truearm::{Link, Pose};
 use truearm_sized::with_joints;
 
 use super::row_inputs::RowInputs;
@@ -121,6 +121,35 @@ impl Derivatives {
             links: (0..count).map(turn).collect(),
             tilts: Some(self.links.iter().map(|l| [l.a, l.d.cross(&l.a)]).collect()),
             ..self.clone()
+        }
+    }
+
+    /// The same of the arm on another base, where nothing but joints moves it.
+    #[must_use]
+    pub fn rebased(&self, own: &Pose<f64>, other: &Pose<f64>) -> Self {
+        let turn = other.rotation * own.rotation.transpose();
+        let arm = turn * (self.point - own.translation);
+        let about = |axis: Vector3<f64>| axis.cross(&arm);
+        let [x, y, z] = [0, 1, 2].map(|k| Vector3::ith(k, 1.0));
+        let axes = [0, 1, 2].map(|k| other.rotation.column(k).into_owned());
+        let link = |link: &LinkColumns<f64>| LinkColumns {
+            alpha: turn * link.alpha,
+            a: turn * link.a,
+            theta: turn * link.theta,
+            d: turn * link.d,
+            beta: turn * link.beta,
+        };
+        Self {
+            point: other.translation + arm,
+            base: [about(x), about(y), about(z), x, y, z],
+            about: axes.map(about),
+            axes,
+            tool: self.tool.map(|axis| turn * axis),
+            links: self.links.iter().map(link).collect(),
+            tilts: self
+                .tilts
+                .as_ref()
+                .map(|tilts| tilts.iter().map(|t| t.map(|t| turn * t)).collect()),
         }
     }
 

@@ -96,6 +96,23 @@ impl Reach {
     }
 }
 
+/// Edge of a cell of joint values, rad or m: a pose read again is mostly in the same one.
+const CELL: [f64; 2] = [1.745_329_251_994_33e-4, 1e-5];
+
+/// Hash of the cell of joint values alone, so that rows that are read apart agree.
+#[must_use]
+pub fn cell(q: &[f64], joints: impl IntoIterator<Item = JointKind>) -> u64 {
+    let edge = |kind| match kind {
+        JointKind::Revolute => CELL[0],
+        JointKind::Prismatic => CELL[1],
+    };
+    let cells = q.iter().zip(joints).map(|(q, kind)| (q / edge(kind)).round() as i64);
+    // FNV-1a
+    cells.flat_map(i64::to_le_bytes).fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
 /// A coordinate of a cell as a part of its hash (the finaliser of SplitMix64).
 fn mixed(cell: i64, axis: usize) -> u64 {
     let mut z = (cell as u64).wrapping_add(0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(axis as u64 + 1));

@@ -138,7 +138,7 @@ impl Forward {
             );
             for (i, (pose, row)) in poses.iter_mut().zip(&data.rows).enumerate() {
                 let row = Row { station: 0, marker: 0, ..row.clone() };
-                pose.translation = predictor.point(&row, i, &conditions);
+                pose.translation = predictor.point(&row, &conditions.rows[i]);
             }
         }
         poses

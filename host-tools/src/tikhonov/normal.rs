@@ -53,6 +53,16 @@ impl Normal {
         Self { gram: columns * across, equations }
     }
 
+    /// With these equations, a column `[a; b]` each.
+    pub fn add_columns(&mut self, columns: &[f64]) {
+        let height = self.gram.ncols();
+        let equations = columns.len() / height;
+        let along = DMatrixView::from_slice(columns, height, equations);
+        let across = DMatrixView::from_slice_with_strides(columns, equations, height, height, 1);
+        self.gram.gemm(1.0, &along, &across, 1.0);
+        self.equations = self.equations.saturating_add(equations);
+    }
+
     /// Of `[A, b]'[A, b]` of so many equations.
     #[must_use]
     pub fn of_gram(gram: DMatrix<f64>, equations: usize) -> Self {

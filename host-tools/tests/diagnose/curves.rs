@@ -81,7 +81,8 @@ fn the_host_predicts_with_the_curves() {
         let rigid_conditions = Conditions::new(&data, &model.robot);
         let base = state.bases[row.station].rotation;
         let by_host = base.transpose()
-            * (predictor.point(row, i, &conditions) - predictor.point(row, i, &rigid_conditions));
+            * (predictor.point(row, &conditions.rows[i])
+                - predictor.point(row, &rigid_conditions.rows[i]));
         let turn =
             truearm::Pose::from_rotation_vector(model.frame_translation, model.frame_rotation);
         let by_controller = turn.rotation.transpose() * (at(&arm) - at(&rigid));

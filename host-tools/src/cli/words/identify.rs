@@ -9,7 +9,7 @@ use super::{Errors, condition, folded, validation};
 /// A report of `identify`.
 pub fn identification(report: &IdentifyReport) -> String {
     let r = &report.figures;
-    let mut out = head(r) + &lambda(r) + "\n" + &errors(report);
+    let mut out = head(r) + &drawn(r) + &lambda(r) + "\n" + &errors(report);
     out += &format!("cross-validation: {}\n", r.cross_validation);
     if r.rows_not_cross_validated > 0 {
         out += &format!(
@@ -45,6 +45,21 @@ fn head(r: &Figures) -> String {
         r.condition_number,
         condition(&r.condition_number_raw)
     )
+}
+
+/// What all rows say where the table is of some.
+fn drawn(r: &Figures) -> String {
+    let Some(drawn) = &r.drawn else { return String::new() };
+    let mut out = format!(
+        "read in pieces, {} times: parameters are of all rows, {} of which do not count\n\
+         RMS of the distances of all others {:.4} mm",
+        drawn.rounds, drawn.flagged, drawn.rms_mm
+    );
+    if let Some(rms) = drawn.cross_validated_rms_mm {
+        out += &format!(", of poses held out {rms:.4} mm");
+    }
+    let some = count(drawn.rows, "row");
+    out + &format!("\nthe table, single rows and pictures are of {some} drawn by chance\n")
 }
 
 fn lambda(r: &Figures) -> String {

@@ -82,7 +82,7 @@ impl MeasuredColumns {
             let names: Vec<_> = columns.iter().map(|c| c.name).collect();
             let message = format!("a row of kind \"{}\" needs {}", kind.name(), names.join(", "));
             let help = columns.first().map_or("", |c| c.missing);
-            cells.source.in_line(cells.line, cells.start, message, help)
+            cells.fail_whole(message, help)
         })?;
         let text = |name: &str| {
             self.labels.iter().find(|(l, _)| *l == name).map_or("", |(_, at)| cells.text(*at))
@@ -105,7 +105,7 @@ impl MeasuredColumns {
             let at = self.labels.iter().find(|(l, _)| *l == column);
             match at {
                 Some((_, at)) => cells.fail(*at, message, &help),
-                None => cells.source.in_line(cells.line, cells.start, message, help),
+                None => cells.fail_whole(message, help),
             }
         })?;
         values = values.iter().copied().chain(known).collect();

@@ -12,7 +12,9 @@ use super::source::Source;
 use crate::error::Result;
 use crate::model::{Robot, Row};
 use crate::units::{from_mm, joint_from_file};
-pub(super) use cells::Cells;
+#[cfg(feature = "parquet")]
+pub(super) use cells::number;
+pub(super) use cells::{Cells, Record};
 pub(super) use header::Header;
 use measured::{Measured, MeasuredColumns};
 
@@ -97,7 +99,7 @@ impl Labels {
 }
 
 /// Index of a label in a growing list.
-fn label(list: &mut Vec<String>, text: &str) -> usize {
+pub(super) fn label(list: &mut Vec<String>, text: &str) -> usize {
     list.iter().position(|l| l == text).unwrap_or_else(|| {
         list.push(text.to_owned());
         list.len() - 1

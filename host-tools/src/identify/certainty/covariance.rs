@@ -1,15 +1,15 @@
 //! The covariance that a blob carries: of base, tool point, links and terms in
 //! the commanded frame, tracker and other reflectors marginalised away.
 
-use nalgebra::{DMatrix, Matrix3, Matrix6, Matrix6xX, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix3, Matrix3x6, Matrix6, Matrix6xX, Vector3};
 use truearm::Pose;
 use truearm::blob::uncertain_parameters;
 
 use crate::identify::problem::accumulate::{CHUNK, tree};
-use crate::identify::problem::{Problem, State};
+use crate::identify::problem::{Problem, State, Unknowns};
 use crate::identify::start::{on_a_line, tool};
-use crate::model::arm::{Kinematics, RowInputs, chain};
-use crate::model::{Instrument, ModelTerm};
+use crate::model::arm::{Derivatives, Kinematics, RowInputs, chain};
+use crate::model::{Instrument, ModelTerm, Row};
 
 /// Covariance of the parameters in the order of a blob, SI, from that of all
 /// unknowns. The small base between identified and commanded frame is no
@@ -80,23 +80,7 @@ impl FrameSums {
             let mut sums = Self::none(columns.list().len());
             for row in rows.iter().map(|r| &problem.data.rows[*r]) {
                 let real = arms[row.marker].derivatives(&row.q, &[], &RowInputs::default());
-                let [rx, ry, rz, tx, ty, tz] = real.base;
-                let motion = nalgebra::Matrix3x6::from_columns(&[tx, ty, tz, rx, ry, rz]);
-                sums.normal += motion.transpose() * motion;
-                let mut add = |column: usize, change: Vector3<f64>| {
-                    let sum: Vector6<f64> = sums.pull.column(column) - motion.transpose() * change;
-                    sums.pull.set_column(column, &sum);
-                };
-                for (i, link) in real.links.iter().enumerate() {
-                    for (k, change) in link.to_array().iter().enumerate() {
-                        add(columns.free() + 5 * i + k, *change);
-                    }
-                }
-                for (k, column) in
-                    columns.marker(row.marker).into_iter().flat_map(|m| m..).take(3).enumerate()
-                {
-                    add(column, real.tool[k]);
-                }
+                sums.add(columns, row, &real);
             }
             sums
         };
@@ -107,6 +91,24 @@ impl FrameSums {
     #[must_use]
     pub fn none(unknowns: usize) -> Self {
         Self { normal: Matrix6::zeros(), pull: Matrix6xX::zeros(unknowns) }
+    }
+
+    /// With a row, by derivatives of the arm in that frame.
+    pub fn add(&mut self, unknowns: &Unknowns, row: &Row, real: &Derivatives) {
+        let [rx, ry, rz, tx, ty, tz] = real.base;
+        let motion = Matrix3x6::from_columns(&[tx, ty, tz, rx, ry, rz]).transpose();
+        self.normal += motion * motion.transpose();
+        let mut add = |column: usize, change: &Vector3<f64>| {
+            let mut sum = self.pull.column_mut(column);
+            sum -= motion * change;
+        };
+        for (i, link) in real.links.iter().enumerate() {
+            for (k, change) in link.to_array().iter().enumerate() {
+                add(unknowns.free() + 5 * i + k, change);
+            }
+        }
+        let marker = unknowns.marker(row.marker).into_iter().flat_map(|m| m..);
+        marker.zip(&real.tool).for_each(|(column, change)| add(column, change));
     }
 
     /// Both together.

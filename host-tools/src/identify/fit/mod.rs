@@ -19,7 +19,7 @@ use crate::tikhonov::{Factorised, Normal, Triangle};
 use damped::damped;
 
 /// A step below this many tolerances (a picometre, a nanoradian) is no step.
-const CONVERGED: f64 = 1e-6;
+pub const CONVERGED: f64 = 1e-6;
 /// Plain Gauss-Newton steps; a problem that has not settled by then is damped.
 const PLAIN_STEPS: usize = 12;
 /// From this lambda on, in tolerances, normal equations are as good as a

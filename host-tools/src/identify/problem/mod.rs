@@ -18,7 +18,7 @@ use truearm::{Link, MdhParameters};
 pub use cell::Cell;
 pub use conditions::{Conditions, Surroundings};
 pub use linearised::{Equations, Linearised};
-pub use motion::Beside;
+pub use motion::{Beside, moving};
 pub(crate) use noise::{Group, groups};
 pub use noise::{Noise, in_deviations};
 pub use predictor::{Model as Predictor, View, measurement_column};

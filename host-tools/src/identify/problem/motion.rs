@@ -5,6 +5,7 @@ use truearm::Pose;
 
 use super::Problem;
 use super::predictor::{Model, View};
+use super::unknowns::Unknowns;
 use crate::model::arm::Derivatives;
 use crate::model::{Instrument, Row};
 use crate::observations::{ArmPart, Body, Moving, Partials, Seen};
@@ -12,6 +13,25 @@ use crate::observations::{ArmPart, Body, Moving, Partials, Seen};
 /// How the target of a row moves with something beside the unknowns, as many columns
 /// for every row, SI: linear in the derivatives, which are asked of how it turns, too.
 pub type Beside<'b> = dyn Fn(usize, &Derivatives) -> Vec<Vector3<f64>> + Sync + 'b;
+
+/// Calls with every unknown that moves the target of a row and with how it does, SI, by these
+/// derivatives and those to the coefficients of terms.
+pub fn moving(
+    unknowns: &Unknowns,
+    row: &Row,
+    (d, terms): (&Derivatives, &[Vector3<f64>]),
+    with: &mut impl FnMut(usize, &Vector3<f64>),
+) {
+    let mut set = |first: Option<usize>, columns: &[Vector3<f64>]| {
+        first.into_iter().flat_map(|first| first..).zip(columns).for_each(|(k, v)| with(k, v));
+    };
+    set(unknowns.station(row.station), &d.base);
+    set(unknowns.marker(row.marker), &d.tool);
+    set(Some(unknowns.terms().start), terms);
+    for (i, columns) in d.links.iter().enumerate() {
+        set(Some(unknowns.free() + 5 * i), &columns.to_array());
+    }
+}
 
 /// The targets' motion with the unknowns, in units, and with what is beside.
 pub(in crate::identify) struct Motion<'l> {
@@ -29,7 +49,7 @@ impl Motion<'_> {
     }
 
     fn derivatives(&self, index: usize) -> Derivatives {
-        self.model.derivatives(self.row(index), index, &self.problem.conditions)
+        self.model.derivatives(self.row(index), &self.problem.conditions.rows[index])
     }
 
     /// How what these derivatives at a row are of moves with each unknown in its unit
@@ -40,21 +60,13 @@ impl Motion<'_> {
         let beside = (self.beside)(index, d);
         let count = unknowns.list().len();
         let mut block = DMatrix::zeros(3, count + beside.len());
-        let mut set = |first: Option<usize>, columns: &[Vector3<f64>]| {
-            for (column, value) in first.into_iter().flat_map(|first| first..).zip(columns) {
-                block.column_mut(column).copy_from(value);
-            }
+        let terms = match unknowns.terms().is_empty() {
+            true => Vec::new(),
+            false => self.model.columns(row, &problem.conditions.rows[index], d),
         };
-        set(unknowns.station(row.station), &d.base);
-        set(unknowns.marker(row.marker), &d.tool);
-        if !unknowns.terms().is_empty() {
-            let terms = self.model.columns(row, index, &problem.conditions, d);
-            set(Some(unknowns.terms().start), &terms);
-        }
-        for (i, columns) in d.links.iter().enumerate() {
-            set(Some(unknowns.free() + 5 * i), &columns.to_array());
-        }
-        set(Some(count), &beside);
+        let mut set = |column, moved: &Vector3<f64>| block.column_mut(column).copy_from(moved);
+        moving(unknowns, row, (d, &terms), &mut set);
+        beside.iter().enumerate().for_each(|(k, moved)| set(count + k, moved));
         for (mut column, unit) in block.column_iter_mut().zip(self.units) {
             column *= *unit;
         }

@@ -6,7 +6,7 @@ use truearm::effects::Term;
 
 use super::conditions::Conditions;
 use super::unknowns::State;
-use crate::model::arm::{Derivatives, Kinematics};
+use crate::model::arm::{Derivatives, Kinematics, RowInputs};
 use crate::model::{Instrument, Measurements, ModelTerm, Row};
 use crate::observations::Seen;
 
@@ -44,14 +44,13 @@ impl Model {
         self.chains[row.station * self.markers + row.marker].as_ref()
     }
 
-    /// Where the model sees the target of row `index`, m.
+    /// Where the model sees the target of a row, m.
     #[must_use]
-    pub fn point(&self, row: &Row, index: usize, conditions: &Conditions) -> Vector3<f64> {
-        let inputs = &conditions.rows[index];
+    pub fn point(&self, row: &Row, inputs: &RowInputs) -> Vector3<f64> {
         if self.arm_terms.len() == self.terms.len() {
             return self.chain(row).bent(&row.q, &self.arm_terms, inputs).translation;
         }
-        self.derivatives(row, index, conditions).point
+        self.derivatives(row, inputs).point
     }
 
     /// The same with how the last frame is turned.
@@ -91,8 +90,7 @@ impl Model {
 
     /// The same with all derivatives.
     #[must_use]
-    pub fn derivatives(&self, row: &Row, index: usize, conditions: &Conditions) -> Derivatives {
-        let inputs = &conditions.rows[index];
+    pub fn derivatives(&self, row: &Row, inputs: &RowInputs) -> Derivatives {
         let mut d = self.chain(row).derivatives(&row.q, &self.arm_terms, inputs);
         d.point += self.measured(row, &d);
         d
@@ -105,14 +103,7 @@ impl Model {
 
     /// Derivatives to the coefficients of all terms in their order, by these of the row.
     #[must_use]
-    pub fn columns(
-        &self,
-        row: &Row,
-        index: usize,
-        conditions: &Conditions,
-        d: &Derivatives,
-    ) -> Vec<Vector3<f64>> {
-        let inputs = &conditions.rows[index];
+    pub fn columns(&self, row: &Row, inputs: &RowInputs, d: &Derivatives) -> Vec<Vector3<f64>> {
         let mut of_arm = self.chain(row).columns(d, &row.q, &self.arm_terms, inputs).into_iter();
         let column = |term: &ModelTerm| match term {
             ModelTerm::Arm(_) => of_arm.next().unwrap_or_else(Vector3::zeros),
@@ -155,7 +146,7 @@ impl Seen for View<'_> {
     }
 
     fn point(&self, index: usize) -> Vector3<f64> {
-        self.model.point(self.row(index), index, self.conditions)
+        self.model.point(self.row(index), &self.conditions.rows[index])
     }
 
     fn pose(&self, index: usize) -> Pose<f64> {

@@ -59,7 +59,7 @@ impl<'a> Seen<'a> {
         let mut kept: Vec<usize> = (0..rows.len()).filter(tells).collect();
         let step = kept.len().div_ceil(MOST).max(1);
         kept = kept.into_iter().step_by(step).collect();
-        let moves = kept.iter().map(|i| predictor.derivatives(&rows[*i], *i, &conditions));
+        let moves = kept.iter().map(|i| predictor.derivatives(&rows[*i], &conditions.rows[*i]));
         let moves = moves.collect();
         let view = View { model: &predictor, data: on.data, conditions: &conditions };
         let measures = kept.iter().map(|i| measured(*i, &view)).collect();

@@ -5,7 +5,7 @@ use super::super::picture::{Measured, Seen, unexplained};
 use super::super::sections::{self, next};
 use super::{noise_floor_mm, of_figures, rows_of};
 use crate::diagnose::GapUnit;
-use crate::error::Result;
+use crate::error::{Result, count};
 use crate::identify::KindFigures;
 use crate::report::IdentifyReport;
 use crate::statistics::Stats;
@@ -44,7 +44,12 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
     all.extend(of_figures(f, &[]));
     all.push(next::steps(None, &commands(lacking, next)));
     all.extend(sections::remarks(&f.warnings));
-    let mut numbers = vec![rows_of(f), ("rows left out".to_owned(), f.outliers.len().to_string())];
+    let left_out = f.drawn.as_ref().map_or(f.outliers.len(), |drawn| drawn.flagged);
+    let mut numbers = vec![rows_of(f), ("rows left out".to_owned(), left_out.to_string())];
+    if let Some(drawn) = &f.drawn {
+        let what = "drawn by chance; distances, single rows and pictures are of these";
+        numbers.push((what.to_owned(), count(drawn.rows, "row")));
+    }
     if let Some(before) = steps[0].fitted {
         let lengths = [
             ("error before, RMS".to_owned(), mm(before)),

@@ -1,26 +1,24 @@
-//! Identification by parts is that of the whole, however the rows are split.
-
-mod simulated;
+//! Parts of the rows, merged and solved.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
+use crate::simulated::{Truth, UR10_LIKE, robot};
 use assert_cmd::Command;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
-use simulated::{Truth, UR10_LIKE, robot};
 use truearm_host::ErrorKind;
 use truearm_host::gram::{NoPart, Part, Step, accumulate, step};
 use truearm_host::identify::{LambdaRule, Options, TOLERANCE_ANGLE, TOLERANCE_LENGTH, identify};
 use truearm_host::model::{Measurements, Model, Robot};
 
-const SIGMA: f64 = 3e-5;
+pub const SIGMA: f64 = 3e-5;
 /// Of a tolerance: parts against one run.
 const SAME: f64 = 1e-10;
 
 /// Header and rows of an arm seen from two stations on two markers.
-fn measured(poses: usize) -> (Robot, String, Vec<String>) {
+pub fn measured(poses: usize) -> (Robot, String, Vec<String>) {
     let robot = robot(UR10_LIKE);
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let truth = Truth::draw(&robot, 2, 2, &mut rng);
@@ -42,7 +40,7 @@ fn lambda(robot: &Robot, data: &Measurements, rule: LambdaRule) -> Model {
 }
 
 /// Rounds until it is settled, by parts that go through their file.
-fn settled(start: &Model, parts: &[Measurements]) -> Step {
+pub fn settled(start: &Model, parts: &[Measurements]) -> Step {
     let mut state = start.clone();
     for _ in 0..20 {
         let grams = parts.iter().map(|data| accumulate(&state, data).unwrap().to_bytes());
@@ -60,7 +58,7 @@ fn settled(start: &Model, parts: &[Measurements]) -> Step {
 }
 
 /// Largest difference of a correction, in tolerances.
-fn apart(a: &Model, b: &Model) -> f64 {
+pub fn apart(a: &Model, b: &Model) -> f64 {
     let units =
         [TOLERANCE_ANGLE, TOLERANCE_LENGTH, TOLERANCE_ANGLE, TOLERANCE_LENGTH, TOLERANCE_ANGLE];
     let both = a.corrections.iter().zip(&b.corrections);
