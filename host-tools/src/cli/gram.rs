@@ -2,8 +2,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use truearm_host::error::{Place, count};
-use truearm_host::files::{foreign, write};
-use truearm_host::gram::{Part, accumulate, is_part, step};
+use truearm_host::files::{Pieces, foreign, write};
+use truearm_host::gram::{LARGE, Part, accumulate, is_part, step};
 use truearm_host::model::{Measurements, Model};
 use truearm_host::report::{GramReport, to_json};
 use truearm_host::{Error, Result};
@@ -90,8 +90,14 @@ impl Add {
         let inputs = std::iter::once(&self.state).chain(&self.data);
         overwrite::apart([self.out.as_path()], inputs.map(PathBuf::as_path))?;
         let state = Model::read(&self.state)?;
-        // File by file: no more than one is in memory.
+        // File by file: no more than one is in memory, and of a large one a piece. What bends an
+        // arm may hang on the rows before.
+        let rigid = state.terms.is_empty() && state.curves.is_empty();
         let add = |path: &PathBuf| {
+            if rigid && Pieces::more_than(LARGE, &[path])? {
+                let rows = Pieces::of(&[path], &state.robot)?;
+                return rows.fold(&|data| accumulate(&state, &data), &|a, b| a.beside(&b));
+            }
             let data = Measurements::read(path, &state.robot)?;
             warn(&data.warnings);
             accumulate(&state, &data)

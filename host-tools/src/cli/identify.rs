@@ -2,19 +2,19 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use truearm_host::evaluate::evaluate;
-use truearm_host::files::Pieces;
-use truearm_host::gram::{LARGE, Whole, identify_in_pieces};
+use truearm_host::files::{Pieces, Sample};
+use truearm_host::gram::{DRAWN, LARGE, identify_in_pieces, sums_tell};
 use truearm_host::identify::{Identification, LambdaRule, Options, Scaling, identify};
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::page::{Measured, Next, identified};
 use truearm_host::report::IdentifyReport;
 
-use truearm_host::{Error, Result};
+use truearm_host::{Error, ErrorKind, Result};
 
 use super::check::{Ended, explained, remark};
 use super::evaluate::Frames;
 use super::progress::Bar;
-use super::rows::{apart, residuals};
+use super::rows::{apart, not_fitted, residuals};
 use super::{Said, all_of, deliver, overwrite, warn, words};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
@@ -55,10 +55,10 @@ pub struct Identify {
     /// residuals in sigmas, or lambda I in metres and radians as the paper prints
     #[arg(long, value_enum, default_value_t = Mode::Prior)]
     scaling: Mode,
-    /// Read the files a piece at a time, as is done with more than a million rows: little memory.
-    /// Points only; distances and pictures are then of rows drawn by chance
-    #[arg(long)]
-    in_pieces: bool,
+    /// Read the files a piece at a time, as is done with points in more than a million rows: little
+    /// memory; distances and pictures are then of rows drawn by chance
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "always")]
+    in_pieces: Option<Always>,
     /// Go on with fewer equations than unknowns
     #[arg(long)]
     allow_few_poses: bool,
@@ -68,6 +68,12 @@ pub struct Identify {
 enum Mode {
     Prior,
     Printed,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Always {
+    Always,
+    Never,
 }
 
 /// Beyond, nothing but the nominal arm is left; 1e40 was still right, at 1e308 squares overflow.
@@ -110,7 +116,7 @@ impl Identify {
         )
     }
 
-    /// The rows, or some of them where they are too many to be held, and what was found.
+    /// The rows, or some of them where they are read in pieces, and what was found.
     fn found(
         &self,
         robot: &Robot,
@@ -118,27 +124,49 @@ impl Identify {
         other: Option<&Measurements>,
         options: &Options,
     ) -> Result<(Measurements, Identification)> {
-        let not_in = |data: &Measurements| match other {
-            Some(other) => apart("--validate", data, other),
-            None => Ok(()),
-        };
         let bar = Bar::new("identifying");
-        if self.in_pieces || Pieces::more_than(LARGE, files)? {
-            let rows = Pieces::of(files, robot)?;
+        if let Some((rows, sample)) = self.pieces(robot, files, options)? {
+            if let Some(other) = other {
+                not_fitted("--validate", &rows.names(), rows.shared(other)?, other)?;
+            }
             let progress = |_, read| bar.update(read, rows.rows());
-            let found = identify_in_pieces(&rows, options, &progress);
+            let found = identify_in_pieces(&rows, &sample, options, &progress);
             bar.finish();
-            let Whole { sample, found } = found?;
-            not_in(&sample)?;
-            return Ok((sample, found));
+            return remarked(found, robot, sample.data);
         }
         let data = all_of(files, robot)?;
-        not_in(&data)?;
+        if let Some(other) = other {
+            apart("--validate", &data, other)?;
+        }
         let found = identify(robot, &data, options, &|done, total| bar.update(done, total));
         bar.finish();
-        let mut found = found.map_err(|error| explained(error, robot, &data))?;
-        found.figures.warnings.extend(remark(Ended::of(&found.figures), robot, &data));
-        Ok((data, found))
+        remarked(found, robot, data)
+    }
+
+    /// The files in pieces and rows drawn of them, where so is asked or they are large and nothing
+    /// that is asked needs more.
+    fn pieces<'r>(
+        &self,
+        robot: &'r Robot,
+        files: &[&PathBuf],
+        options: &Options,
+    ) -> Result<Option<(Pieces<'r>, Sample)>> {
+        let asked = match self.in_pieces {
+            Some(Always::Never) => return Ok(None),
+            Some(Always::Always) => true,
+            None => false,
+        };
+        match sums_tell(options) {
+            Err(error) if asked => return Err(error),
+            Err(_) => return Ok(None),
+            Ok(()) if !asked && !Pieces::more_than(LARGE, files)? => return Ok(None),
+            Ok(()) => {}
+        }
+        let mut rows = Pieces::of(files, robot)?;
+        match rows.sample(DRAWN) {
+            Err(error) if !asked && error.kind() == ErrorKind::NotPoints => Ok(None),
+            drawn => drawn.map(|sample| Some((rows, sample))),
+        }
     }
 
     fn options(&self) -> Result<Options> {
@@ -175,4 +203,15 @@ impl Identify {
         };
         Ok(Options { rule, scaling, allow_few_poses: self.allow_few_poses })
     }
+}
+
+/// What was found, with what it looks like.
+fn remarked(
+    found: Result<Identification>,
+    robot: &Robot,
+    data: Measurements,
+) -> Result<(Measurements, Identification)> {
+    let mut found = found.map_err(|error| explained(error, robot, &data))?;
+    found.figures.warnings.extend(remark(Ended::of(&found.figures), robot, &data));
+    Ok((data, found))
 }

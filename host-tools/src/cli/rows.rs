@@ -8,11 +8,15 @@ use truearm_host::{Error, Result};
 
 /// Poses that were fitted are no hold-out, whichever flag gives them.
 pub fn apart(flag: &str, data: &Measurements, holdout: &Measurements) -> Result<()> {
-    let shared = data.shared(holdout);
+    not_fitted(flag, &data.path.display().to_string(), data.shared(holdout), holdout)
+}
+
+/// The same of so many rows that are fitted in what `training` names.
+pub fn not_fitted(flag: &str, training: &str, shared: usize, holdout: &Measurements) -> Result<()> {
     if shared == 0 {
         return Ok(());
     }
-    let (file, training) = (holdout.path.display(), data.path.display());
+    let file = holdout.path.display();
     Err(Error::usage(
         format!("{flag} {file}: {shared} of {} rows are fitted in {training}", holdout.rows.len()),
         format!("give poses that were not fitted; without {flag} cross-validation judges"),

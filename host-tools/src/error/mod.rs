@@ -39,6 +39,8 @@ pub enum ErrorKind {
     NoTimes,
     /// An iteration that did not come to rest.
     NotConverged,
+    /// Rows of other kinds where only points are taken.
+    NotPoints,
     /// Equations without a unique solution.
     Singular,
     /// More rows contradict the others than errors of single rows can be.

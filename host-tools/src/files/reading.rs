@@ -68,6 +68,14 @@ impl<'a> Reading<'a> {
         Self { apart: true, ..self }
     }
 
+    /// Columns without a meaning that are not read, in words.
+    pub fn not_read(&self) -> Option<String> {
+        let names: Vec<&str> =
+            self.columns.extra.iter().map(|column| self.names[*column].as_str()).collect();
+        let path = self.source.path.display();
+        (!names.is_empty()).then(|| format!("{path}: columns not read: {}", names.join(", ")))
+    }
+
     /// Rows so far.
     pub fn rows(&self) -> usize {
         self.rows.len()

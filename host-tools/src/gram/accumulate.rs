@@ -110,15 +110,19 @@ impl<'a> Sums<'a> {
         self.part.turns[place].add(&nominal.rotation);
         // The first round measures the scale that the others weigh by.
         let Some(gram) = &model.gram else {
-            self.residual(&(row.measured.point() - predictor.point(row, inputs)), row);
+            let residual = (row.measured.point() - predictor.point(row, inputs)) / row.sigma;
+            residual.iter().for_each(|r| self.part.residuals.add(*r));
             return;
         };
         let d = predictor.derivatives(row, inputs);
         let residual = row.measured.point() - d.point;
-        if self.residual(&residual, row) > gram.weights {
+        let scaled = residual / row.sigma;
+        if scaled.amax() > gram.weights {
             self.part.flagged += 1;
             return;
         }
+        // What gross errors leave is no noise.
+        scaled.iter().for_each(|r| self.part.residuals.add(*r));
         let Summing { unknowns, units, nominal: links, frame, framed, bent, .. } = self.of;
         let fold = fold_of(&row.q, links);
         let terms = match unknowns.terms().is_empty() {
@@ -133,7 +137,7 @@ impl<'a> Sums<'a> {
             let factor = units[column] / row.sigma;
             (0..3).for_each(|c| equations[c * height + column] = moved[c] * factor);
         });
-        (0..3).for_each(|c| equations[(c + 1) * height - 1] = residual[c] / row.sigma);
+        (0..3).for_each(|c| equations[(c + 1) * height - 1] = scaled[c]);
         let sums = &mut self.part.folds[fold];
         (sums.rows, sums.precision) = (sums.rows + 1, sums.precision + row.sigma.powi(-2));
         if waiting.len() >= 3 * AT_ONCE * height {
@@ -149,13 +153,6 @@ impl<'a> Sums<'a> {
         let identified = frame.inverse().transform_point(&framed.point);
         let target = nominal.transform_point(&model.markers[row.marker].1);
         self.part.points.add(identified, target);
-    }
-
-    /// Counts a residual, m; the largest of its coordinates in sigmas.
-    fn residual(&mut self, residual: &Vector3<f64>, row: &Row) -> f64 {
-        let scaled = residual / row.sigma;
-        scaled.iter().for_each(|r| self.part.residuals.add(*r));
-        scaled.amax()
     }
 
     fn part(mut self) -> Part {

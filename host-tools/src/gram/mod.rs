@@ -25,7 +25,7 @@ pub use accumulate::accumulate;
 pub use file::{NoPart, is_part};
 pub use part::Part;
 pub use step::{Step, step};
-pub use whole::{LARGE, Whole, identify_in_pieces};
+pub use whole::{DRAWN, LARGE, identify_in_pieces, sums_tell};
 
 /// Parts of the rows that are held out one after the other, by the pose.
 pub const FOLDS: usize = 10;

@@ -30,7 +30,7 @@ pub struct Part {
     /// Rows that do not count.
     pub(super) flagged: u64,
     pub(super) folds: Vec<FoldSums>,
-    /// Of all rows.
+    /// Of all rows that count; in the first round of all.
     pub(super) residuals: Histogram,
     /// Smallest and largest value of each joint.
     pub(super) covered: Vec<[f64; 2]>,
@@ -116,6 +116,15 @@ impl Part {
             points: self.points.plus(&other.points),
             frame: self.frame.plus(&other.frame),
         })
+    }
+
+    /// The same of two pieces of one file.
+    ///
+    /// # Errors
+    /// As for [`Part::plus`].
+    pub fn beside(self, other: &Self) -> Result<Self> {
+        let files = self.files.max(other.files);
+        Ok(Self { files, ..self.plus(other)? })
     }
 
     /// Equations of all rows that count.

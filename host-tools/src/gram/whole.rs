@@ -14,44 +14,53 @@ use crate::identify::noise_estimate::none_is_lost;
 use crate::identify::{
     Drawn, Findings, Identification, Linearised, Options, Problem, Scaling, identify, nominal_state,
 };
-use crate::model::{Measurements, Model};
+use crate::model::Model;
 use crate::observations::Residual;
 use crate::tikhonov::Factorised;
 
 /// Rows above which files are read in pieces: so many are in memory 1.8 GB.
 pub const LARGE: usize = 1_000_000;
-/// Rows that are drawn to begin with, and that figures of distances are of: they tell a root mean
+/// Rows to draw to begin with, and that figures of distances are of: they tell a root mean
 /// square to half a per cent.
-const DRAWN: usize = 20_000;
+pub const DRAWN: usize = 20_000;
 /// Rounds that no identification took.
 const MOST_ROUNDS: u32 = 30;
-
-/// What was identified from many rows.
-pub struct Whole {
-    /// Rows drawn from them.
-    pub sample: Measurements,
-    /// The arm by all rows; figures of distances and rows by those drawn.
-    pub found: Identification,
-}
 
 /// Called with the round, and rows read in it.
 pub type Rounds<'a> = &'a (dyn Fn(u32, usize) + Sync);
 
-/// Identifies the arm of files of points.
+/// Whether rows can be read in pieces for these options.
 ///
 /// # Errors
-/// As for [`identify`] of rows drawn, and for [`step`] of all.
-pub fn identify_in_pieces(rows: &Pieces, options: &Options, progress: Rounds) -> Result<Whole> {
+/// What needs rows that are held.
+pub fn sums_tell(options: &Options) -> Result<()> {
+    let help = "leave it out, or write --in-pieces=never: that holds all rows";
     if options.scaling == Scaling::Printed {
-        return Err(Error::usage(
-            "--scaling printed, and rows that are read in pieces",
-            format!(
-                "leave it out, or give fewer than {LARGE} rows: what is read in pieces counts in \
-                 tolerances"
-            ),
-        ));
+        return Err(Error::usage("--scaling printed, and rows that are read in pieces", help));
     }
-    let sample = rows.sample(DRAWN)?;
+    match options.rule {
+        LambdaRule::MaximumLikelihood | LambdaRule::MaximumAPosteriori | LambdaRule::Fixed(_) => {
+            Ok(())
+        }
+        rule => {
+            let what = format!("--lambda {}, and rows that are read in pieces", rule.name());
+            Err(Error::usage(what, help))
+        }
+    }
+}
+
+/// Identifies the arm of files of points from rows drawn of them. Figures of distances and rows
+/// are of those drawn, all others of all.
+///
+/// # Errors
+/// As for [`sums_tell`], for [`identify`] of rows drawn, and for [`step`] of all.
+pub fn identify_in_pieces(
+    rows: &Pieces,
+    sample: &Sample,
+    options: &Options,
+    progress: Rounds,
+) -> Result<Identification> {
+    sums_tell(options)?;
     let start = identify(rows.robot(), &sample.data, options, &|_, _| ())?;
     // Those drawn tell the scale of the residuals that the first round begins with.
     let drawn = accumulate(&start.model, &sample.data)?;
@@ -65,7 +74,7 @@ pub fn identify_in_pieces(rows: &Pieces, options: &Options, progress: Rounds) ->
                 progress(round, now);
                 accumulate(&model, &data)
             },
-            &|a, b| a.plus(&b),
+            &|a, b| a.beside(&b),
         )?;
         let next = step(&model, &part)?;
         if next.steady && next.largest < CONVERGED {
@@ -84,14 +93,14 @@ pub fn identify_in_pieces(rows: &Pieces, options: &Options, progress: Rounds) ->
 fn settled(
     rows: &Pieces,
     rule: LambdaRule,
-    (sample, start): (Sample, Identification),
+    (sample, start): (&Sample, Identification),
     (model, part, last): (&Model, &Part, Step),
-) -> Result<Whole> {
+) -> Result<Identification> {
     let data = &sample.data;
     let (Some(gram), at) = (&model.gram, state::state(model)) else {
         return Err(Error::data(ErrorKind::NotConverged, "no round", "give more rows"));
     };
-    let problem = Problem::new(data, &model.robot, Scaling::Prior).about(&at);
+    let problem = Problem::rigid(data, &model.robot, Scaling::Prior).about(&at);
     let here = problem.linearise(&at).about_here();
     let counts = |row: &usize| here.scaled_residual(*row).amax() <= gram.weights;
     let (kept, flagged): (Vec<usize>, Vec<usize>) = problem.counted().into_iter().partition(counts);
@@ -125,6 +134,7 @@ fn settled(
         rows: data.rows.len(),
         rounds: gram.stage,
         flagged: part.flagged() as usize,
+        twice: sample.twice,
         rms_mm: last.rms_mm.unwrap_or_default(),
         cross_validated_rms_mm: last.cross_validated_rms_mm,
     });
@@ -134,6 +144,7 @@ fn settled(
         rows: sample.rows,
         poses: sample.poses,
         nominal_rms_mm: figures.nominal.map_or(0.0, |s| s.rms_mm),
+        cross_validated_rms_mm: figures.cross_validated.map_or(0.0, |s| s.rms_mm),
         tool_point_mm: Some(figures.uncertainty.tool_point.rms_mm),
         ..last.model.provenance.clone()
     };
@@ -144,7 +155,7 @@ fn settled(
         not_measured: start.model.not_measured,
         ..last.model
     };
-    Ok(Whole { sample: sample.data, found: identified })
+    Ok(identified)
 }
 
 fn outlier(row: usize, here: &Linearised, limit: f64) -> Outlier {

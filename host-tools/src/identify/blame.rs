@@ -12,7 +12,7 @@ use crate::statistics::median;
 /// The error of a fit to data, naming the kind to blame, if one is.
 #[must_use]
 pub fn blamed(robot: &Robot, data: &Measurements, error: Error) -> Error {
-    let problem = Problem::new(data, robot, Scaling::Prior);
+    let problem = Problem::rigid(data, robot, Scaling::Prior);
     match register(data, &problem.nominal, robot.tool) {
         Ok(start) => {
             let problem = problem.about(&start);

@@ -10,7 +10,7 @@ use crate::statistics::Stats;
 /// A flagged row of the measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FlaggedRow {
-    /// Data row, counted from 1 through all files.
+    /// Data row, counted from 1 through all files; where rows were drawn, through those.
     pub row: usize,
     /// The file that it stands in...
     pub file: String,
@@ -80,7 +80,9 @@ pub struct Drawn {
     pub rounds: u32,
     /// Rows of all that are gross errors and do not count.
     pub flagged: usize,
-    /// Root mean square of the distances of all others, weighed by 1/sigma^2, mm.
+    /// Rows of all that say what an earlier one says to the last digit, and do not count.
+    pub twice: usize,
+    /// Root mean square of the distances of all others, each weighed by 1/sigma^2, mm.
     pub rms_mm: f64,
     /// The same of poses held out; none where a tenth of the poses is too much to miss.
     pub cross_validated_rms_mm: Option<f64>,
@@ -144,7 +146,7 @@ pub struct Figures {
     pub all_rows: AllRows,
     /// Where rows were read in pieces: distances, flagged rows and pictures are those of some.
     pub drawn: Option<Drawn>,
-    /// Flagged data rows, counted from 1.
+    /// Flagged data rows, counted from 1 as in `outliers`.
     pub outlier_rows: Vec<usize>,
     /// What is wrong in them.
     pub outliers: Vec<FlaggedRow>,

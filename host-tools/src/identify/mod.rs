@@ -100,9 +100,9 @@ pub fn identify(
             "leave it out: the prior scaling weighs every kind by its own sigma",
         ));
     }
-    enough(&Problem::new(data, robot, options.scaling), options)?;
+    enough(&Problem::rigid(data, robot, options.scaling), options)?;
     let robot = &*typical::as_measured(robot, data)?;
-    let problem = Problem::new(data, robot, options.scaling);
+    let problem = Problem::rigid(data, robot, options.scaling);
     let start = registration::register(data, &problem.nominal, robot.tool)?;
     let mut problem = problem.about(&start);
     let rows = problem.counted();

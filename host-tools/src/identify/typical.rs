@@ -87,7 +87,7 @@ pub fn as_measured<'r>(robot: &'r Robot, data: &Measurements) -> Result<Cow<'r, 
 
 /// What rows say of the links alone where nothing is known of the type but the mean.
 fn links(robot: &Robot, data: &Measurements) -> Result<Normal> {
-    let problem = Problem::new(data, robot, Scaling::Prior);
+    let problem = Problem::rigid(data, robot, Scaling::Prior);
     let start = registration::register(data, &problem.nominal, robot.tool)?;
     let mut problem = problem.about(&start);
     let rows = problem.counted();

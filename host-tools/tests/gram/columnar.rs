@@ -10,12 +10,11 @@ use parquet::data_type::{
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
-use truearm_host::files::Pieces;
-use truearm_host::gram::identify_in_pieces;
 use truearm_host::identify::{Options, identify};
 use truearm_host::model::{Measurements, Robot};
 
 use crate::parts::measured;
+use crate::pieces::in_pieces;
 use crate::simulated::{UR10_LIKE, robot};
 
 /// The values of a column, some of which may be missing.
@@ -167,12 +166,7 @@ fn columns_are_what_a_text_is() {
     let csv = folder.path().join("rows.csv");
     std::fs::write(&csv, &text).unwrap();
     let both = [&path, &csv].map(|path: &PathBuf| {
-        let found = identify_in_pieces(
-            &Pieces::of(&[path], &robot).unwrap(),
-            &Options::default(),
-            &|_, _| (),
-        );
-        found.unwrap().found.model
+        in_pieces(&robot, std::slice::from_ref(path), &Options::default()).unwrap().found.model
     });
     // Other rows are drawn, for lines are not rows.
     assert!(crate::parts::apart(&both[0], &both[1]) < 1e-6);
@@ -213,6 +207,22 @@ fn numbers_of_any_type() {
     );
 }
 
+/// Columns that nobody asks for may be anything.
+#[test]
+fn what_is_not_asked_for_may_be_anything() {
+    let (robot, _, mut columns) = both(60);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rows.parquet");
+    columns.push(("written", Values::Time(vec![0; 60])));
+    columns.push(("forces", Values::List(vec![0.0; 60])));
+    columns.push(("good", Values::Bool(vec![true; 60])));
+    write(&path, &columns, Compression::SNAPPY);
+    assert_eq!(Measurements::read(&path, &robot).unwrap().rows.len(), 60);
+    let found = in_pieces(&robot, std::slice::from_ref(&path), &Options::default()).unwrap();
+    let said = found.found.figures.warnings.concat();
+    assert!(said.contains("columns not read: written, forces, good"), "{said}");
+}
+
 #[test]
 fn what_is_no_number_is_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -222,8 +232,7 @@ fn what_is_no_number_is_named() {
         change(&mut columns);
         write(&path, &columns, Compression::SNAPPY);
         let error = Measurements::read(&path, &robot).map(|_| ()).unwrap_err();
-        let pieces = Pieces::of(&[&path], &robot).unwrap();
-        let same = identify_in_pieces(&pieces, &Options::default(), &|_, _| ()).map(|_| ());
+        let same = in_pieces(&robot, std::slice::from_ref(&path), &Options::default()).map(|_| ());
         assert_eq!(same.unwrap_err().to_string(), error.to_string());
         error.to_string()
     };
@@ -254,7 +263,7 @@ fn what_is_no_number_is_named() {
     );
     told(
         fails(&|c| c.push(("order", Values::Bool(vec![true; 60])))),
-        "column order: a column of other",
+        "column order: a column of dates, times, decimals or other than numbers",
     );
     told(
         fails(&|c| c[0].1 = Values::Text((0..60).map(|k| Some(format!("{k} deg"))).collect())),

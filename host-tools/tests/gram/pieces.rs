@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use assert_cmd::Command;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use truearm_host::ErrorKind;
 use truearm_host::files::Pieces;
-use truearm_host::gram::{Whole, identify_in_pieces};
-use truearm_host::identify::{LambdaRule, Options, Scaling, identify};
+use truearm_host::gram::{DRAWN, identify_in_pieces};
+use truearm_host::identify::{Identification, LambdaRule, Options, Scaling, identify};
 use truearm_host::model::{Measurements, Model, Robot};
+use truearm_host::{ErrorKind, Result};
 
 use crate::parts::{SIGMA, apart, measured, settled};
 use crate::simulated::{ON_RAIL, Truth, UR10_LIKE, robot};
@@ -27,9 +27,18 @@ fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, Vec<PathBuf>) {
     (folder, paths)
 }
 
-fn in_pieces(robot: &Robot, paths: &[PathBuf], options: &Options) -> truearm_host::Result<Whole> {
+/// What was found, and rows drawn.
+pub struct Whole {
+    pub found: Identification,
+    pub sample: Measurements,
+}
+
+pub fn in_pieces(robot: &Robot, paths: &[PathBuf], options: &Options) -> Result<Whole> {
     let paths: Vec<&PathBuf> = paths.iter().collect();
-    identify_in_pieces(&Pieces::of(&paths, robot)?, options, &|_, _| ())
+    let mut rows = Pieces::of(&paths, robot)?;
+    let sample = rows.sample(DRAWN)?;
+    let found = identify_in_pieces(&rows, &sample, options, &|_, _| ())?;
+    Ok(Whole { found, sample: sample.data })
 }
 
 fn text(header: &str, rows: &[String]) -> String {
@@ -156,6 +165,10 @@ fn what_is_wrong_is_named_where_it_stands() {
     rows[15_000] = sound;
     let printed = Options { scaling: Scaling::Printed, ..Options::default() };
     assert_eq!(fails(&rows, &header, &printed).kind(), ErrorKind::Usage);
+    for rule in [LambdaRule::Gcv, LambdaRule::KFold, LambdaRule::LCurve, LambdaRule::TwoStep] {
+        let chosen = Options { rule, ..Options::default() };
+        assert_eq!(fails(&rows, &header, &chosen).kind(), ErrorKind::Usage);
+    }
     let kinds = format!("{header},kind,anchor,distance_mm");
     rows.iter_mut().for_each(|row| row.push_str(",,,"));
     let last = rows.last_mut().unwrap();
@@ -163,6 +176,7 @@ fn what_is_wrong_is_named_where_it_stands() {
     last.push_str(",distance,wire,1000");
     let error = fails(&rows, &kinds, &Options::default());
     assert!(error.to_string().contains("a.csv:20001: a distance"), "{error}");
+    assert_eq!(error.kind(), ErrorKind::NotPoints);
     let error = fails(&[], &header, &Options::default());
     assert_eq!(error.kind(), ErrorKind::NoRows);
     let (_folder, paths) = folder(&[("a.csv", "")]);
@@ -170,6 +184,58 @@ fn what_is_wrong_is_named_where_it_stands() {
     let nowhere = [PathBuf::from("nowhere.csv")];
     let error = in_pieces(&robot, &nowhere, &Options::default()).map(|_| ()).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::Io);
+}
+
+/// What stands twice is one, wherever: another file, the other end of the same one, in part.
+#[test]
+fn rows_that_stand_twice_count_once() {
+    let (robot, header, rows) = measured(9000);
+    let once = text(&header, &rows);
+    let twice = text(&header, &[&rows[..], &rows[..4000], &rows[8000..]].concat());
+    let (_folder, paths) = folder(&[("a.csv", &once), ("b.csv", &once), ("c.csv", &twice)]);
+    let of = |paths: &[PathBuf]| in_pieces(&robot, paths, &Options::default()).unwrap().found;
+    let one = of(&paths[..1]);
+    let bars = |found: &Identification| -> Vec<f64> {
+        found.figures.uncertainty.parameters.iter().map(|bar| bar.half_width).collect()
+    };
+    for (paths, spare) in [(&paths[..2], 9000), (&paths[2..], 5000), (&paths[..], 23_000)] {
+        let found = of(paths);
+        let drawn = found.figures.drawn.as_ref().unwrap();
+        assert_eq!(drawn.twice, spare);
+        assert_eq!(found.figures.poses, 9000);
+        assert!(apart(&found.model, &one.model) < 1e-6);
+        for (a, b) in bars(&found).iter().zip(bars(&one)) {
+            assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+        }
+    }
+}
+
+/// Gross errors widen no error bar, and are told in their file and line.
+#[test]
+fn gross_errors_are_no_noise() {
+    let (robot, header, mut rows) = measured(12_000);
+    let sound = text(&header, &rows);
+    for row in rows.iter_mut().skip(7000).step_by(3) {
+        let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+        cells[7] = cells[7].replace('.', "9.");
+        *row = cells.join(",");
+    }
+    let [first, second] = [&rows[..6000], &rows[6000..]].map(|rows| text(&header, rows));
+    let (_folder, paths) = folder(&[("sound.csv", &sound), ("a.csv", &first), ("b.csv", &second)]);
+    let options = Options::default();
+    let clean = in_pieces(&robot, &paths[..1], &options).unwrap().found;
+    let found = in_pieces(&robot, &paths[1..], &options).unwrap().found;
+    assert_eq!(found.figures.drawn.as_ref().unwrap().flagged, 5000_usize.div_ceil(3));
+    for outlier in &found.figures.outliers {
+        assert!(outlier.file.ends_with("b.csv") && (outlier.line - 1002) % 3 == 0, "{outlier:?}");
+        assert_eq!(outlier.coordinates, ["y"]);
+    }
+    // A seventh of the rows less, a fourteenth more of error.
+    let bars = found.figures.uncertainty.parameters.iter();
+    for (a, b) in bars.zip(&clean.figures.uncertainty.parameters) {
+        let ratio = a.half_width / b.half_width;
+        assert!((0.99..1.12).contains(&ratio), "{}: {ratio}", a.name);
+    }
 }
 
 /// As a user asks for it; rows that were fitted are no validation.
@@ -193,6 +259,7 @@ fn by_the_program() {
     assert!(out.contains("2500 rows of 2500 poses") && out.contains("read in pieces, "), "{out}");
     let page = std::fs::read_to_string(folder.path().join("found/report.html")).unwrap();
     assert!(page.contains("drawn by chance"));
+    assert!(!out.contains("drawn by chance"), "all of them: {out}");
     let report = std::fs::read_to_string(folder.path().join("found/report.json")).unwrap();
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert_eq!(report["drawn"]["rows"], 2500);
@@ -205,7 +272,13 @@ fn by_the_program() {
         .map(|name| Model::read(&folder.path().join(name).join("model.toml")).unwrap());
     assert!(apart(&a, &b) < 1e-2, "{}", apart(&a, &b));
     let (code, _, error) = run("identify robot.toml a.csv --in-pieces --validate a.csv");
-    assert!(code == Some(2) && error.contains("are fitted in"), "{error}");
+    assert!(code == Some(2) && error.contains("2500 of 2500 rows are fitted in"), "{error}");
     let (code, _, error) = run("identify robot.toml a.csv --in-pieces --scaling printed");
     assert!(code == Some(2) && error.contains("in pieces"), "{error}");
+    let (code, out, _) = run("identify robot.toml a.csv --in-pieces=never --scaling printed");
+    assert!(code == Some(0) && !out.contains("in pieces"), "{out}");
+    if cfg!(unix) {
+        let (code, _, error) = run("identify robot.toml /dev/stdin --in-pieces");
+        assert!(code == Some(2) && error.contains("read only once"), "{error}");
+    }
 }

@@ -12,6 +12,7 @@ mod outside;
 mod planning;
 mod power;
 mod reproduce;
+mod rows;
 mod springs;
 mod ties;
 mod transfer;
@@ -55,6 +56,8 @@ pub enum Study {
     Outside(outside::Options),
     /// One spring under loads that nobody states: is it named, and nothing beside it?
     Springs(springs::Options),
+    /// Time and memory of an identification against the number of rows
+    Rows(rows::Options),
     /// Rules for lambda: how much worse than the best one?
     Lambda(lambda::Options),
     /// A model of one half of the poses on the other half
@@ -78,6 +81,7 @@ pub fn run(study: &Study) -> Result {
         Study::Planning(options) => planning::run(options),
         Study::Fleet(options) => fleet::run(options),
         Study::Lines(options) => lines::run(options),
+        Study::Rows(options) => rows::run(options),
         Study::Outside(options) => outside::run(options),
         Study::Springs(options) => springs::run(options),
         Study::Lambda(options) => lambda::run(options),

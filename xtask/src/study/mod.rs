@@ -21,7 +21,8 @@ use crate::run::{Result, call, cargo, root};
 /// Studies of the package `truearm-study`, for the help.
 pub const OF_ARMS: &str = "Of arms whose truth is known (cargo xtask study NAME --help): \
                            blind, dirty, power, ties, check, coverage, planning, fleet, instruments, \
-                           lambda, lines, reproduce, warming";
+                           lambda, lines, outside, springs, transfer, reproduce, rows, \
+                           warming";
 
 #[derive(Subcommand)]
 pub enum Study {

@@ -50,16 +50,29 @@ fn head(r: &Figures) -> String {
 /// What all rows say where the table is of some.
 fn drawn(r: &Figures) -> String {
     let Some(drawn) = &r.drawn else { return String::new() };
-    let mut out = format!(
-        "read in pieces, {} times: parameters are of all rows, {} of which do not count\n\
-         RMS of the distances of all others {:.4} mm",
-        drawn.rounds, drawn.flagged, drawn.rms_mm
+    let mut out = format!("read in pieces, {}: parameters are of all rows", times(drawn.rounds));
+    if drawn.twice > 0 {
+        out += &format!(", {} of which stand there before and count once", drawn.twice);
+    }
+    out += &format!(
+        "; {} gross errors, which do not count\nRMS of the distances of all others, weighed by \
+         1/sigma^2, {:.4} mm",
+        drawn.flagged, drawn.rms_mm
     );
     if let Some(rms) = drawn.cross_validated_rms_mm {
         out += &format!(", of poses held out {rms:.4} mm");
     }
-    let some = count(drawn.rows, "row");
-    out + &format!("\nthe table, single rows and pictures are of {some} drawn by chance\n")
+    out + &match r.rows - drawn.twice == drawn.rows {
+        true => "\n".to_owned(),
+        false => format!(
+            "\nthe table, single rows and pictures are of {} drawn by chance\n",
+            count(drawn.rows, "row")
+        ),
+    }
+}
+
+fn times(rounds: u32) -> String {
+    count(rounds as usize, "time")
 }
 
 fn lambda(r: &Figures) -> String {
@@ -92,7 +105,11 @@ fn errors(report: &IdentifyReport) -> String {
     table.row("cross-validated", r.cross_validated.as_ref());
     table.row("cross-validated, blocks in time", r.cross_validated_blocked.as_ref());
     if !r.outliers.is_empty() {
-        table.row("cross-validated, all rows", r.all_rows.cross_validated.as_ref());
+        let all = match r.drawn {
+            Some(_) => "cross-validated, flagged ones too",
+            None => "cross-validated, all rows",
+        };
+        table.row(all, r.all_rows.cross_validated.as_ref());
     }
     table.row("validation", report.validation.as_ref().and_then(|v| v.stats.as_ref()));
     table.text()
@@ -127,18 +144,20 @@ fn flagged(r: &Figures) -> String {
         return "no row flagged\n".to_owned();
     }
     let rows = count(r.outliers.len(), "row");
-    let mut out = format!("{rows} flagged as gross errors and left out:\n");
+    let drawn = if r.drawn.is_some() { " of those drawn" } else { "" };
+    let mut out = format!("{rows}{drawn} flagged as gross errors and left out:\n");
     // `data` names all files.
     let several = r.outliers.iter().any(|o| o.file != r.data);
     for o in &r.outliers {
-        let place = match several {
-            true => format!(" ({}, line {})", o.file, o.line),
-            false => String::new(),
+        let place = match (several, &r.drawn) {
+            (true, None) => format!("row {} ({}, line {})", o.row, o.file, o.line),
+            (false, None) => format!("row {}", o.row),
+            (true, Some(_)) => format!("line {} of {}", o.line, o.file),
+            (false, Some(_)) => format!("line {}", o.line),
         };
         let residual: Vec<String> = o.residual_mm.iter().map(|r| format!("{r:.3}")).collect();
         out += &format!(
-            "  row {}{place}: {} wrong (measured minus predicted {} mm)\n",
-            o.row,
+            "  {place}: {} wrong (measured minus predicted {} mm)\n",
             o.coordinates.join(", "),
             residual.join(", ")
         );

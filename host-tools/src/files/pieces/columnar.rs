@@ -1,11 +1,11 @@
 //! Parquet files: columns of numbers and labels, in groups of rows.
 
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 
-use parquet::basic::LogicalType;
+use parquet::basic::{LogicalType, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
@@ -72,8 +72,11 @@ impl Columnar {
         let source = Source { path: &self.path, text: &header };
         let mut reading = Reading::begin(source, &self.names, robot, (Some("q"), true), book)?;
         reading.expect(self.rows);
+        // What nobody asks for may be anything.
+        let mut unread = reading.unread().to_vec();
+        unread.retain(|column| self.refused(*column).is_some());
         for group in 0..self.pieces() {
-            let mut batches = Batches::of(self, group, &[])?;
+            let mut batches = Batches::of(self, group, &unread)?;
             while let Some(batch) = batches.next()? {
                 batch.add_to(&mut reading)?;
             }
@@ -93,29 +96,50 @@ impl Columnar {
         let source = Source { path, text: &header };
         let asked = (Some("q"), true);
         let begin = || Reading::begin(source, &self.names, robot, asked, book.clone());
-        let unread = begin()?.unread().to_vec();
+        let first = begin()?;
+        let (unread, not_read) = (first.unread().to_vec(), first.not_read());
         let mut batches = Batches::of(self, group, &unread)?;
         while let Some(batch) = batches.next()? {
             let mut reading = begin()?.each_by_itself();
             reading.expect(batch.rows);
             batch.add_to(&mut reading)?;
-            with(reading.end()?)?;
+            let mut data = reading.end()?;
+            data.warnings.extend(not_read.clone());
+            with(data)?;
         }
         Ok(())
     }
 }
 
+thread_local! {
+    /// Whether a panic of this thread is that of what reads columns, and is said as an error.
+    static GUARDED: Cell<bool> = const { Cell::new(false) };
+}
+static QUIET: Once = Once::new();
+
 /// What reads columns panics over some damaged files: that is an error of the file.
 fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T>) -> Result<T> {
+    QUIET.call_once(|| {
+        let usual = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| {
+            if !GUARDED.get() {
+                usual(info);
+            }
+        }));
+    });
     let damaged = |_| {
         let help = "write it anew: its bytes are not what was written";
         Err(Error::file(path, Place::default(), "a damaged Parquet file", help))
     };
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(read)).unwrap_or_else(damaged)
+    GUARDED.set(true);
+    let read = std::panic::catch_unwind(std::panic::AssertUnwindSafe(read));
+    GUARDED.set(false);
+    read.unwrap_or_else(damaged)
 }
 
 fn broken(path: &Path, error: &ParquetError) -> Error {
-    let help = "write it anew: a Parquet file of one column a number or label";
+    let help = "write it anew: a column a number or label, compressed by Snappy, gzip, LZ4 or \
+                Zstandard";
     Error::file(path, Place::default(), error.to_string(), help)
 }
 
@@ -218,24 +242,35 @@ impl<'c> Batches<'c> {
 }
 
 impl Columnar {
-    /// The next rows of a column.
-    fn column(&self, k: usize, reader: &mut ColumnReader, rows: usize) -> Result<Column> {
+    /// Why a column is neither of numbers nor of texts, if so.
+    fn refused(&self, k: usize) -> Option<&'static str> {
         let known = self.metadata.file_metadata().schema_descr().column(k);
-        let refused = |what: &str| {
-            let place = Place { field: Some(self.names[k].clone()), ..Place::default() };
-            let help = "write numbers as numbers of the unit that the column's name says, labels \
-                        as texts";
-            Err(Error::file(&self.path, place, what, help))
-        };
         if known.max_rep_level() > 0 || known.path().parts().len() > 1 {
-            return refused("a column of lists or records");
+            return Some("a column of lists or records");
         }
         let plain = matches!(
             known.logical_type_ref(),
             None | Some(LogicalType::Integer { .. } | LogicalType::String | LogicalType::Enum)
         );
-        if !plain {
-            return refused("a column of dates, times, decimals or other than numbers and texts");
+        let of_numbers_or_texts = matches!(
+            known.physical_type(),
+            Type::INT32 | Type::INT64 | Type::FLOAT | Type::DOUBLE | Type::BYTE_ARRAY
+        );
+        (!plain || !of_numbers_or_texts)
+            .then_some("a column of dates, times, decimals or other than numbers and texts")
+    }
+
+    /// The next rows of a column.
+    fn column(&self, k: usize, reader: &mut ColumnReader, rows: usize) -> Result<Column> {
+        let known = self.metadata.file_metadata().schema_descr().column(k);
+        let refused = |what: &str| {
+            let place = Place { field: Some(self.names[k].clone()), ..Place::default() };
+            let help = "write numbers as numbers of 32 or 64 bits, in the unit that the column's \
+                        name says, and labels as texts";
+            Err(Error::file(&self.path, place, what, help))
+        };
+        if let Some(what) = self.refused(k) {
+            return refused(what);
         }
         let numbers =
             |values: Vec<Option<f64>>| Column::Numbers { values, written: OnceCell::new() };

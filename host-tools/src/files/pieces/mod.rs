@@ -5,17 +5,20 @@
 mod columnar;
 mod sample;
 mod text;
+mod twice;
 
+use std::collections::HashSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::instruments::Gathered;
-use crate::error::{Error, ErrorKind, Place, Result};
-use crate::model::{KindId, Measurements, Robot};
+use crate::error::{Error, ErrorKind, Result};
+use crate::model::{KindId, Measurements, Robot, Row};
 use crate::observations::kind;
 pub(super) use columnar::Columnar;
 pub use sample::Sample;
 use text::Text;
+use twice::Twice;
 
 /// What a Parquet file begins with.
 pub(super) const MAGIC: &[u8; 4] = b"PAR1";
@@ -30,6 +33,21 @@ pub(super) fn is_columnar(path: &Path) -> Result<bool> {
     let file = std::fs::File::open(path).map_err(error)?;
     file.take(MAGIC.len() as u64).read_to_end(&mut begin).map_err(error)?;
     Ok(begin == MAGIC)
+}
+
+/// Where a row is: its file, its piece, its number there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Place {
+    file: usize,
+    piece: usize,
+    row: u64,
+}
+
+impl Place {
+    /// So many rows on.
+    fn on(self, rows: usize) -> Self {
+        Self { row: self.row + rows as u64, ..self }
+    }
 }
 
 /// A file, and where its pieces are.
@@ -50,6 +68,8 @@ pub struct Pieces<'r> {
     files: Vec<File>,
     /// File and place in it of each piece.
     pieces: Vec<(usize, usize)>,
+    /// Rows that are not the first of their like; none was looked for before rows were drawn.
+    twice: Option<Twice>,
 }
 
 impl<'r> Pieces<'r> {
@@ -59,6 +79,10 @@ impl<'r> Pieces<'r> {
     /// Files that cannot be read, and headers as for [`Measurements::read`].
     pub fn of(paths: &[&PathBuf], robot: &'r Robot) -> Result<Self> {
         let file = |path: &&PathBuf| {
+            if std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir()) {
+                let what = format!("{} can be read only once", path.display());
+                return Err(Error::usage(what, "give a file: pieces are read several times"));
+            }
             let form = match is_columnar(path)? {
                 true => Form::Columnar(Columnar::open(path)?),
                 false => Form::Text(Text::open(path)?),
@@ -68,7 +92,7 @@ impl<'r> Pieces<'r> {
         let files: Vec<File> = paths.iter().map(file).collect::<Result<_>>()?;
         let places = files.iter().enumerate();
         let pieces = places.flat_map(|(k, file)| (0..file.form.pieces()).map(move |p| (k, p)));
-        Ok(Self { robot, pieces: pieces.collect(), files })
+        Ok(Self { robot, pieces: pieces.collect(), files, twice: None })
     }
 
     /// Whether files hold more than so many rows together; headers are not read for it. What
@@ -84,10 +108,31 @@ impl<'r> Pieces<'r> {
             }
             seen += match is_columnar(path)? {
                 true => Columnar::open(path)?.rows(),
-                false => text::lines(path)?,
+                false => text::rows(path)?,
             };
         }
         Ok(seen > rows)
+    }
+
+    /// How many of other rows are rows of these files, too: the same joints, the same measured
+    /// values.
+    ///
+    /// # Errors
+    /// As for [`Pieces::fold`].
+    pub fn shared(&self, other: &Measurements) -> Result<usize> {
+        let key = |row: &Row| {
+            let bits = row.q.iter().chain(row.measured.iter()).map(|v| v.to_bits());
+            bits.collect::<Vec<u64>>()
+        };
+        let wanted: HashSet<Vec<u64>> = other.rows.iter().map(key).collect();
+        let there = |data: Measurements| -> Result<HashSet<Vec<u64>>> {
+            Ok(data.rows.iter().map(key).filter(|key| wanted.contains(key)).collect())
+        };
+        let all = self.fold(&there, &|mut a, b| {
+            a.extend(b);
+            Ok(a)
+        })?;
+        Ok(other.rows.iter().filter(|row| all.contains(&key(row))).count())
     }
 
     /// The arm.
@@ -120,33 +165,47 @@ impl<'r> Pieces<'r> {
         each: &(impl Fn(Measurements) -> Result<T> + Sync),
         join: &(impl Fn(T, T) -> Result<T> + Sync),
     ) -> Result<T> {
-        self.blocks(&|_, data| each(data), join)
+        self.blocks(
+            &|place, mut data| {
+                if let Some(twice) = &self.twice {
+                    twice.keep(place, &mut data);
+                }
+                (!data.rows.is_empty()).then(|| each(data)).transpose()
+            },
+            join,
+        )
     }
 
-    /// The same of the number of the file and its rows.
+    /// The same with the place of the first row, of all rows; nothing of a block that gives none.
     fn blocks<T: Send>(
         &self,
-        each: &(impl Fn(usize, Measurements) -> Result<T> + Sync),
+        each: &(impl Fn(Place, Measurements) -> Result<Option<T>> + Sync),
         join: &(impl Fn(T, T) -> Result<T> + Sync),
     ) -> Result<T> {
-        let none = || Error::data(ErrorKind::NoRows, "no data rows", "add measurements");
+        let none = || {
+            let what = format!("{}: no data rows", self.names());
+            Error::data(ErrorKind::NoRows, what, "add measurements")
+        };
         self.tree(&self.pieces, each, join)?.ok_or_else(none)
     }
 
     fn tree<T: Send>(
         &self,
         pieces: &[(usize, usize)],
-        each: &(impl Fn(usize, Measurements) -> Result<T> + Sync),
+        each: &(impl Fn(Place, Measurements) -> Result<Option<T>> + Sync),
         join: &(impl Fn(T, T) -> Result<T> + Sync),
     ) -> Result<Option<T>> {
         if let [place] = pieces {
             let mut sum = None;
+            let mut first = 0;
             self.read(*place, &mut |data| {
-                let next = each(place.0, data)?;
-                sum = Some(match sum.take() {
-                    Some(sum) => join(sum, next)?,
-                    None => next,
-                });
+                let rows = data.rows.len() as u64;
+                let next = each(Place { file: place.0, piece: place.1, row: first }, data)?;
+                first += rows;
+                sum = match (sum.take(), next) {
+                    (Some(sum), Some(next)) => Some(join(sum, next)?),
+                    (sum, next) => sum.or(next),
+                };
                 Ok(())
             })?;
             return Ok(sum);
@@ -176,10 +235,10 @@ impl<'r> Pieces<'r> {
             .find(|row| row.kind != KindId::default())
         {
             Some(other) => {
-                let what =
-                    format!("a {}; rows that are read in pieces are points", kind(other).name());
-                let help = "give points and other kinds apart, other kinds in fewer rows";
-                Err(Error::file(path, Place::line(other.line), what, help))
+                let (file, line, what) = (path.display(), other.line, kind(other).name());
+                let what = format!("{file}:{line}: a {what}; rows read in pieces are points");
+                let help = "leave out --in-pieces, or write --in-pieces=never";
+                Err(Error::data(ErrorKind::NotPoints, what, help))
             }
             None => with(data),
         };

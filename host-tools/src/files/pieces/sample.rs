@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Pieces;
+use super::{Pieces, Place, twice};
 use crate::error::Result;
 use crate::model::near::cell;
 use crate::model::{Measurements, Row};
@@ -19,10 +19,9 @@ pub struct Sample {
     pub rows: usize,
     /// Poses in them.
     pub poses: usize,
+    /// Rows that stand in them before and do not count.
+    pub twice: usize,
 }
-
-/// Where a row is: its file, and its line or number there.
-type Place = (usize, usize);
 
 /// Rows that are drawn, and of each station and marker the first ones that are not.
 #[derive(Default)]
@@ -31,25 +30,27 @@ struct Drawn {
     /// By station and marker.
     taken: BTreeMap<Place, (String, String, Row)>,
     spare: BTreeMap<(String, String), BTreeMap<Place, Row>>,
-    /// A hash a pose.
-    poses: Vec<u64>,
+    /// A hash a row, that of its pose, sorted.
+    cells: Vec<u64>,
     warnings: Vec<String>,
 }
 
 impl Pieces<'_> {
     /// About so many rows, drawn by chance that is the same in every run, and some of every
-    /// station and marker.
+    /// station and marker. From then on what stands several times counts once.
     ///
     /// # Errors
     /// As for [`Pieces::fold`].
-    pub fn sample(&self, rows: usize) -> Result<Sample> {
+    pub fn sample(&mut self, rows: usize) -> Result<Sample> {
         let share = rows as f64 / self.rows().max(1) as f64;
-        let joints: Vec<JointKind> = self.robot.joints.iter().map(|j| j.link.kind).collect();
-        let drawn = self
-            .blocks(&|file, data| Ok(Drawn::of(file, data, (share, &joints))), &|a, b| {
-                Ok(a.plus(b))
-            })?;
-        let Drawn { rows, mut taken, spare, poses, warnings } = drawn;
+        let kinds = self.kinds();
+        let draw = |place, data| Ok(Some(Drawn::of(place, data, (share, &kinds))));
+        let drawn = self.blocks(&draw, &|a, b| Ok(a.plus(b)))?;
+        let Drawn { rows, mut taken, spare, mut cells, warnings } = drawn;
+        let repeated = twice::repeated(&cells);
+        cells.dedup();
+        let poses = cells.len();
+        drop(cells);
         for ((station, marker), some) in spare {
             let has = |(s, m, _): &&(String, String, Row)| (s, m) == (&station, &marker);
             let lacks = LEAST.saturating_sub(taken.values().filter(has).count());
@@ -57,24 +58,40 @@ impl Pieces<'_> {
                 taken.insert(place, (station.clone(), marker.clone(), row));
             }
         }
-        let mut first = taken.keys().map(|(file, ..)| *file);
-        let file = &self.files[first.next().unwrap_or_default()];
+        let mut of: Vec<usize> = taken.keys().map(|place| place.file).collect();
+        let file = &self.files[of.first().copied().unwrap_or_default()];
         let mut data =
             Measurements::drawn(&file.path, taken.into_values(), self.robot, &file.book)?;
+        if data.rows.len() < rows {
+            let drawn = format!(" (of {} rows drawn)", data.rows.len());
+            data.warnings.iter_mut().for_each(|text| *text += &drawn);
+        }
         data.warnings.extend(warnings);
-        data.warnings.sort();
         data.warnings.dedup();
-        Ok(Sample { data, rows, poses: poses.len() })
+        let once = data.distinct();
+        let mut all: Vec<Option<Row>> = data.rows.into_iter().map(Some).collect();
+        data.rows = once.iter().filter_map(|row| all[*row].take()).collect();
+        of = once.iter().map(|row| of[*row]).collect();
+        let first = |file: usize| of.iter().position(|own| *own == file).filter(|row| *row > 0);
+        let behind = self.files.iter().enumerate();
+        let behind = behind.filter_map(|(k, file)| Some((file.path.clone(), first(k)?)));
+        data.behind = behind.collect();
+        let twice = self.find_twice(&repeated)?;
+        Ok(Sample { data, rows, poses, twice })
+    }
+
+    /// What the joints of the arm are.
+    pub(super) fn kinds(&self) -> Vec<JointKind> {
+        self.robot.joints.iter().map(|joint| joint.link.kind).collect()
     }
 }
 
 impl Drawn {
-    fn of(file: usize, data: Measurements, (share, joints): (f64, &[JointKind])) -> Self {
+    fn of(first: Place, data: Measurements, (share, kinds): (f64, &[JointKind])) -> Self {
         let mut drawn = Self { rows: data.rows.len(), warnings: data.warnings, ..Self::default() };
-        let mut poses = vec![0; data.poses];
-        for row in data.rows {
-            poses[row.pose] = cell(&row.q, joints.iter().copied());
-            let at = (file, row.line);
+        for (k, row) in data.rows.into_iter().enumerate() {
+            drawn.cells.push(cell(&row.q, kinds.iter().copied()));
+            let at = first.on(k);
             let labels = (data.stations[row.station].clone(), data.markers[row.marker].clone());
             if chance(at) < share {
                 drawn.taken.insert(at, (labels.0, labels.1, row));
@@ -85,7 +102,7 @@ impl Drawn {
                 spare.insert(at, row);
             }
         }
-        drawn.poses = sorted(poses);
+        drawn.cells.sort_unstable();
         drawn
     }
 
@@ -96,8 +113,7 @@ impl Drawn {
             let own = self.spare.entry(labels).or_default();
             own.extend(rows.into_iter().take(LEAST.saturating_sub(own.len())));
         }
-        self.poses.append(&mut other.poses);
-        self.poses = sorted(self.poses);
+        self.cells = twice::merged(self.cells, other.cells);
         let new = other.warnings.into_iter().filter(|text| !self.warnings.contains(text));
         let new: Vec<String> = new.collect();
         self.warnings.extend(new);
@@ -105,16 +121,11 @@ impl Drawn {
     }
 }
 
-fn sorted(mut poses: Vec<u64>) -> Vec<u64> {
-    poses.sort_unstable();
-    poses.dedup();
-    poses
-}
-
 /// From 0 to 1, of a place alone (the finaliser of SplitMix64).
-fn chance((file, row): Place) -> f64 {
+fn chance(Place { file, piece, row }: Place) -> f64 {
     let mut z = (file as u64).wrapping_mul(0xd1b5_4a32_d192_ed03)
-        ^ (row as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        ^ (piece as u64).wrapping_add(1).wrapping_mul(0x8cb9_2ba7_2f3d_8dd7)
+        ^ row.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64

@@ -25,7 +25,7 @@ struct Cut {
 pub struct Text {
     names: Vec<String>,
     cuts: Vec<Cut>,
-    lines: usize,
+    rows: usize,
 }
 
 impl Text {
@@ -33,20 +33,20 @@ impl Text {
     pub fn open(path: &Path) -> Result<Self> {
         let mut cuts: Vec<Cut> = Vec::new();
         let mut first = Cut { from: 0, to: 0, lines: 0 };
-        let end = walk(path, &mut |at, lines| {
-            if at - first.from >= PIECE {
-                cuts.push(Cut { to: at, ..first });
-                first = Cut { from: at, to: at, lines };
+        let end = walk(path, &mut |at| {
+            // The headings and a row behind them are in the first piece, whatever is before them.
+            if at.bytes - first.from >= PIECE && at.rows > 1 {
+                cuts.push(Cut { to: at.bytes, ..first });
+                first = Cut { from: at.bytes, to: at.bytes, lines: at.lines };
             }
         })?;
-        let (at, lines) = end;
-        if at > first.from || cuts.is_empty() {
-            cuts.push(Cut { to: at, ..first });
+        if end.bytes > first.from || cuts.is_empty() {
+            cuts.push(Cut { to: end.bytes, ..first });
         }
         let head = text(path, &cuts[0])?;
         let source = Source { path, text: &head };
         source.refuse_toml()?;
-        Ok(Self { names: headings(&source)?, cuts, lines })
+        Ok(Self { names: headings(&source)?, cuts, rows: end.rows.saturating_sub(1) })
     }
 
     pub fn pieces(&self) -> usize {
@@ -54,7 +54,7 @@ impl Text {
     }
 
     pub fn rows(&self) -> usize {
-        self.lines.saturating_sub(1)
+        self.rows
     }
 
     /// Reads a piece.
@@ -70,6 +70,7 @@ impl Text {
         let source = Source { path, text: &text };
         let asked = (Some("q"), true);
         let reading = Reading::begin(source, &self.names, robot, asked, book.clone())?;
+        let not_read = reading.not_read();
         let mut reading = reading.each_by_itself();
         let mut reader = super::super::csv_reader(&text, piece == 0);
         // A line of a piece is another one of the text that an error would show.
@@ -77,7 +78,11 @@ impl Text {
         reading.lines(&mut reader, cut.lines).map_err(shown)?;
         match reading.rows() {
             0 => Ok(()),
-            _ => with(reading.end().map_err(shown)?),
+            _ => {
+                let mut data = reading.end().map_err(shown)?;
+                data.warnings.extend(not_read);
+                with(data)
+            }
         }
     }
 }
@@ -100,39 +105,70 @@ fn text(path: &Path, cut: &Cut) -> Result<String> {
     })
 }
 
-/// Lines of a file that are no remarks.
-pub fn lines(path: &Path) -> Result<usize> {
-    walk(path, &mut |_, _| ()).map(|(_, lines)| lines)
+/// Rows of a file, its headings among them.
+pub fn rows(path: &Path) -> Result<usize> {
+    walk(path, &mut |_| ()).map(|end| end.rows)
 }
 
-/// Calls with where each row ends, in bytes and lines; where the file ends.
-fn walk(path: &Path, ended: &mut dyn FnMut(u64, usize)) -> Result<(u64, usize)> {
+/// Where a walk through a file is.
+#[derive(Debug, Clone, Copy, Default)]
+struct Walked {
+    bytes: u64,
+    lines: usize,
+    /// Rows that ended before: no remarks, and no empty lines.
+    rows: usize,
+}
+
+/// Where in a row a byte stands, as the reader of tables has it.
+#[derive(Clone, Copy, PartialEq)]
+enum In {
+    /// Before the first byte of a row.
+    Line,
+    /// Before the first of a cell.
+    Cell,
+    Plain,
+    Quoted,
+    /// Behind a quote that ends what is quoted, or is the first of two.
+    Quote,
+    Remark,
+}
+
+impl In {
+    fn next(self, byte: u8) -> Self {
+        match (self, byte) {
+            (Self::Quoted, b'"') => Self::Quote,
+            (Self::Quoted, _) => Self::Quoted,
+            (Self::Quote | Self::Line | Self::Cell, b'"') => Self::Quoted,
+            (_, b'\n' | b'\r') => Self::Line,
+            (Self::Remark, _) | (Self::Line, b'#') => Self::Remark,
+            (_, b',') => Self::Cell,
+            _ => Self::Plain,
+        }
+    }
+}
+
+/// Calls with where each line ends that is not within quotes; where the file ends.
+fn walk(path: &Path, ended: &mut dyn FnMut(Walked)) -> Result<Walked> {
     let error = |e| Error::io(path, e);
     let mut file = BufReader::with_capacity(1 << 20, File::open(path).map_err(error)?);
-    let (mut at, mut lines, mut quoted, mut remark, mut begins) = (0, 0, false, false, true);
+    let (mut at, mut state) = (Walked::default(), In::Line);
     loop {
         let block = file.fill_buf().map_err(error)?;
         if block.is_empty() {
-            return Ok((at, lines + usize::from(!begins)));
+            at.rows += usize::from(!matches!(state, In::Line | In::Remark));
+            return Ok(at);
+        }
+        for byte in block {
+            let before = state;
+            state = state.next(*byte);
+            at.bytes += 1;
+            at.lines += usize::from(*byte == b'\n');
+            if state == In::Line {
+                at.rows += usize::from(!matches!(before, In::Line | In::Remark));
+                ended(at);
+            }
         }
         let length = block.len();
-        for (k, byte) in block.iter().enumerate() {
-            match byte {
-                b'\n' => {
-                    (lines, remark) = (lines + 1, false);
-                    begins = true;
-                    if !quoted {
-                        ended(at + k as u64 + 1, lines);
-                    }
-                    continue;
-                }
-                b'#' if begins && !quoted => remark = true,
-                b'"' if !remark => quoted = !quoted,
-                _ => {}
-            }
-            begins = false;
-        }
-        at += length as u64;
         file.consume(length);
     }
 }
@@ -141,29 +177,59 @@ fn walk(path: &Path, ended: &mut dyn FnMut(u64, usize)) -> Result<(u64, usize)> 
 mod tests {
     use super::*;
 
+    /// The pieces of a text.
+    fn cut(all: &str) -> (Text, Vec<String>) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
+        std::fs::write(&path, all).unwrap();
+        let cut = Text::open(&path).unwrap();
+        let texts = cut.cuts.iter().map(|cut| text(&path, cut).unwrap()).collect();
+        (cut, texts)
+    }
+
+    /// Rows as the reader of tables has them.
+    fn rows_of(text: &str, headings: bool) -> Vec<csv::StringRecord> {
+        super::super::super::csv_reader(text, headings).records().map(|row| row.unwrap()).collect()
+    }
+
     /// Whatever stands in it, pieces are the file, and no row is cut.
     #[test]
     fn no_row_is_cut() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("m.csv");
-        let mut all = "q1_deg,station\n".to_owned();
-        for k in 0..60_000 {
-            all += match k % 7 {
-                0 => "# a remark with one \" in it\n",
-                1 => "1.5,\"of two\nlines, and a \"\"word\"\"\"\n",
-                2 => "\n",
-                _ => "12.25,plain\n",
-            };
+        for end in ["\n", "\r\n", "\r"] {
+            let mut all = format!("q1_deg,station{end}");
+            for k in 0..80_000 {
+                all += match k % 9 {
+                    0 => "# a remark with one \" in it",
+                    1 => "1.5,\"of two\nlines, and a \"\"word\"\"\"",
+                    2 => "",
+                    3 => "1.5,5\" long",
+                    4 => "\"1.5\",\"\"",
+                    5 => "1.5,\"quoted\" and not",
+                    _ => "12.25,plain",
+                };
+                all += end;
+            }
+            let (cut, texts) = cut(&all);
+            assert!(cut.pieces() > 1);
+            assert_eq!(texts.concat(), all);
+            let pieces = texts.iter().enumerate().flat_map(|(k, text)| rows_of(text, k == 0));
+            let pieces: Vec<_> = pieces.collect();
+            assert_eq!(pieces.len(), cut.rows());
+            assert!(pieces == rows_of(&all, true));
+            for cut in &cut.cuts {
+                assert_eq!(all[..cut.from as usize].matches('\n').count(), cut.lines);
+            }
         }
-        std::fs::write(&path, &all).unwrap();
-        let cut = Text::open(&path).unwrap();
-        assert!(cut.pieces() > 1);
-        let texts: Vec<String> = cut.cuts.iter().map(|cut| text(&path, cut).unwrap()).collect();
-        assert_eq!(texts.concat(), all);
-        for (text, cut) in texts.iter().zip(&cut.cuts) {
-            let begins = ["q1", "# a", "1.5", "\n", "12.25"];
-            assert!(begins.iter().any(|begin| text.starts_with(begin)), "{:?}", &text[..20]);
-            assert_eq!(all[..cut.from as usize].matches('\n').count(), cut.lines);
+    }
+
+    /// Headings are found however much stands before them, and nothing that is no row counts.
+    #[test]
+    fn what_is_before_the_headings() {
+        for before in
+            ["# a remark that is as long as others\n".repeat(40_000), "\n".repeat(2_000_000)]
+        {
+            let (cut, _) = cut(&format!("{before}q1_deg,station\n1,a\n2,b"));
+            assert_eq!((cut.names.len(), cut.rows()), (2, 2));
         }
     }
 }

@@ -136,6 +136,12 @@ impl Surroundings {
 }
 
 impl Conditions {
+    /// Of measurements of an arm that nothing but its joints moves.
+    #[must_use]
+    pub fn rigid(data: &Measurements) -> Self {
+        Self { rows: vec![RowInputs::default(); data.rows.len()], ..Self::default() }
+    }
+
     /// Of these measurements, loads of the robot as it is drawn.
     #[must_use]
     pub fn new(data: &Measurements, robot: &Robot) -> Self {

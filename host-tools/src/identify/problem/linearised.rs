@@ -123,7 +123,7 @@ impl<'a> Linearised<'a> {
         let (residual, mut block) = kind(row).linearised(index, &motion);
         let residual = self.beside_aside(index, residual);
         let scale = self.problem.scale(index);
-        for mut column in block.column_iter_mut() {
+        for column in block.as_mut_slice().chunks_exact_mut(scale.len().max(1)) {
             column.iter_mut().zip(scale.iter()).for_each(|(value, scale)| *value /= scale);
         }
         let explained = block.columns(0, self.units.len()) * &self.corrections;
@@ -182,23 +182,27 @@ impl<'a> Linearised<'a> {
         let height = self.units.len() + 1;
         let motion = self.motion(&|_, _| Vec::new());
         let mut matrix = DMatrix::zeros(height, self.problem.equations(rows));
-        let mut columns = matrix.as_mut_slice().chunks_exact_mut(height);
+        let mut rest = matrix.as_mut_slice();
         for index in rows {
             let row = &self.problem.data.rows[*index];
             let (residual, block) = kind(row).linearised(*index, &motion);
             let residual = self.beside_aside(*index, residual);
             let scale = self.problem.scale(*index);
-            for (c, column) in (0..scale.len()).zip(&mut columns) {
-                let root = weights.map_or(1.0, |weights| weights[*index][c].sqrt());
-                let factor = root / scale[c];
-                let mut rhs = residual[c] * factor;
-                let derivatives = block.as_slice()[c..].iter().step_by(scale.len());
-                for ((to, value), x) in column.iter_mut().zip(derivatives).zip(&self.corrections) {
-                    *to = value * factor;
-                    rhs += *to * x;
+            let root = |c: usize| weights.map_or(1.0, |weights| weights[*index][c].sqrt());
+            let factor = Values::from_fn(scale.len(), |c| root(c) / scale[c]);
+            let (own, others) = rest.split_at_mut(height * scale.len());
+            let mut rhs = residual.zip_map(&factor, |r, factor| r * factor);
+            // All of a row at once: sums of one equation alone wait for each other.
+            let derivatives = block.as_slice().chunks_exact(scale.len().max(1));
+            for (k, (moved, x)) in derivatives.zip(self.corrections.as_slice()).enumerate() {
+                for (c, moved) in moved.iter().enumerate() {
+                    let value = moved * factor[c];
+                    own[c * height + k] = value;
+                    rhs[c] += value * x;
                 }
-                column[height - 1] = rhs;
             }
+            (0..scale.len()).for_each(|c| own[(c + 1) * height - 1] = rhs[c]);
+            rest = others;
         }
         matrix
     }

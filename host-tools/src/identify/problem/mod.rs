@@ -75,6 +75,12 @@ impl<'a> Problem<'a> {
         Self::under(data, robot, scaling, Conditions::new(data, robot))
     }
 
+    /// The same of an arm that no term moves: nothing of what terms depend on is known.
+    #[must_use]
+    pub fn rigid(data: &'a Measurements, robot: &Robot, scaling: Scaling) -> Self {
+        Self::under(data, robot, scaling, Conditions::rigid(data))
+    }
+
     /// The same under conditions that are known.
     #[must_use]
     pub fn under(

@@ -64,12 +64,14 @@ impl Motion<'_> {
             true => Vec::new(),
             false => self.model.columns(row, &problem.conditions.rows[index], d),
         };
-        let mut set = |column, moved: &Vector3<f64>| block.column_mut(column).copy_from(moved);
-        moving(unknowns, row, (d, &terms), &mut set);
-        beside.iter().enumerate().for_each(|(k, moved)| set(count + k, moved));
-        for (mut column, unit) in block.column_iter_mut().zip(self.units) {
-            column *= *unit;
-        }
+        let numbers = block.as_mut_slice();
+        let mut set = |column: usize, moved: Vector3<f64>| {
+            numbers[3 * column..3 * column + 3].copy_from_slice(moved.as_slice());
+        };
+        moving(unknowns, row, (d, &terms), &mut |column, moved| {
+            set(column, moved * self.units[column]);
+        });
+        beside.iter().enumerate().for_each(|(k, moved)| set(count + k, *moved));
         block
     }
 

@@ -18,7 +18,7 @@ impl<'a> Alone<'a> {
     /// Of measurements; `None` where there is no fit of them.
     #[must_use]
     pub fn of(robot: &Robot, data: &'a Measurements) -> Option<Self> {
-        let problem = Problem::new(data, robot, Scaling::Prior);
+        let problem = Problem::rigid(data, robot, Scaling::Prior);
         let start = register(data, &problem.nominal, robot.tool).ok()?;
         let mut problem = problem.about(&start);
         let rows = problem.counted();

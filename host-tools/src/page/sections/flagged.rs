@@ -7,8 +7,22 @@ use crate::identify::{Figures, FlaggedRow};
 pub fn flagged(f: &Figures) -> Section {
     let section = Section::new("flagged", "Rows left out");
     if f.outliers.is_empty() {
-        return section.say("None: no row contradicts the others.");
+        return section.say(match &f.drawn {
+            Some(drawn) if drawn.flagged > 0 => format!(
+                "{} of {} rows do not fit the others, none of the {} that were drawn.",
+                drawn.flagged, f.rows, drawn.rows
+            ),
+            _ => "None: no row contradicts the others.".to_owned(),
+        });
     }
+    let of = match &f.drawn {
+        Some(drawn) => format!(
+            "{} of {} rows do not fit the others; these are of the {} that were drawn, and numbered \
+             among them.",
+            drawn.flagged, f.rows, drawn.rows
+        ),
+        None => format!("{} of {} rows do not fit the others.", f.outliers.len(), f.rows),
+    };
     let row = |o: &FlaggedRow| {
         let numbers: Vec<String> = o.residual_mm.iter().map(|r| format!("{r:.3}")).collect();
         vec![
@@ -20,9 +34,7 @@ pub fn flagged(f: &Figures) -> Section {
         ]
     };
     let head = ["row", "file", "line", "wrong", "measured minus predicted by the other rows, mm"];
-    section
-        .say(format!("{} of {} rows do not fit the others.", f.outliers.len(), f.rows))
-        .node(table(&head, f.outliers.iter().map(row)))
+    section.say(of).node(table(&head, f.outliers.iter().map(row)))
 }
 
 /// Remarks about the files.
