@@ -1,18 +1,7 @@
 //! The arm as seen from every station at every marker.
 
 use crate::identify::State;
-use crate::model::arm::{Kinematics, RowInputs};
-
-/// Of terms a gross mistake knows nothing.
-pub const PLAIN: RowInputs = RowInputs {
-    torque: Vec::new(),
-    moment: [0.0; 2],
-    across: Vec::new(),
-    approach: Vec::new(),
-    warmth: 0.0,
-    warming: None,
-    curves: Vec::new(),
-};
+use crate::model::arm::Kinematics;
 
 /// Chains of all stations and markers.
 pub struct Chains {

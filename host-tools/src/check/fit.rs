@@ -5,12 +5,12 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use truearm::Pose;
 
-use super::chains::{Chains, PLAIN};
+use super::chains::Chains;
 pub(super) use super::judged::Fitted;
 use super::judged::{FREEDOM, Fitter};
 use super::scene::{Scene, Sight};
 use crate::identify::{State, Unknown, Unknowns, rigid_transform};
-use crate::model::arm::Derivatives;
+use crate::model::arm::{Derivatives, RowInputs};
 use crate::statistics::median;
 
 /// Nominal parameters are held within so many tolerances (1 mm, 1 mrad): arms
@@ -185,7 +185,8 @@ impl<'a> Fitter<'a> {
     fn equations(&self, state: &State) -> (DMatrix<f64>, DVector<f64>) {
         let chains = Chains::new(state);
         let sights = &self.scene.sights;
-        let at = |s: &Sight| chains.of(s.station, s.marker).derivatives(&s.q, &[], &PLAIN);
+        let at =
+            |s: &Sight| chains.of(s.station, s.marker).derivatives(&s.q, &[], &RowInputs::RIGID);
         let moved: Vec<Derivatives> = sights.iter().map(at).collect();
         let residuals: Vec<Vector3<f64>> =
             sights.iter().zip(&moved).map(|(s, d)| s.point - d.point).collect();

@@ -27,6 +27,17 @@ pub struct RowInputs {
 }
 
 impl RowInputs {
+    /// Where nothing is known.
+    pub(crate) const RIGID: Self = Self {
+        torque: Vec::new(),
+        moment: [0.0; 2],
+        across: Vec::new(),
+        approach: Vec::new(),
+        warmth: 0.0,
+        warming: None,
+        curves: Vec::new(),
+    };
+
     /// What the coefficient of a spring is multiplied by; 0 without loads.
     #[must_use]
     pub fn load(&self, spring: &Term<f64>) -> f64 {

@@ -139,8 +139,9 @@ impl In {
             (Self::Quoted, b'"') => Self::Quote,
             (Self::Quoted, _) => Self::Quoted,
             (Self::Quote | Self::Line | Self::Cell, b'"') => Self::Quoted,
-            (_, b'\n' | b'\r') => Self::Line,
+            (Self::Remark, b'\n') => Self::Line,
             (Self::Remark, _) | (Self::Line, b'#') => Self::Remark,
+            (_, b'\n' | b'\r') => Self::Line,
             (_, b',') => Self::Cell,
             _ => Self::Plain,
         }

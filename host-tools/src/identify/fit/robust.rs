@@ -213,16 +213,17 @@ fn judge(
     kept.iter().for_each(|row| fitted[*row] = true);
     let of = |chunk: &[usize]| deletions(problem, &at, &cov, chunk, &fitted);
     let over_sd = |(e, sd): (Values, Values)| e.zip_map(&sd, |e, sd| e / sd);
-    let own = |chunk: &[usize]| of(chunk).into_iter().map(over_sd);
-    let deletions: Vec<Values> = rows.par_chunks(CHUNK).flat_map_iter(own).collect();
-    let mut normal = Vec::new();
-    for (_, e) in rows.iter().zip(&deletions).filter(|(row, _)| fitted[**row]) {
+    let own = |chunk: &[usize]| of(chunk).into_iter().map(over_sd).collect();
+    let deletions: Vec<Vec<Values>> = rows.par_chunks(CHUNK).map(own).collect();
+    let deletions = || rows.iter().zip(deletions.iter().flatten());
+    let mut normal = Vec::with_capacity(problem.equations(kept));
+    for (_, e) in deletions().filter(|(row, _)| fitted[**row]) {
         normal.extend_from_slice(e);
     }
     let scale = mad_scale(&normal).max(1.0);
     let gross = flags.limit(scale);
     let mut outliers = Vec::new();
-    for (row, e) in rows.iter().zip(&deletions).filter(|(_, e)| e.amax() > gross * scale) {
+    for (row, e) in deletions().filter(|(_, e)| e.amax() > gross * scale) {
         let own = &problem.data.rows[*row];
         let names = kind(own).components().iter().zip(e.iter());
         let wrong = names.filter(|(_, e)| e.abs() > gross * scale);

@@ -11,10 +11,13 @@ use crate::model::{ErrorCurve, JointTables, Measurements, Model, Mounting, Robot
 /// A joint is loaded if its torque varies by more than this share of the most that one varies by.
 const LOADED: f64 = 0.01;
 
+/// Where nothing is known.
+static RIGID: RowInputs = RowInputs::RIGID;
+
 /// Inputs of every row, and which of them are known at all.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Conditions {
-    /// One entry a row.
+    /// One entry a row; none where nothing but joints moves the arm.
     pub rows: Vec<RowInputs>,
     /// Gravity and masses are given.
     pub masses: bool,
@@ -136,10 +139,16 @@ impl Surroundings {
 }
 
 impl Conditions {
-    /// Of measurements of an arm that nothing but its joints moves.
+    /// Of an arm that nothing but its joints moves, at any row.
     #[must_use]
-    pub fn rigid(data: &Measurements) -> Self {
-        Self { rows: vec![RowInputs::default(); data.rows.len()], ..Self::default() }
+    pub fn rigid() -> Self {
+        Self::default()
+    }
+
+    /// Inputs of a row.
+    #[must_use]
+    pub fn row(&self, row: usize) -> &RowInputs {
+        if self.rows.is_empty() { &RIGID } else { &self.rows[row] }
     }
 
     /// Of these measurements, loads of the robot as it is drawn.

@@ -78,7 +78,7 @@ impl<'a> Problem<'a> {
     /// The same of an arm that no term moves: nothing of what terms depend on is known.
     #[must_use]
     pub fn rigid(data: &'a Measurements, robot: &Robot, scaling: Scaling) -> Self {
-        Self::under(data, robot, scaling, Conditions::rigid(data))
+        Self::under(data, robot, scaling, Conditions::rigid())
     }
 
     /// The same under conditions that are known.

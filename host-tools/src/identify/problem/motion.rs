@@ -49,7 +49,7 @@ impl Motion<'_> {
     }
 
     fn derivatives(&self, index: usize) -> Derivatives {
-        self.model.derivatives(self.row(index), &self.problem.conditions.rows[index])
+        self.model.derivatives(self.row(index), self.problem.conditions.row(index))
     }
 
     /// How what these derivatives at a row are of moves with each unknown in its unit
@@ -62,7 +62,7 @@ impl Motion<'_> {
         let mut block = DMatrix::zeros(3, count + beside.len());
         let terms = match unknowns.terms().is_empty() {
             true => Vec::new(),
-            false => self.model.columns(row, &problem.conditions.rows[index], d),
+            false => self.model.columns(row, problem.conditions.row(index), d),
         };
         let numbers = block.as_mut_slice();
         let mut set = |column: usize, moved: Vector3<f64>| {

@@ -56,7 +56,7 @@ impl Model {
     /// The same with how the last frame is turned.
     #[must_use]
     pub fn pose(&self, row: &Row, index: usize, conditions: &Conditions) -> Pose<f64> {
-        let inputs = &conditions.rows[index];
+        let inputs = conditions.row(index);
         let bent = self.chain(row).bent(&row.q, &self.arm_terms, inputs);
         if self.arm_terms.len() == self.terms.len() {
             return bent;
@@ -146,7 +146,7 @@ impl Seen for View<'_> {
     }
 
     fn point(&self, index: usize) -> Vector3<f64> {
-        self.model.point(self.row(index), &self.conditions.rows[index])
+        self.model.point(self.row(index), self.conditions.row(index))
     }
 
     fn pose(&self, index: usize) -> Pose<f64> {

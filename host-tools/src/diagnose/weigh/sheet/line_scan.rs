@@ -58,20 +58,37 @@ impl Sheet<'_> {
             };
             (0..ends.len()).map(of_end).collect::<Vec<_>>()
         };
-        let all: Vec<Posture> = rows.par_iter().zip(&counts).flat_map_iter(one).collect();
-        let of_way = |way: usize| {
-            let mut imitated = DMatrix::zeros(p, all.len());
-            for (k, posture) in all.iter().enumerate() {
-                imitated.set_column(k, &posture.products.column(way));
-            }
-            JointColumn {
-                q: Vec::new(),
-                square: all.iter().map(|a| a.squares[way]).collect(),
-                right: all.iter().map(|a| a.rights[way]).collect(),
-                imitated: geometry.whiten(&imitated),
-            }
-        };
-        (0..count).into_par_iter().map(of_way).collect()
+        // A part of the rows after the other: each way of each row takes p numbers, and all of
+        // them are held once, not twice.
+        let postures = postures(data, rows).len();
+        let mut all: Vec<JointColumn> = (0..count).map(|_| none(p, postures)).collect();
+        let mut first = 0;
+        for (rows, counts) in rows.chunks(AT_ONCE).zip(counts.chunks(AT_ONCE)) {
+            let part: Vec<Posture> = rows.par_iter().zip(counts).flat_map_iter(one).collect();
+            all.par_iter_mut().enumerate().for_each(|(way, column)| {
+                column.square.extend(part.iter().map(|a| a.squares[way]));
+                column.right.extend(part.iter().map(|a| a.rights[way]));
+                for (k, posture) in part.iter().enumerate() {
+                    column.imitated.set_column(first + k, &posture.products.column(way));
+                }
+            });
+            first += part.len();
+        }
+        all.par_iter_mut().for_each(|way| way.imitated = geometry.whiten(&way.imitated));
+        all
+    }
+}
+
+/// Rows that are looked at together.
+const AT_ONCE: usize = 4096;
+
+/// A way of which nothing is known yet.
+fn none(unknowns: usize, postures: usize) -> JointColumn {
+    JointColumn {
+        q: Vec::new(),
+        square: Vec::with_capacity(postures),
+        right: Vec::with_capacity(postures),
+        imitated: DMatrix::zeros(unknowns, postures),
     }
 }
 
