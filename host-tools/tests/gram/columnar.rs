@@ -116,11 +116,13 @@ fn write(path: &Path, columns: &[(&str, Values)], compression: Compression) {
     writer.close().unwrap();
 }
 
+type Columns = Vec<(&'static str, Values)>;
+
 const JOINTS: [&str; 6] = ["q1_deg", "q2_deg", "q3_deg", "q4_deg", "q5_deg", "q6_deg"];
 const POINT: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 
 /// The same rows as a text and as columns of numbers and labels.
-fn both(rows: usize) -> (Robot, String, Vec<(&'static str, Values)>) {
+fn both(rows: usize) -> (Robot, String, Columns) {
     let (robot, header, lines) = measured(rows);
     assert_eq!(
         header,
@@ -227,7 +229,7 @@ fn what_is_not_asked_for_may_be_anything() {
 fn what_is_no_number_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("rows.parquet");
-    let fails = |change: &dyn Fn(&mut Vec<(&'static str, Values)>)| {
+    let fails = |change: &dyn Fn(&mut Columns)| {
         let (robot, _, mut columns) = both(60);
         change(&mut columns);
         write(&path, &columns, Compression::SNAPPY);
