@@ -17,6 +17,13 @@ use crate::tikhonov::{HELD, Normal};
 /// fast steps become small.
 const SETTLED: f64 = 1e-9;
 
+/// From this lambda on it holds the links by itself...
+const FIRM: f64 = 1e-3;
+/// ...and steps of base and target are held by this share of it at most, ...
+const LIGHTER: f64 = 1e-3;
+/// ...but for this share of their own diagonal: a thousand times what is lost to rounding.
+const ROUNDING: f64 = 1e-13;
+
 /// The next state, and what is known of this one.
 #[derive(Debug, Clone)]
 pub struct Step {
@@ -178,9 +185,16 @@ impl Round<'_> {
         let (free, x) = (self.problem.unknowns.free(), self.problem.corrections(self.at));
         let (mut h, mut right) = (normal.h().into_owned(), normal.g());
         let least = h.diagonal().max() * HELD * HELD;
+        // What holds steps of base and target holds, where only lambda tells them from the links,
+        // those of links, too: of millions of rows by as much as lambda does, and then each step
+        // goes half of the way.
+        let held = |h: f64| match lambda >= FIRM {
+            true => (HELD * h).min((LIGHTER * lambda).max(ROUNDING * h)),
+            false => HELD * h,
+        };
         for k in 0..x.len() {
             if k < free {
-                h[(k, k)] += HELD * h[(k, k)].max(least);
+                h[(k, k)] += held(h[(k, k)].max(least));
             } else {
                 h[(k, k)] += lambda;
                 right[k] -= lambda * x[k];

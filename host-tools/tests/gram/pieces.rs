@@ -98,6 +98,21 @@ fn files_in_pieces_are_one_run() {
     }
 }
 
+/// Where rows tell as much as ten million do, here by their small noise, what only lambda tells
+/// apart is no slower found: ten rounds and more it took.
+#[test]
+fn few_rounds_however_much_the_rows_tell() {
+    let sigma = 1.6e-6;
+    let robot = Robot { sigma, ..robot(UR10_LIKE) };
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let truth = Truth::draw_sized(&robot, 1, 1, 2.0, &mut rng);
+    let (_folder, paths) = folder(&[("a.csv", &truth.measure(25_000, sigma, &mut rng))]);
+    let found = in_pieces(&robot, &paths, &Options::default()).unwrap().found;
+    let drawn = found.figures.drawn.as_ref().unwrap();
+    assert!(drawn.rounds <= 5, "{} rounds", drawn.rounds);
+    assert!((drawn.rms_mm / (sigma * 3_f64.sqrt() * 1e3) - 1.0).abs() < 0.02, "{}", drawn.rms_mm);
+}
+
 /// The last bit does not depend on how many threads there are.
 #[test]
 fn the_same_bits_on_any_number_of_cores() {

@@ -57,24 +57,27 @@ pub fn run(options: &Options) -> Result {
     }
     let folder = tempfile::tempdir()?;
     let mut all: [Vec<[f64; 3]>; 2] = Default::default();
-    println!("| rows | all at once: s, MB | in pieces: s, MB | cross-validated, mm |");
-    println!("|---|---|---|---|");
+    println!("| rows | all at once: s, MB | in pieces: s, MB | rounds | cross-validated, mm |");
+    println!("|---|---|---|---|---|");
     for rows in &options.rows {
         let file = folder.path().join("rows.parquet");
         simulate(&robot, *rows, options.seed, &file)?;
         let ways = [*rows <= LARGE, *rows >= FEWEST];
         let mut told = [const { String::new() }; 2];
-        let mut error = f64::NAN;
+        let (mut error, mut passes) = (f64::NAN, String::new());
         for k in (0..2).filter(|k| ways[*k]) {
-            let [seconds, megabytes, found] = apart(&file, k == 1)?;
+            let [seconds, megabytes, found, rounds] = apart(&file, k == 1)?;
             all[k].push([*rows as f64, seconds, megabytes]);
             told[k] = format!("{seconds:.2}, {megabytes:.0}");
             if error.is_finite() && (found / error - 1.0).abs() > 0.02 {
                 return Err(format!("{rows} rows: {error} mm at once, {found} mm in pieces").into());
             }
             error = found;
+            if rounds > 0.0 {
+                passes = rounds.to_string();
+            }
         }
-        println!("| {rows} | {} | {} | {error:.4} |", told[0], told[1]);
+        println!("| {rows} | {} | {} | {passes} | {error:.4} |", told[0], told[1]);
     }
     slopes(&all);
     match &options.figure {
@@ -83,8 +86,8 @@ pub fn run(options: &Options) -> Result {
     }
 }
 
-/// Seconds, megabytes and the cross-validated error of a process of its own.
-fn apart(file: &Path, in_pieces: bool) -> Result<[f64; 3]> {
+/// Seconds, megabytes, the cross-validated error and the rounds of a process of its own.
+fn apart(file: &Path, in_pieces: bool) -> Result<[f64; 4]> {
     let mut command = Command::new(std::env::current_exe()?);
     command.arg("rows").arg("--one").arg(file);
     if in_pieces {
@@ -93,7 +96,7 @@ fn apart(file: &Path, in_pieces: bool) -> Result<[f64; 3]> {
     let ran = command.output()?;
     let said = String::from_utf8_lossy(&ran.stdout);
     let numbers: Vec<f64> = said.split_whitespace().filter_map(|n| n.parse().ok()).collect();
-    <[f64; 3]>::try_from(numbers)
+    <[f64; 4]>::try_from(numbers)
         .map_err(|_| format!("{}{said}", String::from_utf8_lossy(&ran.stderr)).into())
 }
 
@@ -112,7 +115,8 @@ fn one(robot: &Robot, file: &Path, in_pieces: bool) -> Result {
         }
     };
     let error = found.model.provenance.cross_validated_rms_mm;
-    println!("{} {} {error}", start.elapsed().as_secs_f64(), peak());
+    let rounds = found.figures.drawn.map_or(0, |drawn| drawn.rounds);
+    println!("{} {} {error} {rounds}", start.elapsed().as_secs_f64(), peak());
     Ok(())
 }
 
