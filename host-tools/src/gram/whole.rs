@@ -18,7 +18,7 @@ use crate::model::Model;
 use crate::observations::Residual;
 use crate::tikhonov::Factorised;
 
-/// Rows above which files are read in pieces: so many are in memory 1.8 GB.
+/// Rows above which files are read in pieces: so many are in memory 1.3 GB.
 pub const LARGE: usize = 1_000_000;
 /// Rows to draw to begin with, and that figures of distances are of: they tell a root mean
 /// square to half a per cent.
