@@ -138,6 +138,12 @@ impl Row {
         self.partner = None;
     }
 
+    /// Joints and what was measured, bit by bit.
+    #[must_use]
+    pub fn bits(&self) -> Vec<u64> {
+        self.q.iter().chain(self.measured.iter()).map(|v| v.to_bits()).collect()
+    }
+
     /// Whether both say the same, on whatever line of the file.
     fn repeats(&self, other: &Self) -> bool {
         // Most differ in what was measured. The first of a file has no sides taken from order.
@@ -224,12 +230,8 @@ impl Measurements {
     /// measured values.
     #[must_use]
     pub fn shared(&self, other: &Self) -> usize {
-        let key = |row: &Row| {
-            let bits = row.q.iter().chain(row.measured.iter()).map(|v| v.to_bits());
-            bits.collect::<Vec<u64>>()
-        };
-        let own: std::collections::HashSet<Vec<u64>> = self.rows.iter().map(key).collect();
-        other.rows.iter().filter(|row| own.contains(&key(row))).count()
+        let own: std::collections::HashSet<Vec<u64>> = self.rows.iter().map(Row::bits).collect();
+        other.rows.iter().filter(|row| own.contains(&row.bits())).count()
     }
 
     /// Smallest and largest value of each joint.

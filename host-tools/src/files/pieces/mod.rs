@@ -120,19 +120,15 @@ impl<'r> Pieces<'r> {
     /// # Errors
     /// As for [`Pieces::fold`].
     pub fn shared(&self, other: &Measurements) -> Result<usize> {
-        let key = |row: &Row| {
-            let bits = row.q.iter().chain(row.measured.iter()).map(|v| v.to_bits());
-            bits.collect::<Vec<u64>>()
-        };
-        let wanted: HashSet<Vec<u64>> = other.rows.iter().map(key).collect();
+        let wanted: HashSet<Vec<u64>> = other.rows.iter().map(Row::bits).collect();
         let there = |data: Measurements| -> Result<HashSet<Vec<u64>>> {
-            Ok(data.rows.iter().map(key).filter(|key| wanted.contains(key)).collect())
+            Ok(data.rows.iter().map(Row::bits).filter(|bits| wanted.contains(bits)).collect())
         };
         let all = self.fold(&there, &|mut a, b| {
             a.extend(b);
             Ok(a)
         })?;
-        Ok(other.rows.iter().filter(|row| all.contains(&key(row))).count())
+        Ok(other.rows.iter().filter(|row| all.contains(&row.bits())).count())
     }
 
     /// The arm.
@@ -141,7 +137,7 @@ impl<'r> Pieces<'r> {
         self.robot
     }
 
-    /// Rows of all files; of texts a few more where there are lines without.
+    /// Rows of all files, a row of units among them.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.files.iter().map(|file| file.form.rows()).sum()
