@@ -28,7 +28,7 @@ const APART: f64 = 2.0;
 const NEIGHBOURS: [f64; 5] = [0.0, -0.5, 0.5, -1.0, 1.0];
 
 /// A joint's geometric column at every row, over sigma and the noise scale.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct JointColumn {
     /// Joint values, rad.
     pub q: Vec<f64>,

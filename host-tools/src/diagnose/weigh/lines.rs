@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use truearm::effects::Effect;
 
 use super::possible::{Numbers, Possible, variants};
+use super::scan::Columns;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::policy::POLICY;
 use crate::effects::Offer;
@@ -59,12 +60,14 @@ pub fn are_still(members: &[Candidate], added: &[Candidate], covered: &[[f64; 2]
 /// Lines as candidates: those held and, but of joints that are closed, those of a scan.
 pub fn offered(
     state: &State,
-    columns: &[(usize, JointColumn)],
+    columns: &Columns,
     highest: f64,
     (held, closed): (&[Held], &[usize]),
     numbers: &mut Numbers,
 ) -> Vec<Possible> {
-    let found = columns.par_iter().map(|(joint, column)| {
+    let joints = columns.joints();
+    let found = joints.par_iter().map(|joint| {
+        let column = &columns.joint(*joint);
         let orders = Orders::of(&column.q, highest);
         let near = |a: f64, b: f64| (a - b).abs() < 2.0 * orders.step;
         let known: Vec<f64> = held.iter().filter(|h| h.0 == *joint).map(|h| h.1).collect();
@@ -87,8 +90,9 @@ pub fn offered(
             variants.dedup();
             lines.push((line, variants));
         }
+        let aliases = Aliases::of(&column.q, *orders.range().end());
         if closed.contains(joint) {
-            return (*joint, orders, lines);
+            return (*joint, orders, aliases, lines);
         }
         for line in orders.lines(column, POLICY.lines_a_joint + known.len()) {
             let fresh = !known.iter().any(|k| near(*k, line.order));
@@ -96,12 +100,11 @@ pub fn offered(
                 lines.push((line, variants(&orders, &line)));
             }
         }
-        (*joint, orders, lines)
+        (*joint, orders, aliases, lines)
     });
     let found: Vec<_> = found.collect();
     let mut out = Vec::new();
-    for ((joint, orders, lines), (_, column)) in found.into_iter().zip(columns) {
-        let aliases = Aliases::of(&column.q, *orders.range().end());
+    for (joint, orders, aliases, lines) in found {
         let kept: Vec<f64> = lines.iter().map(|(line, _)| line.order).collect();
         for (part, (_, variants)) in lines.into_iter().enumerate() {
             // Orders that no data tell apart: one stands for all, with their prior.
@@ -110,7 +113,7 @@ pub fn offered(
                 let share = aliases.count(order, &orders.range()) as f64 / alike as f64;
                 let offer = Offer::of_arm(Effect::JointPeriodicError, &[joint], &[order], 1);
                 let candidate = Candidate::from(offer);
-                let log_odds = orders.log_odds(columns.len(), order) + share.max(1.0).ln();
+                let log_odds = orders.log_odds(joints.len(), order) + share.max(1.0).ln();
                 out.push(numbers.line(candidate, part + 1, log_odds));
             }
         }

@@ -28,14 +28,15 @@ pub fn ghosts(q: &Question, found: &Searched) -> Vec<Held> {
     // What rows count for was learned with the lines, from the poses held out as well.
     let scattering = found.weights.scattering.clone();
     let alike = Weights { scattering, ..Weights::alike(problem.data.rows.len()) };
-    let columns = scan::columns(&problem, state, rows, &alike, noise).joints;
+    let columns = scan::joints(&problem, state, rows, &alike, noise);
     let mut fold_of = vec![0; problem.data.rows.len()];
     for (k, fold) in q.folds.iter().enumerate() {
         fold.held_out.iter().for_each(|row| fold_of[*row] = k);
     }
     let stood = postures(&problem.data.rows, rows);
     let folds: Vec<usize> = stood.iter().map(|row| fold_of[*row]).collect();
-    let of_joint = |(joint, column): &(usize, JointColumn)| {
+    let of_joint = |joint: &usize| {
+        let column = columns.joint(*joint);
         let orders = held.iter().filter(|h| h.0 == *joint).map(|h| h.1);
         let waves = orders.map(|order| (order, wave(&column.q, order, size(state, *joint, order))));
         let mut waves: Vec<(f64, Vec<f64>)> = waves.collect();
@@ -50,7 +51,8 @@ pub fn ghosts(q: &Question, found: &Searched) -> Vec<Held> {
         let believed = believed(&bare, &orders, &folds, waves.len());
         waves.split_off(believed).into_iter().map(|(order, _)| (*joint, order)).collect::<Vec<_>>()
     };
-    let with_lines = columns.par_iter().filter(|(joint, _)| held.iter().any(|h| h.0 == *joint));
+    let joints = columns.joints().par_iter();
+    let with_lines = joints.filter(|joint| held.iter().any(|h| h.0 == **joint));
     with_lines.flat_map_iter(of_joint).collect()
 }
 

@@ -4,83 +4,116 @@ use nalgebra::{DVector, Vector3};
 
 use super::follows::Part;
 use super::possible::revolute;
-use super::sheet::{Sheet, Weights};
+use super::sheet::{Along, Sheet, Way, Weights};
 use crate::evidence::lines::JointColumn;
 use crate::identify::{Problem, State};
 use crate::model::arm::Derivatives;
 use crate::observations::postures;
 
 /// What a scan is made of.
-pub struct Columns {
-    /// Each revolute joint, counted from 0.
-    pub joints: Vec<(usize, JointColumn)>,
-    /// The target along x, y and z of the last frame, without joint values.
-    pub target: Vec<JointColumn>,
-    /// The base about and along its axes, without joint values.
-    pub base: Vec<JointColumn>,
-    /// The parts that may err with a covariate and are none of these, way after way.
-    parts: Vec<(Part, Vec<JointColumn>)>,
+pub struct Columns<'p> {
+    problem: &'p Problem<'p>,
+    /// Where the arm stood.
+    postures: Vec<usize>,
+    /// Revolute joints, counted from 0.
+    joints: Vec<usize>,
+    /// What moves along each way; none where the base turns about its axes.
+    movers: Vec<Option<Part>>,
+    along: Along,
 }
 
-impl Columns {
-    /// Each way of a part.
+impl Columns<'_> {
+    /// The revolute joints, counted from 0.
     #[must_use]
-    pub fn of(&self, part: Part) -> Vec<&JointColumn> {
-        match part {
-            Part::Joint(joint) if self.joints.iter().any(|(j, _)| *j == joint) => {
-                self.joints.iter().filter(|(j, _)| *j == joint).map(|(_, c)| c).collect()
-            }
-            Part::Shift => self.base[3..].iter().collect(),
-            Part::Target => self.target.iter().collect(),
-            other => {
-                self.parts.iter().filter(|(p, _)| *p == other).flat_map(|(_, ways)| ways).collect()
-            }
-        }
+    pub fn joints(&self) -> &[usize] {
+        &self.joints
+    }
+
+    /// That of a revolute joint, with its values.
+    #[must_use]
+    pub fn joint(&self, joint: usize) -> JointColumn {
+        let rows = &self.problem.data.rows;
+        let q = self.postures.iter().map(|row| rows[*row].q[joint]).collect();
+        let column = self.ways(Part::Joint(joint)).map(|way| way.column(1)).next();
+        JointColumn { q, ..column.unwrap_or_default() }
+    }
+
+    /// Each way of a part.
+    pub fn ways(&self, part: Part) -> impl Iterator<Item = Way<'_>> {
+        self.moved_by(move |mover| mover == Some(part))
+    }
+
+    /// The base about and along its axes.
+    pub fn base(&self) -> impl Iterator<Item = Way<'_>> {
+        self.moved_by(|mover| matches!(mover, None | Some(Part::Shift)))
+    }
+
+    fn moved_by(&self, is: impl Fn(Option<Part>) -> bool) -> impl Iterator<Item = Way<'_>> {
+        let own = self.movers.iter().enumerate().filter(move |(_, mover)| is(**mover));
+        own.map(|(way, _)| Way { along: &self.along, way })
     }
 }
 
 /// All at the rows. A noise scale of 0 is not known yet.
 #[must_use]
-pub fn columns(
-    problem: &Problem,
+pub fn columns<'p>(
+    problem: &'p Problem<'p>,
+    state: &State,
+    rows: &[usize],
+    weights: &Weights,
+    noise: (f64, f64),
+) -> Columns<'p> {
+    let joints = revolute(problem);
+    let slides = (0..problem.nominal.len()).filter(|j| !joints.contains(j)).map(Part::Joint);
+    let cell = [Some(Part::Target), None, Some(Part::Shift)];
+    let parts = slides.chain(Part::apart(problem, true)).map(Some);
+    let all: Vec<Option<Part>> = cell.into_iter().chain(parts).collect();
+    scanned(problem, state, rows, weights, noise, &all)
+}
+
+/// The revolute joints alone.
+#[must_use]
+pub fn joints<'p>(
+    problem: &'p Problem<'p>,
+    state: &State,
+    rows: &[usize],
+    weights: &Weights,
+    noise: (f64, f64),
+) -> Columns<'p> {
+    scanned(problem, state, rows, weights, noise, &[])
+}
+
+/// The revolute joints and what else moves.
+fn scanned<'p>(
+    problem: &'p Problem<'p>,
     state: &State,
     rows: &[usize],
     weights: &Weights,
     (lambda, scale): (f64, f64),
-) -> Columns {
+    others: &[Option<Part>],
+) -> Columns<'p> {
     let bare = Sheet::new(problem, state, &[], weights, &[]);
     let gram = bare.gram(rows);
     let precision = bare.precision(lambda);
     let scale = if scale > 0.0 { scale } else { gram.scale_of_geometry(&precision) };
     let geometry = gram.geometry(&precision, scale);
     let joints = revolute(problem);
-    let slides = (0..problem.nominal.len()).filter(|j| !joints.contains(j)).map(Part::Joint);
-    let others: Vec<Part> = slides.chain(Part::apart(problem, true)).collect();
+    let own = joints.iter().map(|joint| Some(Part::Joint(*joint)));
+    let all: Vec<Option<Part>> = own.chain(others.iter().copied()).collect();
     let ways = |row: usize, d: &Derivatives| -> Vec<Vector3<f64>> {
-        let turned = |j: &usize| *d.links[*j].joint(problem.nominal[*j].kind);
-        let parts = others.iter().flat_map(|part| part.moves(problem, row, d));
-        joints.iter().map(turned).chain(d.tool).chain(d.base).chain(parts).collect()
+        let of = |mover: &Option<Part>| match mover {
+            Some(part) => part.moves(problem, row, d),
+            None => d.base[..AXES].to_vec(),
+        };
+        all.iter().flat_map(of).collect()
     };
-    let own = joints.len() + TARGET + BASE;
-    let count = own + others.iter().map(|part| part.ways()).sum::<usize>();
+    let count = |mover: &Option<Part>| mover.map_or(AXES, Part::ways);
+    let movers: Vec<Option<Part>> =
+        all.iter().flat_map(|mover| std::iter::repeat_n(*mover, count(mover))).collect();
     let mean = geometry.mean(&gram, &DVector::zeros(0));
-    let mut all = bare.along(rows, (count, &ways), (&geometry, &mean), scale);
-    let mut rest = all.split_off(own).into_iter();
-    let parts =
-        others.iter().map(|part| (*part, rest.by_ref().take(part.ways()).collect())).collect();
-    let base = all.split_off(joints.len() + TARGET);
-    let target = all.split_off(joints.len());
-    let data = &problem.data.rows;
-    let stood = postures(data, rows);
-    let with_values = |(joint, column): (usize, JointColumn)| {
-        (joint, JointColumn { q: stood.iter().map(|r| data[*r].q[joint]).collect(), ..column })
-    };
-    let joints = joints.into_iter().zip(all).map(with_values).collect();
-    Columns { joints, target, base, parts }
+    let along = bare.along(rows, (movers.len(), &ways), (&geometry, &mean), scale);
+    Columns { problem, postures: postures(&problem.data.rows, rows), joints, movers, along }
 }
 
-/// Axes that the target moves along.
-const TARGET: usize = 3;
-
-/// Axes that the base turns about and moves along.
-const BASE: usize = 6;
+/// Axes that the base turns about.
+const AXES: usize = 3;

@@ -3,10 +3,11 @@
 
 use nalgebra::DVector;
 
+use super::follows::Part;
 use super::nameless::Nameless;
 use super::possible::{Numbers, Possible};
 use super::scan::Columns;
-use crate::evidence::lines::JointColumn;
+use super::sheet::Way;
 use crate::identify::Problem;
 use crate::observations::postures;
 
@@ -44,17 +45,16 @@ pub fn in_order(problem: &Problem, postures: &[usize]) -> Vec<usize> {
     order
 }
 
-/// The strongest step: rows pass from the last to the first, each with the sums
+/// The strongest step along a way: rows pass from the last to the first, each with the sums
 /// of all that come after it.
-#[must_use]
-pub fn strongest(column: &JointColumn, order: &[usize]) -> Step {
+fn strongest(way: Way, order: &[usize]) -> Step {
     let mut best = Step::default();
     let (mut square, mut right) = (0.0, 0.0);
-    let mut imitated = DVector::zeros(column.imitated.nrows());
+    let mut imitated = DVector::zeros(way.along.unknowns());
     for (before, k) in order.iter().enumerate().rev() {
-        square += column.square[*k];
-        right += column.right[*k];
-        imitated += column.imitated.column(*k);
+        let [own_square, own_right] = way.add(*k, &mut imitated);
+        square += own_square;
+        right += own_right;
         if before < EITHER_SIDE || order.len() - before < EITHER_SIDE {
             continue;
         }
@@ -65,6 +65,15 @@ pub fn strongest(column: &JointColumn, order: &[usize]) -> Step {
         }
     }
     best
+}
+
+/// The strongest step of each revolute joint, counted from 0.
+pub fn of_joints(columns: &Columns, order: &[usize]) -> impl Iterator<Item = (usize, Step)> {
+    let steps = move |joint: usize| {
+        let ways = columns.ways(Part::Joint(joint));
+        ways.map(move |way| (joint, strongest(way, order)))
+    };
+    columns.joints().iter().copied().flat_map(steps)
 }
 
 /// Where series begin that came one after another, but the first, as places in the order of
@@ -84,15 +93,14 @@ pub fn offered(
 ) -> Vec<Possible> {
     let postures = postures(&problem.data.rows, rows);
     let order = in_order(problem, &postures);
-    let steps = columns.joints.iter().map(|(joint, column)| (*joint, strongest(column, &order)));
-    let found = steps.filter(|(_, step)| step.explained > 0.0);
+    let found = of_joints(columns, &order);
+    let found = found.filter(|(_, step)| step.explained > 0.0);
     let slip = |(joint, step): (usize, Step)| Nameless::Slip { joint, row: postures[step.at] };
-    let of_joints = columns.joints.len() * rows.len();
-    let mut out: Vec<Possible> =
-        found.map(|step| numbers.nameless(slip(step), of_joints)).collect();
+    let tried = columns.joints().len() * rows.len();
+    let mut out: Vec<Possible> = found.map(|step| numbers.nameless(slip(step), tried)).collect();
     // What moves as a whole shows along one of its axes first.
-    let whole = |columns: &[JointColumn]| {
-        let steps = columns.iter().map(|column| strongest(column, &order));
+    let whole = |ways: &mut dyn Iterator<Item = Way>| {
+        let steps = ways.map(|way| strongest(way, &order));
         let best = steps.max_by(|a, b| a.explained.total_cmp(&b.explained));
         best.filter(|step| step.explained > 0.0).map(|step| postures[step.at])
     };
@@ -101,9 +109,9 @@ pub fn offered(
         let at = order.iter().position(|k| postures[*k] == *row);
         at.is_some_and(|at| begins.iter().any(|begin| begin.abs_diff(at) <= BESIDE))
     };
-    let reseated = whole(&columns.target).filter(|row| !listed(row));
+    let reseated = whole(&mut columns.ways(Part::Target)).filter(|row| !listed(row));
     let reseated = reseated.map(|row| Nameless::Reseated { row });
-    let shifted = whole(&columns.base).map(|row| Nameless::Shifted { row });
+    let shifted = whole(&mut columns.base()).map(|row| Nameless::Shifted { row });
     for what in reseated.into_iter().chain(shifted) {
         out.push(numbers.nameless(what, rows.len()));
     }

@@ -134,18 +134,8 @@ pub fn offered(
         functions
     };
     let functions: Vec<DMatrix<f64>> = courses.par_iter().map(at).collect();
-    let of_looked = |part: Part| -> Vec<JointColumn> {
-        let some = |all: &[f64]| looked.iter().map(|k| all[*k]).collect();
-        let of_way = |way: &&JointColumn| JointColumn {
-            q: Vec::new(),
-            square: some(&way.square),
-            right: some(&way.right),
-            imitated: way.imitated.select_columns(&looked),
-        };
-        columns.of(part).iter().map(of_way).collect()
-    };
-    let parts: Vec<(Part, Vec<JointColumn>)> =
-        Part::all(problem, true).map(|part| (part, of_looked(part))).collect();
+    let of_looked = |part: Part| (part, columns.ways(part).map(|way| way.column(every)).collect());
+    let parts: Vec<(Part, Vec<JointColumn>)> = Part::all(problem, true).map(of_looked).collect();
     let rate = |(follows, tried): &(Follows, usize)| {
         let own = courses.iter().position(|c| number(c) == number(&(follows.with, follows.how)))?;
         let (_, ways) = parts.iter().find(|(part, _)| *part == follows.part)?;

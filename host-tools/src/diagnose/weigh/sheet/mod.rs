@@ -31,6 +31,7 @@ use crate::model::arm::Derivatives;
 use crate::observations::{by_pose, postures, repeat};
 use beside_springs::shares;
 use held::held;
+pub use line_scan::{Along, Way};
 pub use repeats::counted;
 use repeats::differs;
 pub use scattered::{Scattered, along};
