@@ -4,7 +4,6 @@ use super::chi_square::chi_square;
 use super::node::Node;
 use super::policy::POLICY;
 use crate::identify::Problem;
-use crate::model::Row;
 use crate::model::arm::Derivatives;
 
 /// Whether more rows are flagged than can be gross errors: a few always may, more only where
@@ -22,38 +21,49 @@ pub fn crowded(problem: &Problem, node: &Node) -> bool {
         || (flagged > POLICY.crowd_share * rows && slipped(problem, node).is_some())
 }
 
-/// Whether poses of flagged rows are neighbours more often than chance has them: in the order
-/// of measurement, by a joint's value or by where the arm was. What several readings of one
-/// pose share is one mistake.
+/// Whether flagged stands of the arm are neighbours more often than chance has them in the
+/// order of measurement, or flagged poses by a joint's value or by where the arm was. What
+/// several readings of one stand share is one mistake.
 fn together(problem: &Problem, node: &Node) -> bool {
     let data = problem.data;
-    let pose = |row: usize| data.rows[row].pose;
-    let mut flagged = vec![false; data.poses];
-    node.fit.outliers.iter().for_each(|o| flagged[pose(o.row)] = true);
+    let mut flagged = vec![false; data.rows.len()];
+    node.fit.outliers.iter().for_each(|o| flagged[o.row] = true);
     let own = node.fit.outliers.iter().map(|o| o.row);
-    let mut rows: Vec<usize> = own.chain(node.fit.kept.iter().copied()).collect();
-    rows.sort_by_key(|row| pose(*row));
-    rows.dedup_by_key(|row| pose(*row));
-    let few = rows.iter().filter(|row| flagged[pose(**row)]).count() as f64;
-    let at = problem.linearise(&node.fit.fit.state);
-    let mut orders: Vec<Vec<f64>> = Vec::new();
-    let mut by = |of: &dyn Fn(usize, &Row) -> f64| {
-        orders.push((0..data.rows.len()).map(|row| of(row, &data.rows[row])).collect());
-    };
+    let rows: Vec<usize> = own.chain(node.fit.kept.iter().copied()).collect();
     let place = data.places();
-    by(&|row, _| place[row]);
-    (0..problem.nominal.len()).for_each(|joint| by(&|_, row| row.q[joint]));
-    (0..3).for_each(|axis| by(&|row, _| at.target(row).0[axis]));
-    let expected = few * (few - 1.0) / rows.len() as f64;
-    orders.iter().any(|order| {
-        rows.sort_by(|a, b| order[*a].total_cmp(&order[*b]).then(a.cmp(b)));
-        let pairs = rows.windows(2).filter(|pair| pair.iter().all(|row| flagged[pose(*row)]));
-        let pairs = pairs.count();
+    let at = problem.linearise(&node.fit.fit.state);
+    let tests = (1 + problem.nominal.len() + AXES) as f64;
+    // An order's units, each flagged or not.
+    let more_than_chance = |units: &[bool]| {
+        let few = units.iter().filter(|flagged| **flagged).count() as f64;
+        let expected = few * (few - 1.0) / units.len() as f64;
+        let pairs = units.windows(2).filter(|pair| pair[0] && pair[1]).count();
         // As many as that or more.
         let chance = 1.0 - chi_square(2.0 * expected, 2 * pairs);
-        pairs > 0 && chance * (orders.len() as f64) < POLICY.significant
-    })
+        pairs > 0 && chance * tests < POLICY.significant
+    };
+    let pose = |row: &usize| data.rows[*row].pose;
+    let any = |rows: &[usize]| rows.iter().any(|row| flagged[*row]);
+    let mut stands = rows;
+    stands.sort_by(|a, b| place[*a].total_cmp(&place[*b]).then(a.cmp(b)));
+    let in_turn: Vec<bool> = stands.chunk_by(|a, b| pose(a) == pose(b)).map(any).collect();
+    let mut poses = stands;
+    poses.sort_by_key(pose);
+    let poses: Vec<(usize, bool)> =
+        poses.chunk_by(|a, b| pose(a) == pose(b)).map(|own| (own[0], any(own))).collect();
+    let targets: Vec<_> = poses.iter().map(|(row, _)| at.target(*row).0).collect();
+    let by = |of: &dyn Fn(usize) -> f64| {
+        let mut order: Vec<usize> = (0..poses.len()).collect();
+        order.sort_by(|a, b| of(*a).total_cmp(&of(*b)).then(a.cmp(b)));
+        more_than_chance(&order.iter().map(|k| poses[*k].1).collect::<Vec<_>>())
+    };
+    more_than_chance(&in_turn)
+        || (0..problem.nominal.len()).any(|joint| by(&|k| data.rows[poses[k].0].q[joint]))
+        || (0..AXES).any(|axis| by(&|k| targets[k][axis]))
 }
+
+/// Of the place of a target.
+const AXES: usize = 3;
 
 /// The one shift of a joint that explains flagged rows: its share of their residuals, the
 /// joint and the shift, rad or m.

@@ -21,6 +21,7 @@ mod pipeline;
 pub mod policy;
 pub mod question;
 mod remarks;
+mod rounding;
 mod show;
 mod shown;
 mod tell;

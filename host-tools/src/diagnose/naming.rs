@@ -24,5 +24,9 @@ pub fn curve_probability(curve: &Curved) -> f64 {
 /// A probability in words: never said to be certain.
 #[must_use]
 pub fn said(probability: f64) -> String {
-    if probability > 0.99 { "> 0.99".to_owned() } else { format!("{probability:.2}") }
+    match probability {
+        p if p > 0.99 => "> 0.99".to_owned(),
+        p if p < 0.01 => "< 0.01".to_owned(),
+        p => format!("{p:.2}"),
+    }
 }

@@ -11,6 +11,7 @@ use super::moments::{Moments, bends};
 use super::node::Node;
 use super::outcome::{GapRow, HoldOut, Worse, worse};
 use super::policy::POLICY;
+use super::rounding;
 use super::tell::place;
 use super::weigh::{Doubt, Named, Weighed, scatter};
 use crate::error::listed;
@@ -34,6 +35,7 @@ pub fn all<'a>(
         beyond_repeats(problem, best),
         few_angles(data, best, &weighed.names),
         weightless(best, weighed),
+        rounding::remark(problem, best).filter(|_| weighed.scattering.is_empty()),
     ]
     .into_iter()
     .flatten()
@@ -165,18 +167,26 @@ pub fn scatters(problem: &Problem, (joint, size): (usize, f64)) -> String {
         JointKind::Revolute => "urad",
         JointKind::Prismatic => "um",
     };
-    format!(
+    let by = format!(
         "joint {} scatters by {:.0} {unit} (one standard deviation) beyond the noise of the \
-         measurement, by nothing that a column says",
+         measurement",
         joint + 1,
         size * 1e6
-    )
+    );
+    match rounding::explains(problem, joint, size) {
+        Some(rounded) => format!("{by}: {rounded}"),
+        None => format!("{by}, by nothing that a column says"),
+    }
 }
 
 /// A remark on such a joint.
-fn scattering(problem: &Problem, joint: (usize, f64)) -> String {
+fn scattering(problem: &Problem, (joint, size): (usize, f64)) -> String {
+    let remedy = match rounding::explains(problem, joint, size) {
+        Some(_) => "write more digits",
+        None => "look at its brake, servo and encoder",
+    };
     let path = problem.data.path.display();
-    format!("{path}: {}: look at its brake, servo and encoder", scatters(problem, joint))
+    format!("{path}: {}: {remedy}", scatters(problem, (joint, size)))
 }
 
 /// A remark where springs give way against the torques of the file.

@@ -46,13 +46,14 @@ pub fn verdict(
     }
     // What geometry alone leaves, where nothing was added to it.
     let alone = best.added.is_empty() && weighed.curves.is_empty();
-    // Of the kind that is farthest off: beside others that fit one alone may err.
-    let loudest = weighed.scale * problem.noise.largest(problem.data);
-    left.extend(goes_with.filter(|_| alone && loudest > POLICY.beyond_stated));
+    left.extend(goes_with.filter(|_| alone));
+    if left.is_empty() && crowded(problem, best) {
+        left.push(CROWDED.to_owned());
+    }
     if weighed.no_room > 0 && best.added.is_empty() {
         left.push(format!("{} effects that --most-terms has no room for", weighed.no_room));
     }
-    let verdict = if !left.is_empty() || crowded(problem, best) {
+    let verdict = if !left.is_empty() {
         Verdict::Unexplained
     } else if best.added.is_empty() && best.fit.outliers.is_empty() && weighed.curves.is_empty() {
         Verdict::Clean
@@ -61,6 +62,10 @@ pub fn verdict(
     };
     (verdict, left)
 }
+
+/// What flagged rows have together may be anything.
+const CROWDED: &str =
+    "more rows do not fit, or they lie nearer to each other, than gross errors do";
 
 /// Where poses held out say that so few tell nothing: a fit of as many unknowns as there are
 /// equations leaves nothing, and is no evidence that nothing is missing.

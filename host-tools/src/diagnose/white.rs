@@ -4,6 +4,7 @@
 use nalgebra::DVector;
 
 use super::node::Node;
+use super::weigh::Covariate;
 use crate::identify::Problem;
 use crate::observations::by_pose;
 
@@ -31,7 +32,7 @@ pub fn left(problem: &Problem, node: &Node) -> Option<Likeness> {
     let mut covariates: Vec<(String, Vec<f64>)> = (0..problem.nominal.len())
         .map(|j| {
             let of = (0..poses.len()).map(|k| row(k).q[j]).collect();
-            (format!("the angle of joint {}", j + 1), of)
+            (Covariate::Joint(j).words(problem), of)
         })
         .collect();
     let place = problem.data.places();

@@ -3,6 +3,7 @@
 mod arrival;
 mod by_kind;
 mod curves;
+mod few_digits;
 mod hidden_effects;
 mod hold_out;
 #[path = "../judged/mod.rs"]

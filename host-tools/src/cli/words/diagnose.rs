@@ -27,7 +27,7 @@ pub fn diagnosis(r: &Outcome) -> String {
     out += verdict(r);
     out += &effects(&r.effects, false);
     if !r.suspected.is_empty() {
-        out += "suspected, in the model because the held-out error falls:\n";
+        out += "suspected, in the model all the same:\n";
         out += &effects(&r.suspected, true);
     }
     r.unnamed.iter().for_each(|line| out += &format!("without a name: {line}\n"));

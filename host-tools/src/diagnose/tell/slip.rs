@@ -10,39 +10,40 @@ use crate::identify::Problem;
 use crate::units::{joint_to_file, joint_unit};
 
 /// The joint value's step, from some row to the last in the order of
-/// measurement, that explains most of the residuals of one kind.
+/// measurement, that explains most of the residuals of one kind, with its p value.
 #[must_use]
-pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Vec<String> {
+pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Option<(f64, String)> {
     let rows = &root.fit.kept;
     let kind_of = |row: &usize| problem.data.rows[*row].kind;
     // Files put behind each other: from kind to kind steps what geometry lacks. Of pairs
     // a scan knows either end alone.
     let joined = |row: &usize| problem.data.rows[*row].partner.is_some();
     if rows.iter().any(|row| kind_of(row) != kind_of(&rows[0]) || joined(row)) {
-        return Vec::new();
+        return None;
     }
     let weights = Weights::alike(problem.data.rows.len());
-    let columns = scan::columns(problem, &root.fit.fit.state, rows, &weights, (lambda, 1.0)).joints;
+    let columns = scan::joints(problem, &root.fit.fit.state, rows, &weights, (lambda, 1.0));
     let order = slips::in_order(problem, rows);
-    let steps = columns.iter().map(|(joint, column)| (joint, slips::strongest(column, &order)));
-    let strongest = steps.max_by(|a, b| a.1.explained.total_cmp(&b.1.explained));
-    let Some((joint, Step { explained, shift, at })) = strongest else { return Vec::new() };
+    let strongest =
+        slips::of_joints(&columns, &order).max_by(|a, b| a.1.explained.total_cmp(&b.1.explained));
+    let (joint, Step { explained, shift, at }) = strongest?;
     let all = root.reduced * root.freedom;
     let noise = ((all - explained) / root.freedom).max(1.0);
-    let p = chi_square(explained / noise, 1) * (columns.len() * rows.len()) as f64;
+    let p = chi_square(explained / noise, 1) * (columns.joints().len() * rows.len()) as f64;
     if p > POLICY.significant || explained < POLICY.step * all {
-        return Vec::new();
+        return None;
     }
-    let kind = problem.nominal[*joint].kind;
+    let kind = problem.nominal[joint].kind;
     let (shift, unit) = (joint_to_file(kind, shift), joint_unit(kind));
-    vec![format!(
+    let words = format!(
         "from row {} on joint {} is as if shifted by {shift:.4} {unit}, {:.0} % of the residual \
          variance ({}): has its encoder slipped?",
         rows[at] + 1,
         joint + 1,
         explained / all * 100.0,
         chance(p)
-    )]
+    );
+    Some((p, words))
 }
 
 /// Which rows contradict the others, and whether they do so as if a joint had

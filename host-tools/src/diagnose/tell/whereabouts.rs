@@ -8,6 +8,7 @@ use crate::diagnose::chi_square::{chance, chi_square};
 use crate::diagnose::crowd::crowded;
 use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;
+use crate::diagnose::weigh::Covariate;
 use crate::identify::Problem;
 use crate::model::{KindId, Values};
 use crate::observations::{by_pose, kind};
@@ -38,19 +39,21 @@ pub fn sentences(
     let row = |i: usize| &problem.data.rows[rows[i]];
     let inputs = |i: usize| &problem.conditions.rows[rows[i]];
     let joints = problem.nominal.len();
-    // A name and the functions of each row that stand for it.
-    let mut tests: Vec<(String, Vec<Vec<f64>>)> = Vec::new();
+    // Of every name the share that functions of the rows explain which stand for it, and its p
+    // value: of many rows the functions of one at a time are enough.
+    let mut tests: Vec<(String, Option<(f64, f64)>)> = Vec::new();
     let mut test = |name: String, functions: &dyn Fn(usize) -> Option<Vec<f64>>| {
         let Some(each) = (0..rows.len()).map(functions).collect::<Option<Vec<_>>>() else { return };
         let mean = |readings: &Vec<usize>| {
             let sum = |j: usize| readings.iter().map(|k| each[*k][j]).sum::<f64>();
             (0..each[readings[0]].len()).map(|j| sum(j) / readings.len() as f64).collect()
         };
-        tests.push((name, poses.iter().map(mean).collect()));
+        let functions: Vec<Vec<f64>> = poses.iter().map(mean).collect();
+        tests.push((name, dependence(&residuals, &functions)));
     };
     for j in 0..joints {
         let wave = |q: f64| vec![q, q.cos(), q.sin(), (2.0 * q).cos(), (2.0 * q).sin()];
-        test(format!("the angle of joint {}", j + 1), &|i| Some(wave(row(i).q[j])));
+        test(Covariate::Joint(j).words(problem), &|i| Some(wave(row(i).q[j])));
         test(format!("the approach side of joint {}", j + 1), &|i| {
             row(i).directions.get(j).map(|d| vec![f64::from(*d)])
         });
@@ -78,27 +81,24 @@ pub fn sentences(
         let place = if own { target } else { target.map(|x| (x / PLACE).round() * PLACE) };
         Some(place.iter().copied().collect())
     });
-    let slips = if crowded {
-        contradiction(problem, root)
-    } else if !best.1.added.is_empty() && step(best.0, best.1, lambda).is_empty() {
-        Vec::new()
-    } else {
-        step(problem, root, lambda)
+    let found = significant(tests);
+    let slip = match crowded {
+        true => None,
+        false if !best.1.added.is_empty() && step(best.0, best.1, lambda).is_none() => None,
+        false => step(problem, root, lambda),
     };
-    let found = significant(&residuals, tests);
-    let least = found.iter().min_by(|a, b| a.0.total_cmp(&b.0)).cloned();
-    (slips.into_iter().chain(found.into_iter().map(|(_, sentence)| sentence)).collect(), least)
+    let least = found.iter().chain(&slip).min_by(|a, b| a.0.total_cmp(&b.0)).cloned();
+    let contradiction = if crowded { contradiction(problem, root) } else { Vec::new() };
+    let told = slip.into_iter().chain(found).map(|(_, sentence)| sentence);
+    (contradiction.into_iter().chain(told).collect(), least)
 }
 
 /// What residuals go with beyond chance, the most first, and the chance.
-fn significant(
-    residuals: &[(KindId, Values)],
-    tests: Vec<(String, Vec<Vec<f64>>)>,
-) -> Vec<(f64, String)> {
+fn significant(tests: Vec<(String, Option<(f64, f64)>)>) -> Vec<(f64, String)> {
     let count = tests.len() as f64;
     let mut found: Vec<(f64, f64, String)> = Vec::new();
-    for (name, functions) in tests {
-        let Some((share, p)) = dependence(residuals, &functions) else { continue };
+    for (name, dependence) in tests {
+        let Some((share, p)) = dependence else { continue };
         if p * count < POLICY.significant {
             let (percent, chance) = (share * 100.0, chance(p * count));
             let sentence =

@@ -38,7 +38,7 @@ use super::policy::POLICY;
 use super::question::Question;
 use crate::error::Result;
 use crate::evidence::{Effort, Known, explain};
-pub use follows::Follows;
+pub use follows::{Covariate, Follows};
 use given_back::given_back;
 use joint_curves::choice::Chosen;
 use lines::Held;
@@ -48,7 +48,7 @@ use possible::{Numbers, Possible, listed, revolute};
 use search_result::Searched;
 use settled::{With, settled};
 use sheet::Sheet;
-pub use sheet::Weights;
+pub use sheet::{Scattered, Weights};
 use start::Start;
 pub use start::with_curves;
 use unweighed_springs::sprung;
@@ -288,13 +288,7 @@ fn candidates(
     out.extend(late.into_iter().map(|c| numbers.offered(c)));
     out.extend(lags::offered(q.problem, refused, &mut numbers));
     let columns = scan::columns(q.problem, state, rows, weights, noise);
-    out.extend(lines::offered(
-        state,
-        &columns.joints,
-        q.highest_order,
-        (held, closed),
-        &mut numbers,
-    ));
+    out.extend(lines::offered(state, &columns, q.highest_order, (held, closed), &mut numbers));
     out.extend(slips::offered(q.problem, rows, &columns, &mut numbers));
     out.extend(screen::offered(q.problem, rows, &columns, &mut numbers));
     let joints = revolute(q.problem);
