@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
-use truearm_host::diagnose::{DiagnoseOptions, Outcome, Verdict, diagnose};
+use truearm_host::diagnose::{DiagnoseOptions, Doubt, Outcome, Verdict, diagnose};
 use truearm_host::model::{Measurements, Placement, Robot};
 
 fn folder(name: &str) -> PathBuf {
@@ -49,6 +49,21 @@ fn a_heavy_arm_that_stiffens_is_fitted_to_the_end() {
     let told =
         holds("stiffening", &stated("stiffening"), &["joint-compliance", "joint-stiffening"], &[2]);
     assert!(told.effects.iter().any(|e| e.name == "joint-compliance"));
+}
+
+/// Beside a spring that stiffens in proportion what is left of two slopes is the sign of the
+/// load: a gap of gravity's side was named at a probability of 1.
+#[test]
+fn two_slopes_of_a_spring_are_no_gap() {
+    let robot = stated("two-slopes");
+    let data = Measurements::read(&folder("two-slopes").join("measurements.csv"), &robot).unwrap();
+    let told = diagnose(&robot, &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap().outcome;
+    let names: Vec<_> = told.effects.iter().map(|e| (e.name, &e.joints[..])).collect();
+    let expected: [(_, &[usize]); 2] = [("joint-compliance", &[3]), ("joint-stiffening", &[3])];
+    assert_eq!(names, expected);
+    for gap in told.suspected.iter().filter(|e| e.name == "backlash") {
+        assert_eq!(gap.doubt, Some(Doubt::Knee), "{gap:?}");
+    }
 }
 
 /// At one payload the moments' columns hold all that a spring does: curves and

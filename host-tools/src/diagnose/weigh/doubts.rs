@@ -7,6 +7,7 @@ use super::nameless::Nameless;
 use super::weighed::{Doubt, Unnamed};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::Moments;
+use crate::diagnose::node::Node;
 use crate::diagnose::question::Question;
 use crate::model::ModelTerm;
 
@@ -21,13 +22,8 @@ pub const OTHERS: usize = 2;
 
 /// What speaks against an effect, replication apart.
 #[must_use]
-pub fn of(
-    q: &Question,
-    rows: &[usize],
-    candidate: &Candidate,
-    nameless: &[Unnamed],
-) -> Option<Doubt> {
-    let problem = q.problem;
+pub fn of(q: &Question, best: &Node, candidate: &Candidate, nameless: &[Unnamed]) -> Option<Doubt> {
+    let (problem, rows) = (q.problem, &best.fit.kept);
     let [joint] = candidate.joints()[..] else { return None };
     let joint = joint - 1;
     let assumed = q.moments.is_some_and(Moments::are_assumed);
@@ -39,6 +35,13 @@ pub fn of(
         && problem.conditions.is_loaded(joint)
     {
         return Some(Doubt::Unweighed);
+    }
+    let by_load = |term: &ModelTerm| term.friction().is_some();
+    let gap = candidate.name() == Effect::Backlash.name();
+    let stiffening = Effect::JointStiffening.name();
+    let stiffens = |c: &Candidate| c.name() == stiffening && c.joints() == candidate.joints();
+    if gap && candidate.terms.iter().any(by_load) && best.added.iter().any(stiffens) {
+        return Some(Doubt::Knee);
     }
     let lag = matches!(candidate.terms[..], [ModelTerm::Lag { .. }]);
     let of_a_move = [Effect::Backlash, Effect::JointGain].map(|effect| effect.name());

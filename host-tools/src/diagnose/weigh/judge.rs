@@ -70,7 +70,7 @@ pub fn answer(
         }
     }
     let names = names.into_iter().map(|(named, candidate)| {
-        let other = || doubts::of(of.q, &best.fit.kept, candidate, &nameless);
+        let other = || doubts::of(of.q, &best, candidate, &nameless);
         Named { doubt: named.doubt.or_else(other), ..named }
     });
     let mut names: Vec<Named> = names.collect();
