@@ -19,7 +19,10 @@ const LACKING: f64 = 3.0;
 /// Rows of stations or markers that the model does not have.
 pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> Result<Page> {
     let f = &report.figures;
-    let seen = Seen::new(*on)?;
+    // One after the other: of many rows each takes megabytes.
+    let names = ["before, nominal", "after, identified"];
+    let workspace = sections::workspace(&on.in_robot_frame(), names, "row");
+    let left = unexplained(&Seen::new(*on)?);
     let steps = steps(report);
     let lacking = f.residual_over_sigma > LACKING;
     let after = steps[1].held_out.or(steps[1].fitted).unwrap_or(0.0);
@@ -38,9 +41,8 @@ pub fn identified(report: &IdentifyReport, on: &Measured, next: &next::Next) -> 
     if lengths {
         all.push(sections::gap(&steps, floor, &f.cross_validation));
     }
-    let names = ["before, nominal", "after, identified"];
-    all.extend(sections::workspace(&on.in_robot_frame(), names, "row"));
-    all.extend(sections::unexplained(&unexplained(&seen), (&[], &[]), "the geometry"));
+    all.extend(workspace);
+    all.extend(sections::unexplained(&left, (&[], &[]), "the geometry"));
     all.extend(of_figures(f, &[]));
     all.push(next::steps(None, &commands(lacking, next)));
     all.extend(sections::remarks(&f.warnings));
