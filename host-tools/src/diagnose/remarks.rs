@@ -161,12 +161,17 @@ fn beyond_repeats(problem: &Problem, best: &Node) -> Option<String> {
     })
 }
 
-/// What a joint scatters by itself.
-pub fn scatters(problem: &Problem, (joint, size): (usize, f64)) -> String {
-    let unit = match problem.nominal[joint].kind {
+/// Unit of what a joint, counted from 0, scatters, a millionth of the SI's.
+pub fn scatter_unit(problem: &Problem, joint: usize) -> &'static str {
+    match problem.nominal[joint].kind {
         JointKind::Revolute => "urad",
         JointKind::Prismatic => "um",
-    };
+    }
+}
+
+/// What a joint scatters by itself.
+pub fn scatters(problem: &Problem, (joint, size): (usize, f64)) -> String {
+    let unit = scatter_unit(problem, joint);
     let by = format!(
         "joint {} scatters by {:.0} {unit} (one standard deviation) beyond the noise of the \
          measurement",

@@ -3,6 +3,7 @@
 use truearm::JointKind;
 
 use super::node::Node;
+use super::remarks::scatter_unit;
 use super::weigh::Scattered;
 use crate::identify::Problem;
 use crate::units::{joint_from_file, joint_unit};
@@ -69,10 +70,7 @@ impl Last {
 #[must_use]
 pub fn explains(problem: &Problem, joint: usize, size: f64) -> Option<String> {
     let last = Last::of(problem, joint)?;
-    let unit = match problem.nominal[joint].kind {
-        JointKind::Revolute => "urad",
-        JointKind::Prismatic => "um",
-    };
+    let unit = scatter_unit(problem, joint);
     AS_ROUNDING.contains(&(size / last.scatter())).then(|| {
         let (words, alone) = (&last.words, last.scatter() * 1e6);
         format!("its values are written to {words}, which alone scatters them by {alone:.0} {unit}")

@@ -3,6 +3,7 @@
 use super::crowd::crowded;
 use super::described::Described;
 use super::node::Node;
+use super::onset;
 use super::outcome::{GapRow, Verdict};
 use super::policy::POLICY;
 use super::remarks::{self, over_repeats};
@@ -44,6 +45,7 @@ pub fn verdict(
     if noise > POLICY.beyond_stated {
         left.extend(weighed.scattering.iter().map(|joint| remarks::scatters(problem, *joint)));
     }
+    left.extend(onset::all(problem, best, &weighed.scattering));
     // What geometry alone leaves, where nothing was added to it.
     let alone = best.added.is_empty() && weighed.curves.is_empty();
     left.extend(goes_with.filter(|_| alone));

@@ -328,7 +328,8 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let mut noise = || (0..12).map(|_| rng.random_range(-0.5..0.5)).sum::<f64>();
         for share in [0.0, 0.5, 0.8, 0.95_f64] {
-            for (repeated, off) in [(1, 0.4), (2, 0.25), (5, 0.13), (9, 0.08), (10, 0.08), (30, 0.05)]
+            for (repeated, off) in
+                [(1, 0.4), (2, 0.25), (5, 0.13), (9, 0.11), (10, 0.11), (30, 0.07)]
             {
                 let mean = (0..300).map(|_| {
                     let mut pose = |k: usize| {

@@ -19,6 +19,7 @@ fn scatter_of_a_joint_is_no_line() {
         assert!(told.is_empty(), "{seed}: {told:?}");
         let says = |words: &str| words.contains("joint 1 scatters by 2");
         assert!(outcome.figures.warnings.iter().any(|w| says(w)), "{:?}", outcome.figures.warnings);
+        assert!(!outcome.unnamed.iter().any(|w| w.contains("before it")), "{:?}", outcome.unnamed);
         // Noise that is beyond what was stated is no good arm's.
         let beyond = outcome.noise_scale > 3.0;
         assert_eq!(outcome.verdict == Verdict::Unexplained, beyond, "{seed}");
@@ -113,6 +114,30 @@ fn a_slip_is_no_scatter() {
         assert!(!any, "{seed}: {:?}", outcome.figures.warnings);
         let slip = format!("the zero of joint {} is another from row", joint + 1);
         assert!(outcome.unnamed.iter().any(|w| w.contains(&slip)), "{:?}", outcome.unnamed);
+    }
+}
+
+/// A joint that scatters from a row on, as one does whose load is another there than was
+/// written, was one whose scatter nothing says, and the model explained.
+#[test]
+fn scatter_that_begins_with_a_row_is_told() {
+    for (seed, joint, row) in [(75, 1, 80), (76, 2, 60), (77, 0, 100)] {
+        let mut session = session(160, seed, &|q: &[f64], _: &[f64]| q.to_vec(), &still);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        for k in row..160 {
+            let mut q = session.poses[k].clone();
+            q[joint] += 8e-4 * (rng.random::<f64>() - 0.5);
+            session.points[k] = session.truth.point(&q, 0, 0) + vector(&mut rng) * SIGMA;
+        }
+        let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
+        let scatters = format!("joint {} scatters by ", joint + 1);
+        let begins = |w: &&String| w.contains(&scatters) && w.contains("before it");
+        let words = outcome.unnamed.iter().find(begins);
+        let words = words.unwrap_or_else(|| panic!("{seed}: {:?}", outcome.unnamed));
+        let at = words.split("from row ").nth(1).and_then(|rest| rest.split(' ').next());
+        let at: usize = at.and_then(|at| at.parse().ok()).unwrap();
+        assert!(at.abs_diff(row + 1) <= 10, "{words}");
+        assert_eq!(outcome.verdict, Verdict::Unexplained);
     }
 }
 

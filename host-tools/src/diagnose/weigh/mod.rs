@@ -48,7 +48,7 @@ use possible::{Numbers, Possible, listed, revolute};
 use search_result::Searched;
 use settled::{With, settled};
 use sheet::Sheet;
-pub use sheet::{Scattered, Weights};
+pub use sheet::{Scattered, Weights, along};
 use start::Start;
 pub use start::with_curves;
 use unweighed_springs::sprung;
