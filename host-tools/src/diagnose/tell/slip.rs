@@ -22,7 +22,7 @@ pub fn step(problem: &Problem, root: &Node, lambda: f64) -> Option<(f64, String)
         return None;
     }
     let weights = Weights::alike(problem.data.rows.len());
-    let columns = scan::joints(problem, &root.fit.fit.state, rows, &weights, (lambda, 1.0));
+    let columns = scan::columns(problem, &root.fit.fit.state, rows, &weights, (lambda, 1.0), &[]);
     let order = slips::in_order(problem, rows);
     let strongest =
         slips::of_joints(&columns, &order).max_by(|a, b| a.1.explained.total_cmp(&b.1.explained));

@@ -287,7 +287,7 @@ fn candidates(
     let late = late::near(q, node, weights, noise.1);
     out.extend(late.into_iter().map(|c| numbers.offered(c)));
     out.extend(lags::offered(q.problem, refused, &mut numbers));
-    let columns = scan::columns(q.problem, state, rows, weights, noise);
+    let columns = scan::columns(q.problem, state, rows, weights, noise, &scan::cell(q.problem));
     out.extend(lines::offered(state, &columns, q.highest_order, (held, closed), &mut numbers));
     out.extend(slips::offered(q.problem, rows, &columns, &mut numbers));
     out.extend(screen::offered(q.problem, rows, &columns, &mut numbers));

@@ -28,7 +28,7 @@ pub fn ghosts(q: &Question, found: &Searched) -> Vec<Held> {
     // What rows count for was learned with the lines, from the poses held out as well.
     let scattering = found.weights.scattering.clone();
     let alike = Weights { scattering, ..Weights::alike(problem.data.rows.len()) };
-    let columns = scan::joints(&problem, state, rows, &alike, noise);
+    let columns = scan::columns(&problem, state, rows, &alike, noise, &[]);
     let mut fold_of = vec![0; problem.data.rows.len()];
     for (k, fold) in q.folds.iter().enumerate() {
         fold.held_out.iter().for_each(|row| fold_of[*row] = k);

@@ -54,37 +54,18 @@ impl Columns<'_> {
     }
 }
 
-/// All at the rows. A noise scale of 0 is not known yet.
+/// What moves in a cell beside its revolute joints.
 #[must_use]
-pub fn columns<'p>(
-    problem: &'p Problem<'p>,
-    state: &State,
-    rows: &[usize],
-    weights: &Weights,
-    noise: (f64, f64),
-) -> Columns<'p> {
+pub fn cell(problem: &Problem) -> Vec<Option<Part>> {
     let joints = revolute(problem);
     let slides = (0..problem.nominal.len()).filter(|j| !joints.contains(j)).map(Part::Joint);
-    let cell = [Some(Part::Target), None, Some(Part::Shift)];
     let parts = slides.chain(Part::apart(problem, true)).map(Some);
-    let all: Vec<Option<Part>> = cell.into_iter().chain(parts).collect();
-    scanned(problem, state, rows, weights, noise, &all)
+    [Some(Part::Target), None, Some(Part::Shift)].into_iter().chain(parts).collect()
 }
 
-/// The revolute joints alone.
+/// The revolute joints and others at the rows. A noise scale of 0 is not known yet.
 #[must_use]
-pub fn joints<'p>(
-    problem: &'p Problem<'p>,
-    state: &State,
-    rows: &[usize],
-    weights: &Weights,
-    noise: (f64, f64),
-) -> Columns<'p> {
-    scanned(problem, state, rows, weights, noise, &[])
-}
-
-/// The revolute joints and what else moves.
-fn scanned<'p>(
+pub fn columns<'p>(
     problem: &'p Problem<'p>,
     state: &State,
     rows: &[usize],
