@@ -90,6 +90,15 @@ pub fn joint_column(prefix: &str, joint: usize, kind: JointKind) -> String {
     format!("{prefix}{}_{unit}", joint + 1)
 }
 
+/// Unit of a millionth of a joint's SI unit.
+#[must_use]
+pub fn joint_micro(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Revolute => "urad",
+        JointKind::Prismatic => "um",
+    }
+}
+
 /// Degrees in a radian.
 pub const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 /// Millimetres in a metre; also milliradians in a radian.

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use truearm::JointKind;
 use truearm::effects::{Effect, MAX_TERMS};
 
 use super::candidates::{self, Candidate};
@@ -19,7 +18,7 @@ use crate::evidence::poses::Scatter;
 use crate::identify::Problem;
 use crate::model::{Measurements, ModelTerm};
 use crate::observations::kind;
-use crate::units::to_mm;
+use crate::units::{joint_micro, to_mm};
 
 /// All of them.
 pub fn all<'a>(
@@ -161,17 +160,9 @@ fn beyond_repeats(problem: &Problem, best: &Node) -> Option<String> {
     })
 }
 
-/// Unit of what a joint, counted from 0, scatters, a millionth of the SI's.
-pub fn scatter_unit(problem: &Problem, joint: usize) -> &'static str {
-    match problem.nominal[joint].kind {
-        JointKind::Revolute => "urad",
-        JointKind::Prismatic => "um",
-    }
-}
-
 /// What a joint scatters by itself.
 pub fn scatters(problem: &Problem, (joint, size): (usize, f64)) -> String {
-    let unit = scatter_unit(problem, joint);
+    let unit = joint_micro(problem.nominal[joint].kind);
     let by = format!(
         "joint {} scatters by {:.0} {unit} (one standard deviation) beyond the noise of the \
          measurement",

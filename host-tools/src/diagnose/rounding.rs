@@ -3,10 +3,9 @@
 use truearm::JointKind;
 
 use super::node::Node;
-use super::remarks::scatter_unit;
 use super::weigh::Scattered;
 use crate::identify::Problem;
-use crate::units::{joint_from_file, joint_unit};
+use crate::units::{joint_from_file, joint_micro, joint_unit};
 
 /// Distinct values that tell: a few of a plan are round by themselves.
 const ENOUGH: usize = 10;
@@ -70,7 +69,7 @@ impl Last {
 #[must_use]
 pub fn explains(problem: &Problem, joint: usize, size: f64) -> Option<String> {
     let last = Last::of(problem, joint)?;
-    let unit = scatter_unit(problem, joint);
+    let unit = joint_micro(problem.nominal[joint].kind);
     AS_ROUNDING.contains(&(size / last.scatter())).then(|| {
         let (words, alone) = (&last.words, last.scatter() * 1e6);
         format!("its values are written to {words}, which alone scatters them by {alone:.0} {unit}")

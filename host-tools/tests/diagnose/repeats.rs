@@ -117,7 +117,7 @@ fn nothing_is_found_in_few_poses_of_a_sound_arm() {
 
 /// A few poses that the arm came back to, fewer than tell the noise of the others and more,
 /// whether a pose is off by the same in all its readings or not: with a share of the noise that
-/// was never theirs half of such arms had an effect or something without a name.
+/// was never theirs two fifths of such arms had an effect or something without a name.
 #[test]
 fn nothing_is_found_where_a_few_poses_are_read_again() {
     for (poses, again, times) in [(45, 8, 3), (60, 3, 3), (60, 9, 2), (60, 10, 2)] {

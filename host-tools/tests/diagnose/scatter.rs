@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm_host::diagnose::{Outcome, Verdict};
 
-use super::session::{SIGMA, arm, diagnosed, session, still, with};
+use super::session::{SIGMA, Session, arm, diagnosed, session, still, with};
 use super::simulated::vector;
 
 /// A joint whose zero is one of two at random, which nothing that was recorded says: of
@@ -98,17 +98,27 @@ fn what_returns_with_the_pose_is_no_scatter() {
     }
 }
 
+/// So many rows in which a joint, counted from 0, is off from a row on.
+fn off(
+    (rows, seed): (usize, u64),
+    (joint, from): (usize, usize),
+    by: &dyn Fn(&mut ChaCha8Rng) -> f64,
+) -> Session {
+    let mut session = session(rows, seed, &|q: &[f64], _: &[f64]| q.to_vec(), &still);
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    for k in from..rows {
+        let mut q = session.poses[k].clone();
+        q[joint] += by(&mut rng);
+        session.points[k] = session.truth.point(&q, 0, 0) + vector(&mut rng) * SIGMA;
+    }
+    session
+}
+
 /// A zero that is another from a row on is that, and no scatter beside it.
 #[test]
 fn a_slip_is_no_scatter() {
     for (seed, joint, row) in [(70, 1, 40), (71, 2, 60), (72, 3, 80)] {
-        let mut session = session(120, seed, &|q: &[f64], _: &[f64]| q.to_vec(), &still);
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        for k in row..120 {
-            let mut q = session.poses[k].clone();
-            q[joint] += 5e-4;
-            session.points[k] = session.truth.point(&q, 0, 0) + vector(&mut rng) * SIGMA;
-        }
+        let session = off((120, seed), (joint, row), &|_| 5e-4);
         let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
         let any = (1..7).any(|joint| told(&outcome, joint));
         assert!(!any, "{seed}: {:?}", outcome.figures.warnings);
@@ -122,13 +132,7 @@ fn a_slip_is_no_scatter() {
 #[test]
 fn scatter_that_begins_with_a_row_is_told() {
     for (seed, joint, row) in [(75, 1, 80), (76, 2, 60), (77, 0, 100)] {
-        let mut session = session(160, seed, &|q: &[f64], _: &[f64]| q.to_vec(), &still);
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        for k in row..160 {
-            let mut q = session.poses[k].clone();
-            q[joint] += 8e-4 * (rng.random::<f64>() - 0.5);
-            session.points[k] = session.truth.point(&q, 0, 0) + vector(&mut rng) * SIGMA;
-        }
+        let session = off((160, seed), (joint, row), &|rng| 8e-4 * (rng.random::<f64>() - 0.5));
         let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
         let scatters = format!("joint {} scatters by ", joint + 1);
         let begins = |w: &&String| w.contains(&scatters) && w.contains("before it");
