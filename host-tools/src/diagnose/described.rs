@@ -6,7 +6,8 @@ use truearm::JointKind;
 
 use super::naming::said;
 use super::policy::POLICY;
-use super::weigh::{Follows, Nameless, Unnamed, Weighed};
+use super::tell::place;
+use super::weigh::{Follows, Nameless, Unnamed, Weighed, What};
 use crate::identify::Problem;
 
 /// Structure that no effect of the repertoire explains.
@@ -28,10 +29,13 @@ pub struct Described {
     /// The first row that is another way, counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from_row: Option<usize>,
-    /// In words.
+    /// In words, with what may be there in its place.
     pub words: String,
     /// That it is there, given the data and all that was looked at.
     pub probability: f64,
+    /// What explains the same and may be there in its place, most probable first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub instead: Vec<Instead>,
     /// 1 - RMS with over RMS without it of either half of the poses, at random, when all
     /// coefficients are fitted to the other half.
     pub half_gain: [f64; 2],
@@ -39,6 +43,15 @@ pub struct Described {
     /// probable model.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<ErrorCourse>,
+}
+
+/// What may be there in the place of something.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Instead {
+    /// In words.
+    pub words: String,
+    /// That it is there and the other is not.
+    pub probability: f64,
 }
 
 /// How a part goes with a covariate along one axis.
@@ -58,13 +71,31 @@ pub struct ErrorCourse {
 /// Places of a covariate at which a curve is told.
 const POINTS: u16 = 41;
 
-/// What is more probable than not, surest first.
+/// What is more probable than not, surest first; of several that explain the same and are so
+/// together, the most probable with the others beside it.
 #[must_use]
 pub fn described(problem: &Problem, weighed: &Weighed) -> Vec<Described> {
-    let sure = weighed.nameless.iter().filter(|u| u.probability >= POLICY.worth_saying);
-    let mut out: Vec<Described> = sure.map(|u| of(problem, u)).collect();
+    let first = |u: &Unnamed| u.instead.first().is_none_or(|other| other.1 < u.probability);
+    let is = |u: &Unnamed| {
+        u.probability >= POLICY.worth_saying || first(u) && u.together >= POLICY.worth_saying
+    };
+    let mut out: Vec<Described> =
+        weighed.nameless.iter().filter(|u| is(u)).map(|u| of(problem, u)).collect();
     out.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     out
+}
+
+/// What shares the probability of something.
+fn instead(problem: &Problem, unnamed: &Unnamed) -> Vec<Instead> {
+    let words = |what: &What| match what {
+        What::Nameless(other) => other.words(problem),
+        What::Effect(candidate) => place(candidate.name(), &candidate.joints()),
+    };
+    let of = |(what, probability): &(What, f64)| {
+        Instead { words: words(what), probability: *probability }
+    };
+    let shares = unnamed.instead.iter().filter(|other| other.1 >= POLICY.shares);
+    shares.take(POLICY.alternatives).map(of).collect()
 }
 
 fn of(problem: &Problem, unnamed: &Unnamed) -> Described {
@@ -90,14 +121,19 @@ fn of(problem: &Problem, unnamed: &Unnamed) -> Described {
     let largest = curves.iter().flat_map(|c| c.points.iter().map(move |p| (p[1].abs(), c.unit)));
     let largest = largest.max_by(|a, b| a.0.total_cmp(&b.0));
     let by = largest.map_or_else(String::new, |(by, unit)| format!(", by up to {by:.3} {unit}"));
+    let instead = instead(problem, unnamed);
+    let or: String =
+        instead.iter().map(|o| format!(", or {} ({})", o.words, said(o.probability))).collect();
+    let sure = said(unnamed.probability);
     Described {
         part,
         joint: own.map(|joint| joint + 1),
         with,
         with_joint: with_joint.map(|joint| joint + 1),
         from_row,
-        words: format!("{}{by} (probability {})", what.words(problem), said(unnamed.probability)),
+        words: format!("{}{by} (probability {sure}){or}", what.words(problem)),
         probability: unnamed.probability,
+        instead,
         half_gain: unnamed.half_gain,
         curves,
     }

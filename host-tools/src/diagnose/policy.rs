@@ -61,6 +61,8 @@ pub struct Policy {
     pub named: f64,
     /// Probability from which on structure without a name is said to be there.
     pub worth_saying: f64,
+    /// Probability from which on what may be there in its place is said beside it.
+    pub shares: f64,
     /// Residuals of neighbours that are alike by more standard deviations are
     /// structure: with 8 covariates chance gets there once in 400,000 sets.
     pub white: f64,
@@ -135,6 +137,7 @@ pub const POLICY: Policy = Policy {
     beyond_fitted: 4.0,
     named: 0.9,
     worth_saying: 0.5,
+    shares: 0.05,
     white: 5.0,
     far_off: 50.0,
     alternatives: 5,

@@ -46,8 +46,8 @@ pub fn verdict(
         left.extend(weighed.scattering.iter().map(|joint| remarks::scatters(problem, *joint)));
     }
     left.extend(onset::all(problem, best, &weighed.scattering));
-    // What geometry alone leaves, where nothing was added to it.
-    let alone = best.added.is_empty() && weighed.curves.is_empty();
+    // What geometry alone leaves, where nothing was added to it and nothing is described.
+    let alone = best.added.is_empty() && weighed.curves.is_empty() && described.is_empty();
     left.extend(goes_with.filter(|_| alone));
     if left.is_empty() && crowded(problem, best) {
         left.push(CROWDED.to_owned());

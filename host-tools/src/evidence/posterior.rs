@@ -72,6 +72,12 @@ impl Posterior {
         self.mass(|claims, _| claims.contains(&claim))
     }
 
+    /// Probability that the models hold any of some claims.
+    #[must_use]
+    pub fn probability_of_any(&self, any: &[Claim]) -> f64 {
+        self.mass(|claims, _| any.iter().any(|claim| claims.contains(claim)))
+    }
+
     /// Probability that any of some candidates is in the model: of one line,
     /// of one variant.
     #[must_use]

@@ -15,12 +15,13 @@ use crate::observations::{by_pose, kind};
 
 /// Sentences for what is significant, a joint that slipped first, then strongest
 /// first, and the one that is least a chance, with its p value. `lambda` is that of the fit. No
-/// joint is said to have slipped that has not beside what was found, `best` of a problem.
+/// joint is said to have slipped that has not beside what was found, if anything was: the best
+/// model and a problem without what has no name.
 #[must_use]
 pub fn sentences(
     problem: &Problem,
     root: &Node,
-    best: (&Problem, &Node),
+    found: Option<(&Problem, &Node)>,
     lambda: f64,
 ) -> (Vec<String>, Option<(f64, String)>) {
     let at = problem.linearise(&root.fit.fit.state);
@@ -81,15 +82,12 @@ pub fn sentences(
         let place = if own { target } else { target.map(|x| (x / PLACE).round() * PLACE) };
         Some(place.iter().copied().collect())
     });
-    let found = significant(tests);
-    let slip = match crowded {
-        true => None,
-        false if !best.1.added.is_empty() && step(best.0, best.1, lambda).is_none() => None,
-        false => step(problem, root, lambda),
-    };
-    let least = found.iter().chain(&slip).min_by(|a, b| a.0.total_cmp(&b.0)).cloned();
+    let significant = significant(tests);
+    let slips = !crowded && found.is_none_or(|(problem, best)| step(problem, best, lambda).is_some());
+    let slip = if slips { step(problem, root, lambda) } else { None };
+    let least = significant.iter().chain(&slip).min_by(|a, b| a.0.total_cmp(&b.0)).cloned();
     let contradiction = if crowded { contradiction(problem, root) } else { Vec::new() };
-    let told = slip.into_iter().chain(found).map(|(_, sentence)| sentence);
+    let told = slip.into_iter().chain(significant).map(|(_, sentence)| sentence);
     (contradiction.into_iter().chain(told).collect(), least)
 }
 

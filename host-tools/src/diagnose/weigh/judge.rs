@@ -39,10 +39,7 @@ pub fn answer(
     let whole = of.part(geometry, found.scale);
     for ((claim, probability), borne) in claims.into_iter().zip(borne) {
         let half_gain = borne.gain;
-        let holds = |m: &usize| Claim::from(&of.possible[*m].entry) == claim;
-        // Of several ways to be there, the one of the most probable model.
-        let models = found.posterior.models.iter();
-        let member = models.flat_map(|(members, _)| members).copied().find(holds);
+        let member = member(of, found, claim);
         match member.map(|m| &of.possible[m].what) {
             Some(What::Nameless(what)) => {
                 // Smooth functions fit whatever a few rows say: what one half tells must help
@@ -53,7 +50,15 @@ pub fn answer(
                 }
                 let own = found.best.members.iter().position(|m| Some(*m) == member);
                 let coefficients = own.map(|k| of.block(&whole, &found.best, k));
-                nameless.push(Unnamed { what: *what, probability, half_gain, coefficients });
+                let (instead, together) = instead(of, found, claim);
+                nameless.push(Unnamed {
+                    what: *what,
+                    probability,
+                    half_gain,
+                    instead,
+                    together,
+                    coefficients,
+                });
             }
             Some(What::Effect(candidate)) => {
                 let named = Named {
@@ -90,6 +95,25 @@ pub fn answer(
         by_curves: ByCurves::default(),
         stages: Vec::new(),
     }
+}
+
+/// Of several ways to make a claim, the one of the most probable model.
+fn member(of: &Explained, found: &Explanation, claim: Claim) -> Option<usize> {
+    let holds = |m: &usize| Claim::from(&of.possible[*m].entry) == claim;
+    let models = found.posterior.models.iter();
+    models.flat_map(|(members, _)| members).copied().find(holds)
+}
+
+/// What stands where a claim does not, with the probability that it does; and that the claim
+/// or one of those without a name holds.
+fn instead(of: &Explained, found: &Explanation, claim: Claim) -> (Vec<(What, f64)>, f64) {
+    let mut rivals = found.posterior.alternatives(claim);
+    rivals.retain(|(_, alone)| *alone >= POLICY.worth_a_word);
+    let what = |other| member(of, found, other).map(|m| of.possible[m].what.clone());
+    let whats = rivals.iter().filter_map(|(other, alone)| Some((what(*other)?, *alone))).collect();
+    let nameless = rivals.iter().map(|r| r.0).filter(|other| other.name >= NAMELESS);
+    let any: Vec<Claim> = nameless.chain([claim]).collect();
+    (whats, found.posterior.probability_of_any(&any))
 }
 
 /// How probable each order is of a claim that candidates of some of several orders make: by all

@@ -30,7 +30,7 @@ pub struct Possible {
 }
 
 /// What a candidate is.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum What {
     /// Terms of a model, coefficients zero.
     Effect(Candidate),

@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::nameless::Nameless;
+use super::nameless::{self, Nameless};
+use super::possible::What;
 use super::sheet::ByCurves;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::Moments;
@@ -40,6 +41,10 @@ pub struct Unnamed {
     pub probability: f64,
     /// As of [`Named`].
     pub half_gain: [f64; 2],
+    /// What may be there in its place, and that it is: it shares the probability.
+    pub instead: Vec<(What, f64)>,
+    /// That it or one of those without a name is there.
+    pub together: f64,
     /// Coefficients in the most probable model and their covariance, SI; none where it is
     /// not in that.
     pub coefficients: Option<(DVector<f64>, DMatrix<f64>)>,
@@ -79,6 +84,13 @@ pub struct Weighed {
 }
 
 impl Weighed {
+    /// What the most probable model has that has no name.
+    #[must_use]
+    pub fn held_nameless(&self) -> Vec<nameless::Held> {
+        let held = |u: &Unnamed| Some((u.what, u.coefficients.as_ref()?.0.clone()));
+        self.nameless.iter().filter_map(held).collect()
+    }
+
     /// RMS of these rows, predicted with everything decided without their fold; `None` where
     /// no row is.
     #[must_use]
