@@ -132,7 +132,8 @@ pub fn choose(
         for k in 0..functions {
             let first = beside + 2 * orders * k;
             let rest = Rest::new(projected, beside, orders, &chosen, k);
-            let (s, t) = rest.leave(projected, first, 2 * orders);
+            let own: Vec<usize> = (first..first + 2 * orders).collect();
+            let (s, t) = rest.leave(projected, &own);
             let known = rest.explained;
             let evidence = |(shape, log_odds): &(Shape, f64)| {
                 let (det, more) = explained(&s, &t, &shape.columns());
@@ -154,6 +155,69 @@ pub fn choose(
     chosen
 }
 
+/// Columns that are in the model, and the log prior odds that they are.
+pub struct Wave {
+    /// Among those beside the functions.
+    pub columns: Vec<usize>,
+    /// Of all its ways to be there but for its size.
+    pub log_odds: f64,
+}
+
+/// The curve of function `k` that is more probable than several waves which do the same and
+/// are among what is `beside`: as a model of many waves grows by one after the other it is
+/// never weighed against the curve that all of them draw.
+#[must_use]
+pub fn in_place_of(
+    projected: &Projected,
+    (beside, orders): (usize, usize),
+    k: usize,
+    waves: &[Wave],
+    curve: f64,
+) -> Option<Prior> {
+    let is_wave = |column: &usize| waves.iter().any(|wave| wave.columns.contains(column));
+    let others: Vec<usize> = (0..beside).filter(|column| !is_wave(column)).collect();
+    let precision = others.iter().map(|k| beside_precision(projected, *k)).collect();
+    let rest = Rest::of(projected, others, precision);
+    let noise = projected.noise;
+    let evidence = |det: f64, more: f64| {
+        noise.log_evidence(projected.s - rest.explained - more) - 0.5 * det
+    };
+
+    let own: Vec<usize> = waves.iter().flat_map(|wave| wave.columns.clone()).collect();
+    let (s, t) = rest.leave(projected, &own);
+    // Each at the size that suits it, which is a price, as the others are.
+    let mut sizes = vec![SIZES[SIZES.len() / 2]; waves.len()];
+    let price = waves.iter().map(|w| w.log_odds - (SIZES.len() as f64).ln()).sum::<f64>();
+    let of_sizes = |sizes: &[f64]| {
+        let variances = waves.iter().zip(sizes).flat_map(|(w, d)| vec![d * d; w.columns.len()]);
+        let columns: Vec<(usize, f64)> = variances.enumerate().collect();
+        let (det, more) = explained(&s, &t, &columns);
+        price + evidence(det, more)
+    };
+    let mut best = of_sizes(&sizes);
+    for _ in 0..SWEEPS {
+        for wave in 0..waves.len() {
+            for size in SIZES {
+                let before = std::mem::replace(&mut sizes[wave], size);
+                let now = of_sizes(&sizes);
+                if now > best { best = now } else { sizes[wave] = before }
+            }
+        }
+    }
+
+    let first = beside + 2 * orders * k;
+    let own: Vec<usize> = (first..first + 2 * orders).collect();
+    let (s, t) = rest.leave(projected, &own);
+    let of_shape = |(shape, log_odds): (Shape, f64)| {
+        let (det, more) = explained(&s, &t, &shape.columns());
+        let Shape::Curve(prior) = shape else { return None };
+        Some((log_odds + evidence(det, more), prior))
+    };
+    let curves = Shape::all(orders, &Odds { curve, line: None }).into_iter().filter_map(of_shape);
+    let (top, prior) = curves.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (top > best).then_some(prior)
+}
+
 /// `log |B|` and what a function of these columns and variances explains.
 fn explained(s: &DMatrix<f64>, t: &DVector<f64>, columns: &[(usize, f64)]) -> (f64, f64) {
     let columns: Vec<(usize, f64)> =
@@ -169,6 +233,11 @@ fn explained(s: &DMatrix<f64>, t: &DVector<f64>, columns: &[(usize, f64)]) -> (f
     let det = 2.0 * l.diagonal().iter().map(|x| x.ln()).sum::<f64>();
     let right = DVector::from_fn(n, |i, _| columns[i].1 * t[columns[i].0]);
     (det, l.solve_lower_triangular(&right).map_or(0.0, |v| v.norm_squared()))
+}
+
+/// Precision of a column that is only beside.
+fn beside_precision(projected: &Projected, column: usize) -> f64 {
+    (BESIDE * projected.c[(column, column)]).max(f64::MIN_POSITIVE)
 }
 
 /// The model without one function.
@@ -187,16 +256,21 @@ impl Rest {
         chosen: &[Option<Shape>],
         without: usize,
     ) -> Self {
-        let c = &projected.c;
         let mut columns: Vec<usize> = (0..beside).collect();
         let mut precision: Vec<f64> =
-            columns.iter().map(|k| (BESIDE * c[(*k, *k)]).max(f64::MIN_POSITIVE)).collect();
+            columns.iter().map(|k| beside_precision(projected, *k)).collect();
         for (k, shape) in chosen.iter().enumerate().filter(|(k, _)| *k != without) {
             let own = shape.map_or(Vec::new(), |shape| shape.columns());
             let first = beside + 2 * orders * k;
             columns.extend(own.iter().map(|(column, _)| first + column));
             precision.extend(own.iter().map(|(_, variance)| 1.0 / variance));
         }
+        Self::of(projected, columns, precision)
+    }
+
+    /// Of these columns under such a prior.
+    fn of(projected: &Projected, columns: Vec<usize>, precision: Vec<f64>) -> Self {
+        let c = &projected.c;
         let n = columns.len();
         let mut a = DMatrix::from_fn(n, n, |i, j| c[(columns[i], columns[j])]);
         precision.iter().enumerate().for_each(|(i, p)| a[(i, i)] += p);
@@ -207,21 +281,17 @@ impl Rest {
         Self { columns, factor, explained: right.norm_squared(), right }
     }
 
-    /// What it leaves of so many columns: S and t.
-    fn leave(
-        &self,
-        projected: &Projected,
-        first: usize,
-        count: usize,
-    ) -> (DMatrix<f64>, DVector<f64>) {
-        let mut s = projected.c.view((first, first), (count, count)).into_owned();
-        let mut t = projected.b.rows(first, count).into_owned();
+    /// What it leaves of some columns: S and t.
+    fn leave(&self, projected: &Projected, own: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+        let count = own.len();
+        let mut s = DMatrix::from_fn(count, count, |i, j| projected.c[(own[i], own[j])]);
+        let mut t = DVector::from_fn(count, |i, _| projected.b[own[i]]);
         let Some(factor) = &self.factor else { return (s, t) };
         if self.columns.is_empty() {
             return (s, t);
         }
         let mut w = DMatrix::from_fn(self.columns.len(), count, |i, j| {
-            projected.c[(self.columns[i], first + j)]
+            projected.c[(self.columns[i], own[j])]
         });
         solve_lower(factor.l_dirty(), &mut w);
         let wt = w.transpose();

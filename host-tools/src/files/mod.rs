@@ -14,6 +14,7 @@ mod model;
 mod model_curves;
 mod model_terms;
 mod number;
+mod numbers;
 mod pairs;
 mod path;
 mod pieces;

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use toml::Spanned;
 
-type Triple = Spanned<[f64; 3]>;
+use crate::files::numbers::Numbers;
+
+type Triple = Spanned<Numbers<3>>;
 
 #[derive(Deserialize)]
 pub(super) struct InstrumentsFile {
@@ -34,7 +36,7 @@ pub(super) struct AnchorFile {
     #[serde(default)]
     pub guess: bool,
     /// Shortest and longest length that is measured from it.
-    pub reach_mm: Option<Spanned<[f64; 2]>>,
+    pub reach_mm: Option<Spanned<Numbers<2>>>,
     /// What the instrument adds to every length.
     pub zero_mm: Option<Spanned<f64>>,
     /// Whether that is "known" or "free".
@@ -82,12 +84,12 @@ pub(super) struct CameraFile {
     pub rpy_deg: Option<Triple>,
     #[serde(default)]
     pub guess: bool,
-    pub focal_px: Spanned<[f64; 2]>,
-    pub centre_px: Spanned<[f64; 2]>,
+    pub focal_px: Spanned<Numbers<2>>,
+    pub centre_px: Spanned<Numbers<2>>,
     /// Width and height of the image.
-    pub image_px: Option<Spanned<[f64; 2]>>,
+    pub image_px: Option<Spanned<Numbers<2>>>,
     /// k1, k2, p1, p2, k3
-    pub distortion: Option<Spanned<[f64; 5]>>,
+    pub distortion: Option<Spanned<Numbers<5>>>,
     pub intrinsics: Option<Spanned<String>>,
 }
 
@@ -100,7 +102,7 @@ pub(super) struct RayFile {
     #[serde(default)]
     pub guess: bool,
     /// Shortest and longest range that is measured along it.
-    pub reach_mm: Option<Spanned<[f64; 2]>>,
+    pub reach_mm: Option<Spanned<Numbers<2>>>,
 }
 
 #[derive(Deserialize)]

@@ -7,6 +7,7 @@ use truearm::Pose;
 use super::Gathered;
 use super::keys::{InstrumentsFile, MarkerFile, PlateFile, RayFile, SurfaceFile};
 use crate::error::Result;
+use crate::files::numbers::Numbers;
 use crate::files::source::Source;
 use crate::model::{Form, Instrument, Placement, Robot};
 use crate::observations::{Registry, ray_of};
@@ -18,7 +19,7 @@ const NAME: &str = "instruments.toml";
 /// Farther than any place of a cell, mm.
 const FAR: f64 = 1e6;
 
-type Triple = Spanned<[f64; 3]>;
+type Triple = Spanned<Numbers<3>>;
 
 impl Gathered {
     /// Reads an instruments.toml.
@@ -107,8 +108,8 @@ pub(super) struct Reader<'a> {
 
 impl Reader<'_> {
     pub(super) fn point(&self, file: &Triple) -> Result<Vector3<f64>> {
-        self.finite(file.span(), file.get_ref())?;
-        Ok(point_from_mm(*file.get_ref()))
+        self.finite(file.span(), &**file.get_ref())?;
+        Ok(point_from_mm(**file.get_ref()))
     }
 
     fn radius(&self, file: &Spanned<f64>) -> Result<f64> {
@@ -144,8 +145,8 @@ impl Reader<'_> {
 
     /// A frame whose z points that way.
     fn towards(&self, file: &Triple) -> Result<Matrix3<f64>> {
-        self.finite(file.span(), file.get_ref())?;
-        let way = Vector3::from(*file.get_ref());
+        self.finite(file.span(), &**file.get_ref())?;
+        let way = Vector3::from(**file.get_ref());
         if way.norm() < 1e-9 {
             let help = "give the three components of a direction";
             return Err(self.source.at(file.span(), "a direction of no length", help));
@@ -164,7 +165,7 @@ impl Reader<'_> {
             placement.xyz = self.point(xyz)?;
         }
         if let Some(rpy) = rpy {
-            self.finite(rpy.span(), rpy.get_ref())?;
+            self.finite(rpy.span(), &**rpy.get_ref())?;
             placement.rpy = Vector3::from(rpy.get_ref().map(f64::to_radians));
         }
         Ok((xyz.is_some() || rpy.is_some()).then(|| placement.pose()))

@@ -5,6 +5,7 @@ use toml::Spanned;
 use super::keys::CameraFile;
 use super::read::{Reader, stated};
 use crate::error::Result;
+use crate::files::numbers::Numbers;
 use crate::model::{Form, Instrument};
 use crate::units::from_mm;
 
@@ -18,14 +19,14 @@ impl Reader<'_> {
         }
         let [focal, centre] = [&file.focal_px, &file.centre_px];
         for key in [focal, centre] {
-            self.finite(key.span(), key.get_ref())?;
+            self.finite(key.span(), &**key.get_ref())?;
         }
         if focal.get_ref().iter().any(|f| *f <= 0.0) {
             let help = "give the focal lengths in pixels, such as [1800.0, 1800.0]";
             return Err(self.source.at(focal.span(), "focal_px is not positive", help));
         }
-        let pixels = focal.get_ref().iter().chain(centre.get_ref()).map(|px| px * 1e-3);
-        let distortion = file.distortion.as_ref().map_or([0.0; 5], |d| *d.get_ref());
+        let pixels = focal.get_ref().iter().chain(centre.get_ref().iter()).map(|px| px * 1e-3);
+        let distortion = file.distortion.as_ref().map_or([0.0; 5], |d| **d.get_ref());
         camera.numbers = pixels.chain(distortion).collect();
         let free = match file.intrinsics.as_ref().map(|i| (i, i.get_ref().as_str())) {
             None | Some((_, "known")) => false,
@@ -40,13 +41,13 @@ impl Reader<'_> {
     }
 
     /// Shortest and longest length, m.
-    pub(super) fn reach(&self, file: Option<&Spanned<[f64; 2]>>) -> Result<Option<[f64; 2]>> {
+    pub(super) fn reach(&self, file: Option<&Spanned<Numbers<2>>>) -> Result<Option<[f64; 2]>> {
         let Some(file) = file else { return Ok(None) };
-        self.finite(file.span(), file.get_ref())?;
+        self.finite(file.span(), &**file.get_ref())?;
         let [least, most] = file.get_ref().map(from_mm);
         if !(0.0 <= least && least < most) {
             let help = "give the shortest length and the longest, such as [50.0, 1500.0]";
-            let message = format!("reach_mm = {:?}", file.get_ref());
+            let message = format!("reach_mm = {:?}", **file.get_ref());
             return Err(self.source.at(file.span(), message, help));
         }
         Ok(Some([least, most]))
@@ -59,9 +60,9 @@ impl Reader<'_> {
         };
         if image.get_ref().iter().any(|px| !(px.is_finite() && *px > 0.0)) {
             let help = "give width and height of the image in pixels, such as [1280, 1024]";
-            let message = format!("image_px = {:?}", image.get_ref());
+            let message = format!("image_px = {:?}", **image.get_ref());
             return Err(self.source.at(image.span(), message, help));
         }
-        Ok(*image.get_ref())
+        Ok(**image.get_ref())
     }
 }

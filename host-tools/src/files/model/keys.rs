@@ -8,6 +8,7 @@ use toml::Spanned;
 use crate::files::covariance::CovarianceFile;
 use crate::files::model_curves::CurveFile;
 use crate::files::model_terms::{MeasurementTermFile, TermFile};
+use crate::files::numbers::{exactly, if_given};
 use crate::model::Provenance;
 
 /// The file. The keys of robot.toml stand in it as they do there, so that a
@@ -133,9 +134,17 @@ pub(super) struct CorrectionFile {
     pub beta_deg: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma: Option<SigmaFile>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "if_given",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub covered_deg: Option<[f64; 2]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "if_given",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub covered_mm: Option<[f64; 2]>,
 }
 
@@ -171,20 +180,25 @@ pub(super) struct GramFile {
 /// The small rigid transform taken out before packing.
 #[derive(Serialize, Deserialize)]
 pub(super) struct FrameFile {
+    #[serde(deserialize_with = "exactly")]
     pub xyz_mm: [f64; 3],
+    #[serde(deserialize_with = "exactly")]
     pub rotation_vector_deg: [f64; 3],
 }
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct StationFile {
     pub label: String,
+    #[serde(deserialize_with = "exactly")]
     pub xyz_mm: [f64; 3],
+    #[serde(deserialize_with = "exactly")]
     pub quaternion_xyzw: [f64; 4],
 }
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct MarkerFile {
     pub label: String,
+    #[serde(deserialize_with = "exactly")]
     pub xyz_mm: [f64; 3],
     /// Whether some row measured where it is.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
@@ -207,7 +221,9 @@ pub(super) struct InstrumentFile {
     pub label: String,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub on_flange: bool,
+    #[serde(deserialize_with = "exactly")]
     pub xyz_mm: [f64; 3],
+    #[serde(deserialize_with = "exactly")]
     pub quaternion_xyzw: [f64; 4],
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<f64>,

@@ -145,7 +145,7 @@ impl Checker<'_> {
         }
         if let Some(rpy) = &file.rpy_deg {
             let key = format!("{table}.rpy_deg");
-            for (turn, degrees) in placement.rpy.iter_mut().zip(rpy.get_ref()) {
+            for (turn, degrees) in placement.rpy.iter_mut().zip(&**rpy.get_ref()) {
                 *turn = self.angle_of(&key, rpy.span(), *degrees)?;
             }
         }
@@ -207,7 +207,7 @@ impl Checker<'_> {
             return Err(self.source.at(wrong.span(), "limits in the wrong unit", help));
         }
         let Some(value) = limits else { return Ok(None) };
-        let [low, high] = *value.get_ref();
+        let [low, high] = **value.get_ref();
         self.finite(value.span(), "limits", &[low, high])?;
         if low < -FARTHEST || high > FARTHEST {
             let message = format!("limits [{low:?}, {high:?}]");

@@ -7,6 +7,7 @@ use truearm::JointKind;
 use super::check::Checker;
 use super::keys::{LinkFile, RobotFile};
 use crate::error::Result;
+use crate::files::numbers::Numbers;
 use crate::model::{Joint, LinkMass};
 use crate::units::point_from_mm;
 
@@ -15,13 +16,13 @@ const TURN: f64 = 6.4;
 
 impl Checker<'_> {
     /// A point in mm, to m.
-    pub fn centre(&self, key: &str, value: &Spanned<[f64; 3]>) -> Result<Vector3<f64>> {
-        self.finite(value.span(), key, value.get_ref())?;
+    pub fn centre(&self, key: &str, value: &Spanned<Numbers<3>>) -> Result<Vector3<f64>> {
+        self.finite(value.span(), key, &**value.get_ref())?;
         if let Some(x) = value.get_ref().iter().find(|x| x.abs() > 10_000.0) {
             let help = "lengths are mm, up to 10 m";
             return Err(self.source.at(value.span(), format!("{key} has {x}"), help));
         }
-        Ok(point_from_mm(*value.get_ref()))
+        Ok(point_from_mm(**value.get_ref()))
     }
 
     pub fn link(&self, link: &LinkFile) -> Result<LinkMass> {
@@ -45,9 +46,9 @@ impl Checker<'_> {
     }
 
     /// m/s^2, in the coordinates of the file.
-    pub fn gravity(&self, gravity: &Spanned<[f64; 3]>) -> Result<Vector3<f64>> {
-        let g = Vector3::from(*gravity.get_ref());
-        self.finite(gravity.span(), "gravity_m_s2", gravity.get_ref())?;
+    pub fn gravity(&self, gravity: &Spanned<Numbers<3>>) -> Result<Vector3<f64>> {
+        let g = Vector3::from(**gravity.get_ref());
+        self.finite(gravity.span(), "gravity_m_s2", &**gravity.get_ref())?;
         if self.plausible.gravity.contains(&g.norm()) {
             return Ok(g);
         }
@@ -80,7 +81,7 @@ impl Checker<'_> {
         let moves = limits.iter().find(|l| l.get_ref()[0] < l.get_ref()[1]);
         match moves {
             Some(first) if self.plausible.limits && limits.len() > 1 && small => {
-                let [low, high] = *first.get_ref();
+                let [low, high] = **first.get_ref();
                 let message =
                     format!("limits_deg = [{low}, {high}]: the limits of all joints are radians");
                 let [low, high] = [low, high].map(f64::to_degrees);

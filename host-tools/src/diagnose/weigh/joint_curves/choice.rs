@@ -2,11 +2,11 @@
 
 use super::Curve;
 use crate::diagnose::weigh::lines::Held;
-use crate::diagnose::weigh::possible::{Possible, columns_of, revolute};
+use crate::diagnose::weigh::possible::{Possible, columns_of, columns_of_member, revolute};
 use crate::diagnose::weigh::sheet::{Sheet, Weights};
 use crate::evidence::lines::LOWEST;
 use crate::evidence::prior;
-use crate::evidence::smooth::{self, Odds, Prior, Shape};
+use crate::evidence::smooth::{self, Odds, Prior, Shape, Wave};
 use crate::identify::{Problem, State};
 
 /// Poses that an order needs.
@@ -50,9 +50,19 @@ pub fn chosen(
         let odds = Odds { curve, line };
         smooth::choose(&projected, columns_of(members), smooth::orders(length), &odds)
     };
-    let smooth = joints.iter().zip(shapes(None)).filter_map(|(joint, shape)| match shape? {
-        Shape::Curve(prior) => Some(Curve { joint: *joint, prior }),
-        Shape::Line { .. } => None,
+    let drawn = |k: usize| {
+        let waves = waves(members, &all[k]);
+        let place = (columns_of(members), smooth::orders(length));
+        let several = waves.len() > 1;
+        several.then(|| smooth::in_place_of(&projected, place, k, &waves, curve)).flatten()
+    };
+    let drawn: Vec<Option<Prior>> = (0..joints.len()).map(drawn).collect();
+    let smooth = joints.iter().zip(shapes(None)).zip(&drawn);
+    let smooth = smooth.filter_map(|((joint, shape), drawn)| match (*drawn, shape) {
+        (Some(prior), _) | (None, Some(Shape::Curve(prior))) => {
+            Some(Curve { joint: *joint, prior })
+        }
+        _ => None,
     });
     let curves: Vec<Curve> = smooth.collect();
     if curves.is_empty() {
@@ -63,8 +73,23 @@ pub fn chosen(
             Shape::Line { order, .. } => Some((*joint, order as f64)),
             Shape::Curve(_) => None,
         });
-    let lines = instead.filter(|(joint, _)| curves.iter().any(|c| c.joint == *joint)).collect();
+    // Lines that a curve takes the place of are no line beside others.
+    let curved = |joint: &usize| {
+        curves.iter().any(|c| c.joint == *joint)
+            && joints.iter().zip(&drawn).all(|(j, drawn)| j != joint || drawn.is_none())
+    };
+    let lines = instead.filter(|(joint, _)| curved(joint)).collect();
     Chosen { curves, lines }
+}
+
+/// Members that a curve of their joint would take the place of.
+fn waves(members: &[Possible], curve: &Curve) -> Vec<Wave> {
+    let own = (0..members.len()).filter(|m| members[*m].is_within(std::slice::from_ref(curve)));
+    let wave = |m: usize| Wave {
+        columns: columns_of_member(members, m).collect(),
+        log_odds: members[m].entry.log_odds,
+    };
+    own.map(wave).collect()
 }
 
 /// Of a line, or of an eccentricity, which has the lowest two orders.
