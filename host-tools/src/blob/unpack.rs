@@ -130,6 +130,12 @@ pub fn not_carried(model: &Model, bytes: &[u8]) -> Vec<String> {
         (true, "tracker stations: `evaluate` needs --reregister base"),
         (true, "labels of the reflectors and reflectors beyond the first, which is the tool"),
         (true, "terms of the measurement (drift, re-mounted tool)"),
+        (
+            true,
+            "[base] of the robot file: what is commanded is in the frame before joint 1, and \
+             [base] is to be added again where the file had one",
+        ),
+        (true, "[tool] of the robot file: it is the target now that was identified, and not turned"),
         (true, "measurement_sigma_mm: 0.03 is assumed"),
         (true, "gear ratios"),
         (model.robot.links.is_empty(), "link masses and gravity: this blob has none"),

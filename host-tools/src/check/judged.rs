@@ -35,6 +35,13 @@ pub(super) struct Fitted {
     pub far: Vec<f64>,
 }
 
+impl Fitted {
+    /// Whether rows are as near as anything is judged.
+    pub(super) fn is_finest(&self) -> bool {
+        self.spread <= self.sigma.max(FINEST)
+    }
+}
+
 /// A scene being fitted.
 pub(super) struct Fitter<'a> {
     pub(super) scene: &'a Scene,

@@ -180,7 +180,13 @@ pub fn check(robot: &Robot, data: &Measurements) -> Finding {
 /// file wins over a fit of the files as they are only where that rests, begun from
 /// its own place as well.
 fn ranked(search: &Search, nothing: &mut Found) -> (Found, Vec<Found>) {
-    let ones = search.one();
+    let mut ones = search.one();
+    // No unit of the points makes a fit better that is as fine as any: of an arm without
+    // lengths points in another unit are those of a larger tool.
+    let scales = |one: &Found| one.changes.iter().any(|c| matches!(c, Mistake::PointUnit(_)));
+    if nothing.fitted.is_finest() {
+        ones.retain(|one| !scales(one));
+    }
     if let Some(one) = ones.first().filter(|one| nothing.cost - one.cost >= CLEARLY) {
         let again = search.nothing_from(one);
         if again.cost < nothing.cost {

@@ -16,7 +16,7 @@ use crate::identify::{
 };
 use crate::model::Model;
 use crate::observations::Residual;
-use crate::tikhonov::Factorised;
+use crate::tikhonov::{Factorised, covariance, used};
 
 /// Rows above which files are read in pieces: so many are in memory 1.3 GB.
 pub const LARGE: usize = 1_000_000;
@@ -112,8 +112,9 @@ fn settled(
     let whole = part.whole().recounted(&DVector::repeat(x.len(), 1.0), &-x);
     let solved = Factorised::of_normal(&whole, problem.unknowns.free());
     let fit = Fit { state: at.clone(), normal: whole, steps: gram.stage as usize };
-    let robust = RobustFit { fit: fit.clone(), kept, outliers, scale: gram.k };
     let lambda = last.model.provenance.lambda;
+    let used = used(&fit.normal, &covariance(&fit.normal, problem.unknowns.free(), lambda));
+    let robust = RobustFit { fit: fit.clone(), kept, outliers, scale: gram.k, used };
     let found = Estimate { fit, robust, lambda, choice: None, solved: Some(solved) };
     let held_out = held_out(&problem, &here, &last.held_out);
     let mut identified = Findings {

@@ -130,15 +130,17 @@ impl Findings<'_> {
     fn row_results(&self) -> Vec<RowResult> {
         let before = self.rigid.linearise(&self.nominal);
         let after = self.problem.linearise(&self.found.fit.state);
-        let mut flagged = vec![false; self.problem.data.rows.len()];
+        // Copies of a row are what it is.
+        let first = self.problem.data.first_of_copies();
+        let mut flagged = vec![false; first.len()];
         self.found.robust.outliers.iter().for_each(|o| flagged[o.row] = true);
-        (0..flagged.len())
+        (0..first.len())
             .into_par_iter()
             .map(|row| RowResult {
                 nominal: before.residual(row),
                 identified: after.residual(row),
                 held_out: self.held_out[row],
-                flagged: flagged[row],
+                flagged: flagged[first[row]],
             })
             .collect()
     }

@@ -101,6 +101,13 @@ fn text(cell: &Data) -> String {
             let rest = seconds - 3600.0 * hours - 60.0 * minutes;
             format!("{hours:02}:{minutes:02}:{rest:09.6}")
         }
+        // A date reads as one: where a number belongs it is none, as a spreadsheet makes of 1.2.
+        Data::DateTime(days) if days.is_datetime() => {
+            let (year, month, day, hour, minute, second, milli) = days.to_ymd_hms_milli();
+            format!(
+                "{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02}.{milli:03}"
+            )
+        }
         Data::DateTime(days) => format!("{}", days.as_f64() * DAY),
         Data::Error(_) | Data::Empty => String::new(),
         other => other.to_string().trim().to_owned(),

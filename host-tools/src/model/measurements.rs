@@ -209,21 +209,29 @@ impl Measurements {
     /// nothing is measured twice to the last digit.
     #[must_use]
     pub fn distinct(&self) -> Vec<usize> {
+        let first = self.first_of_copies();
+        (0..self.rows.len()).filter(|row| first[*row] == *row).collect()
+    }
+
+    /// Of every row the first one that is the same in every cell that has a meaning: itself,
+    /// where no earlier one is.
+    #[must_use]
+    pub fn first_of_copies(&self) -> Vec<usize> {
         // The last new row of each pose, and the one before it of each new row.
         let mut last: HashMap<usize, usize> = HashMap::with_capacity(self.poses);
         let mut before: Vec<Option<usize>> = vec![None; self.rows.len()];
-        let new = |row: &usize| {
-            let (own, mut next) = (&self.rows[*row], last.get(&self.rows[*row].pose).copied());
+        let mut first = |row: usize| {
+            let (own, mut next) = (&self.rows[row], last.get(&self.rows[row].pose).copied());
             while let Some(known) = next {
                 if self.rows[known].repeats(own) {
-                    return false;
+                    return known;
                 }
                 next = before[known];
             }
-            before[*row] = last.insert(own.pose, *row);
-            true
+            before[row] = last.insert(own.pose, row);
+            row
         };
-        (0..self.rows.len()).filter(new).collect()
+        (0..self.rows.len()).map(&mut first).collect()
     }
 
     /// How many rows of `other` are rows of these too: the same joints, the same

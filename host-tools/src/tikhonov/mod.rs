@@ -82,3 +82,10 @@ pub fn covariance(normal: &Normal, free: usize, lambda: f64) -> DMatrix<f64> {
     let vectors = DMatrix::from_diagonal(&scale) * vectors;
     &vectors * DMatrix::from_diagonal(&inverse) * vectors.transpose()
 }
+
+/// Equations that a fit with this covariance of its unknowns has used up, `tr(C A'A)`: the
+/// trace of its hat matrix.
+#[must_use]
+pub fn used(normal: &Normal, covariance: &DMatrix<f64>) -> f64 {
+    covariance.component_mul(&normal.h()).sum()
+}

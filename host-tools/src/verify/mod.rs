@@ -22,7 +22,7 @@ use std::collections::HashMap;
 use nalgebra::Vector3;
 use truearm::Pose;
 
-use crate::error::Result;
+use crate::error::{Result, count};
 use crate::evaluate::residuals;
 use crate::identify::{Conditions, State};
 use crate::model::{Commanded, Measurements, Model, ModelTerm};
@@ -76,7 +76,15 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
         conditions: &conditions,
         frame: frame_variance(model, data, refit),
     };
-    let poses = poses(data);
+    let distinct = data.distinct();
+    if distinct.len() < data.rows.len() {
+        let again = count(data.rows.len() - distinct.len(), "row");
+        warnings.push(format!(
+            "{}: {again} of the same cells as others: no repetitions, but copies",
+            data.path.display()
+        ));
+    }
+    let poses = poses(data, &distinct);
     let repeats = poses.iter().map(Vec::len);
     let to_file = model.robot.base.pose().rotation;
     Ok(Verification {
@@ -97,11 +105,12 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     })
 }
 
-/// Rows of the same commanded pose and marker, in the order of the first of each.
-fn poses(data: &Measurements) -> Vec<Vec<usize>> {
+/// Some rows of the same commanded pose and marker, in the order of the first of each.
+fn poses(data: &Measurements, rows: &[usize]) -> Vec<Vec<usize>> {
     let mut out: Vec<Vec<usize>> = Vec::new();
     let mut place_of = HashMap::new();
-    for (i, row) in data.rows.iter().enumerate() {
+    for i in rows.iter().copied() {
+        let row = &data.rows[i];
         let place = *place_of.entry((row.pose, row.marker)).or_insert(out.len());
         match out.get_mut(place) {
             Some(rows) => rows.push(i),

@@ -44,7 +44,7 @@ fn is_heavy(q: &Question, found: &Searched) -> bool {
     let rests = left(q, found);
     let equations: usize = rests.iter().map(|r| r.equations).sum();
     let square: f64 = rests.iter().map(|r| r.square).sum();
-    let (tails, _) = tails(q, &rests);
+    let (tails, _) = tails(found, &rests);
     tails.nu.is_finite() && (square / equations.max(1) as f64).sqrt() > TOO_HEAVY * tails.scale
 }
 
@@ -53,16 +53,15 @@ fn left(q: &Question, found: &Searched) -> Vec<Rest> {
     weights::left(&found.bent.problem(q.problem), &found.best, &joints)
 }
 
-fn tails(q: &Question, rests: &[Rest]) -> (Tails, f64) {
-    let used = q.problem.unknowns.list().len().min(rests.len());
-    Tails::with_likelihood(rests, used as f64)
+fn tails(found: &Searched, rests: &[Rest]) -> (Tails, f64) {
+    Tails::with_likelihood(rests, found.best.fit.used.min(rests.len() as f64))
 }
 
 /// Nats: what is left and was flagged, and of the effects a name and half a logarithm of
 /// the poses for each coefficient.
 fn cost(q: &Question, found: &Searched) -> f64 {
     let rests = left(q, found);
-    let (_, likelihood) = tails(q, &rests);
+    let (_, likelihood) = tails(found, &rests);
     let fit = &found.best.fit;
     let flagged = (fit.outliers.len() * rests.len()) as f64 / fit.kept.len().max(1) as f64;
     let coefficients: usize = found.best.added.iter().map(|c| c.terms.len()).sum();

@@ -17,7 +17,7 @@ use crate::observations::{by_pose, by_target, equations_of, kind, repeat};
 pub fn after(problem: &Problem, node: &Node, scattering: &[usize]) -> Weights {
     let kept = &node.fit.kept;
     let (residuals, scattering) = scattered(problem, node, scattering);
-    let used = problem.unknowns.list().len() as f64;
+    let used = node.fit.used;
     // Share of the noise that the readings of a pose have in common.
     let readings = readings(&by_pose(&problem.data.rows, kept), &residuals);
     let common = common_share(&readings, by_means(problem, kept, used));
@@ -129,7 +129,7 @@ pub fn scatter(problem: &Problem, node: &Node) -> Option<Scatter> {
     // An image is taken once.
     kept.retain(|row| !kind(&problem.data.rows[*row]).is_image());
     let residuals: Vec<Vec<f64>> = kept.iter().map(of).collect();
-    let used = problem.unknowns.list().len() as f64;
+    let used = node.fit.used;
     let readings = readings(&by_target(&problem.data.rows, &kept), &residuals);
     poses::scatter(&readings, Used { means: used, apart: 0.0 })
 }

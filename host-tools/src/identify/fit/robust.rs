@@ -17,7 +17,7 @@ use crate::identify::problem::{Linearised, Problem, State};
 use crate::model::Values;
 use crate::observations::{Residual, equations_of, kind};
 use crate::statistics::mad_scale;
-use crate::tikhonov::covariance;
+use crate::tikhonov::{covariance, used};
 
 /// How flags are raised.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +84,9 @@ pub struct RobustFit {
     /// Standard deviation of a normalised residual: 1 when the model is good to
     /// the noise, more when structure is left. Never below 1.
     pub scale: f64,
+    /// Equations that the fit has used up: as many as there are unknowns that the data decide
+    /// and the prior does not.
+    pub used: f64,
 }
 
 /// Fits the given rows in the prior scaling, flagging gross errors. `start` is
@@ -172,7 +175,7 @@ pub fn settle(
         flagged.iter().for_each(|row| suspected[*row] = true);
         let kept: Vec<usize> = rows.iter().copied().filter(|row| !suspected[*row]).collect();
         let found = fit(&kept)?;
-        let (outliers, scale) = judge(problem, &found, rows, &kept, flags);
+        let (outliers, scale, used) = judge(problem, &found, rows, &kept, flags);
         let next: Vec<usize> = outliers.iter().map(|o| o.row).collect();
         let share = next.len() as f64 / rows.len() as f64;
         match flags.crowd {
@@ -181,32 +184,33 @@ pub fn settle(
             }
             Crowd::Described if share > MAJORITY => {
                 let found = fit(rows)?;
-                let (_, scale) = judge(problem, &found, rows, rows, flags);
+                let (_, scale, used) = judge(problem, &found, rows, rows, flags);
                 let kept = rows.to_vec();
-                return Ok(RobustFit { fit: found, kept, outliers: Vec::new(), scale });
+                return Ok(RobustFit { fit: found, kept, outliers: Vec::new(), scale, used });
             }
             _ => {}
         }
         if next == flagged {
-            return Ok(RobustFit { fit: found, kept, outliers, scale });
+            return Ok(RobustFit { fit: found, kept, outliers, scale, used });
         }
         // Going round in circles: the flags that this fit was without.
         if seen.contains(&next) {
-            return Ok(RobustFit { fit: found, kept, outliers: before, scale });
+            return Ok(RobustFit { fit: found, kept, outliers: before, scale, used });
         }
         before = outliers;
         seen.push(std::mem::replace(&mut flagged, next));
     }
 }
 
-/// Tests every row against what the fit without it predicts.
+/// Tests every row against what the fit without it predicts: gross ones, the scale of the
+/// others, and equations that the fit has used up.
 fn judge(
     problem: &Problem,
     fit: &Fit,
     rows: &[usize],
     kept: &[usize],
     flags: Flags,
-) -> (Vec<Outlier>, f64) {
+) -> (Vec<Outlier>, f64, f64) {
     let at = problem.linearise(&fit.state);
     let cov = covariance(&fit.normal, problem.unknowns.free(), flags.lambda);
     let mut fitted = vec![false; problem.data.rows.len()];
@@ -232,7 +236,7 @@ fn judge(
         let residual = Residual::new(own, left.zip_map(&problem.scale(*row), |e, s| e * s));
         outliers.push(Outlier { row: *row, components, residual });
     }
-    (outliers, scale)
+    (outliers, scale, used(&fit.normal, &cov))
 }
 
 /// Of each row, measured minus predicted by the other rows, and its standard
