@@ -7,7 +7,8 @@ use std::ops::Range;
 use nalgebra::{Cholesky, DMatrix, DMatrixView, DMatrixViewMut, DVector, Dyn};
 use rayon::prelude::*;
 
-use super::noise::Noise;
+use super::fixed_point::fixed_point;
+use super::noise::{Noise, Spent};
 use super::poses::Repeats;
 use super::triangular::{cholesky, inverse_lower, solve_lower};
 
@@ -16,8 +17,9 @@ const BLOCK: usize = 96;
 /// Share of a column's square that must survive the projection; below it is
 /// the rounding of the projection and the column counts as one of geometry's.
 const SEEN: f64 = 1e-8;
-/// Rounds in which the noise scale of geometry is found...
-const MOST_ROUNDS: usize = 5;
+/// Rounds in which the noise scale of geometry is found at most: of thirteen poses read ten times
+/// each five rounds left 20 times what there is, and that is where a search began...
+const MOST_ROUNDS: usize = 60;
 /// ...and its change, as a share, that is none: a search finds it again from there.
 const SETTLED: f64 = 1e-3;
 /// First addition to the diagonal of a scaled matrix that has no Cholesky
@@ -49,6 +51,8 @@ pub struct Geometry {
     scale: f64,
     /// Equations that geometry uses up: `tr(G H^-1 G') / k^2`.
     pub freedom: f64,
+    /// What it is off its nominal by where nothing else is, in squares of its prior.
+    prior: f64,
 }
 
 /// Candidates and residual with geometry projected out, in units of the noise
@@ -162,7 +166,10 @@ impl Gram {
         let inverse = inverse_lower(factor.l_dirty());
         let own = |i: usize| precision[i] / (unit[i] * unit[i]) * inverse.column(i).norm_squared();
         let freedom = (0..unit.len()).filter(|i| seen[*i]).map(|i| 1.0 - own(i)).sum();
-        Geometry { unit, factor, scale, freedom }
+        let mut geometry = Geometry { unit, factor, scale, freedom, prior: 0.0 };
+        let off = geometry.mean(self, &DVector::zeros(self.columns()));
+        geometry.prior = off.iter().zip(precision.iter()).map(|(x, p)| p * x * x).sum();
+        geometry
     }
 
     /// Everything projected off geometry.
@@ -175,7 +182,7 @@ impl Gram {
     #[must_use]
     pub fn noise(&self, geometry: &Geometry) -> Noise {
         let repeats = self.repeats.over(geometry.scale * geometry.scale);
-        Noise::new(self.equations, &repeats, geometry.freedom)
+        Noise::new(self.equations, &repeats, geometry.spent())
     }
 
     /// Some columns, in this order, projected off geometry; the noise is told apart, as it
@@ -228,22 +235,19 @@ impl Gram {
     /// Noise scale that geometry alone leaves.
     #[must_use]
     pub fn scale_of_geometry(&self, precision: &DVector<f64>) -> f64 {
-        let mut k = (self.yy / self.equations.max(1) as f64).sqrt().max(f64::MIN_POSITIVE);
-        for _ in 0..MOST_ROUNDS {
+        let from = (self.yy / self.equations.max(1) as f64).sqrt().max(f64::MIN_POSITIVE);
+        fixed_point(from, SETTLED, MOST_ROUNDS, &mut |k| {
             let geometry = self.geometry(precision, k);
             let vy = geometry
                 .factor
                 .l_dirty()
                 .solve_lower_triangular(&self.gy.component_div(&geometry.unit).unscale(k * k));
             let rest = self.yy - vy.map_or(0.0, |v| v.norm_squared()) * k * k;
-            let noise = Noise::new(self.equations, &self.repeats, geometry.freedom);
-            let before = k;
-            k = (noise.own(rest) / noise.freedom).sqrt().max(1e-9 * k);
-            if (k - before).abs() <= SETTLED * before {
-                break;
-            }
-        }
-        k
+            let Spent { freedom, prior } = geometry.spent();
+            let spent = Spent { freedom, prior: prior * k * k };
+            let noise = Noise::new(self.equations, &self.repeats, spent);
+            (noise.own(rest) / noise.freedom).sqrt().max(1e-9 * k)
+        })
     }
 }
 
@@ -254,6 +258,10 @@ impl Geometry {
     pub fn mean(&self, gram: &Gram, columns: &DVector<f64>) -> DVector<f64> {
         let right = (&gram.gy - &gram.gz * columns) / (self.scale * self.scale);
         self.factor.solve(&right.component_div(&self.unit)).component_div(&self.unit)
+    }
+
+    fn spent(&self) -> Spent {
+        Spent { freedom: self.freedom, prior: self.prior }
     }
 
     /// How many unknowns there are.

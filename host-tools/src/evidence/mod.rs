@@ -39,6 +39,7 @@ mod coefficients;
 mod curve;
 pub mod directed;
 mod exchange;
+mod fixed_point;
 mod gram;
 pub mod lines;
 mod noise;
@@ -65,10 +66,13 @@ pub use posterior::{Claim, Posterior};
 pub use search::{Effort, WINDOW};
 pub use subset::{Subset, Subsets};
 
+use fixed_point::fixed_point;
 use search::Search;
 
 /// Rounds of search and noise scale; the scale settles in two or three.
 const ROUNDS: usize = 4;
+/// Steps in which the scale of a model is found at most.
+const MOST_STEPS: usize = 20;
 /// Relative change of the noise scale that no longer matters.
 const SETTLED: f64 = 0.02;
 
@@ -130,6 +134,27 @@ impl Explanation {
     }
 }
 
+/// Noise scale that a model leaves beside geometry, looked for from one.
+fn scale_of_model(
+    gram: &Gram,
+    precision: &DVector<f64>,
+    candidates: &[Candidate],
+    members: &[usize],
+    from: f64,
+) -> f64 {
+    let first = |m: usize| candidates[..m].iter().map(|c| c.units.len()).sum::<usize>();
+    let columns_of = |m: &usize| first(*m)..first(*m) + candidates[*m].units.len();
+    let columns: Vec<usize> = members.iter().flat_map(columns_of).collect();
+    let own: Vec<Candidate> = members.iter().map(|m| candidates[*m].clone()).collect();
+    let all: Vec<usize> = (0..own.len()).collect();
+    fixed_point(from, SETTLED, MOST_STEPS, &mut |k| {
+        let geometry = gram.geometry(precision, k);
+        let projected = gram.project_some((&geometry, gram.noise(&geometry)), &columns);
+        let subsets = Subsets::new(projected, own.clone());
+        subsets.scale_of(&subsets.fit(&all, &|_| None)).max(1e-9 * k)
+    })
+}
+
 fn pick<T: Clone>(of: &mut Vec<T>, kept: &[usize]) {
     *of = kept.iter().map(|k| of[*k].clone()).collect();
 }
@@ -170,6 +195,10 @@ pub fn explain(
         let best = search.fit(&members).clone();
         let found = subsets.scale_of(&best).max(1e-9 * scale);
         let change = (found / scale).ln().abs();
+        let found = match change < SETTLED {
+            true => found,
+            false => scale_of_model(gram, precision, candidates, &members, found),
+        };
         round += 1;
         if change < SETTLED || round == ROUNDS {
             return Explanation {
