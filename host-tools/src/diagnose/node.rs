@@ -93,12 +93,7 @@ pub fn fitted(q: &Question, added: Vec<Candidate>, near: &State) -> Result<Node>
     let problem = q.problem.with_terms(terms.len());
     let mut start = State { terms, ..near.clone() };
     for term in &mut start.terms {
-        let zero = |t: &ModelTerm| {
-            let mut t = t.clone();
-            *t.coefficient_mut() = 0.0;
-            t
-        };
-        if let Some(old) = near.terms.iter().find(|old| zero(old) == zero(term)) {
+        if let Some(old) = near.terms.iter().find(|old| old.at_zero() == term.at_zero()) {
             *term = old.clone();
         }
     }

@@ -124,6 +124,14 @@ impl ModelTerm {
         }
     }
 
+    /// The same with coefficient zero, as candidates have it.
+    #[must_use]
+    pub fn at_zero(&self) -> Self {
+        let mut out = self.clone();
+        *out.coefficient_mut() = 0.0;
+        out
+    }
+
     /// The coefficient, to be changed.
     pub fn coefficient_mut(&mut self) -> &mut f64 {
         match self {

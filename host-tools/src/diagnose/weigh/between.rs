@@ -53,7 +53,7 @@ fn wild_of(problem: &Problem, node: &Node, joint: usize) -> Vec<f64> {
 /// The same of waves over the angles of the rows.
 fn refused(waves: &[&ModelTerm], angles: &[f64]) -> Vec<f64> {
     let highest = waves.iter().filter_map(|t| t.order()).fold(0.0, f64::max);
-    let levels = levels(angles.to_vec(), highest);
+    let levels = levels(angles, highest);
     if levels > waves.len() + OTHERS {
         return Vec::new();
     }

@@ -50,37 +50,47 @@ pub fn of(q: &Question, best: &Node, candidate: &Candidate, nameless: &[Unnamed]
         return nameless.iter().any(own).then_some(Doubt::Memory);
     }
     let highest = candidate.terms.iter().filter_map(|t| t.order()).fold(0.0, f64::max);
-    let angles = rows.iter().map(|row| problem.data.rows[*row].q[joint]);
-    let few = levels(angles.collect(), highest) <= candidate.terms.len() + OTHERS;
+    let angles: Vec<f64> = rows.iter().map(|row| problem.data.rows[*row].q[joint]).collect();
+    let few = levels(&angles, highest) <= candidate.terms.len() + OTHERS;
     (highest > 0.0 && few).then_some(Doubt::Levels)
 }
 
 /// How many angles a wave of this order can tell apart.
-pub fn levels(mut angles: Vec<f64>, order: f64) -> usize {
-    angles.sort_by(f64::total_cmp);
+pub fn levels(angles: &[f64], order: f64) -> usize {
+    level_of(angles, order).into_iter().max().map_or(0, |last| last + 1)
+}
+
+/// Of each angle the number of its level, upwards: of those that a wave of this order can tell
+/// apart.
+pub fn level_of(angles: &[f64], order: f64) -> Vec<usize> {
+    let mut upwards: Vec<usize> = (0..angles.len()).collect();
+    upwards.sort_by(|a, b| angles[*a].total_cmp(&angles[*b]));
     let width = ONE_LEVEL.min(ONE_PHASE / order.max(1.0));
-    let (mut levels, mut last) = (0, f64::NEG_INFINITY);
-    for angle in angles {
-        if angle - last > width {
-            levels += 1;
-            last = angle;
+    let mut out = vec![0; angles.len()];
+    let (mut level, mut first) = (0, upwards.first().map_or(0.0, |k| angles[*k]));
+    for k in upwards {
+        if angles[k] - first > width {
+            (level, first) = (level + 1, angles[k]);
         }
+        out[k] = level;
     }
-    levels
+    out
 }
 
 #[cfg(test)]
 mod tests {
-    use super::levels;
+    use super::{level_of, levels};
 
     #[test]
     fn angles_that_a_wave_cannot_tell_apart_are_one_level() {
         let grid: Vec<f64> =
             (0..60).map(|i| f64::from(i % 4) * 0.6 + f64::from(i) * 1e-4).collect();
-        assert_eq!(levels(grid.clone(), 1.0), 4);
-        assert_eq!(levels(grid, 4000.0), 60);
+        assert_eq!(levels(&grid, 1.0), 4);
+        assert_eq!(levels(&grid, 4000.0), 60);
+        assert_eq!(level_of(&[0.3, 0.1, 0.304, 0.2], 1.0), [2, 0, 2, 1]);
         // A joint that went everywhere has no levels.
-        assert_eq!(levels((0..100).map(|i| f64::from(i) * 0.011).collect(), 1.0), 100);
-        assert_eq!(levels(Vec::new(), 1.0), 0);
+        let all: Vec<f64> = (0..100).map(|i| f64::from(i) * 0.011).collect();
+        assert_eq!(levels(&all, 1.0), 100);
+        assert_eq!(levels(&[], 1.0), 0);
     }
 }

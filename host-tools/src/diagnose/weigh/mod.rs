@@ -147,16 +147,14 @@ fn replicated(q: &Question, mut found: Searched, progress: &dyn Fn()) -> Result<
         if ghosts.is_empty() {
             break;
         }
-        let (out, kept): (Vec<_>, Vec<_>) =
-            found.best.added.iter().cloned().partition(|c: &Candidate| {
-                lines::of(std::slice::from_ref(c)).iter().any(|line| ghosts.contains(line))
-            });
+        let (out, kept): (Vec<Candidate>, Vec<Candidate>) =
+            found.best.added.iter().cloned().partition(|c| ghosts.contains(c));
         let problem = found.bent.problem(q.problem);
         let mut start = found.again();
         start.node =
             fitted(&Question { problem: &problem, ..*q }, kept, &found.best.fit.fit.state)?;
         start.refused.extend(out);
-        start.closed.extend(ghosts.iter().map(|(joint, _)| *joint));
+        start.closed.extend(ghosts.iter().flat_map(|c| c.joints()).map(|joint| joint - 1));
         found = search(q, start, WHOLE, progress)?;
     }
     Ok(found)

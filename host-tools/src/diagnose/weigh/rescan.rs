@@ -5,22 +5,42 @@
 //! scale says, and the best of all orders is believed. Coefficients alone refitted without
 //! the fold, at the order that all rows chose, do not show it.
 
-use rayon::prelude::*;
+//! Where a joint stood at a few angles only, in cones of poses about some places, any of
+//! thousands of orders fits whatever it did there, and poses at the same angles say so again:
+//! there folds are of its angles, and lines of the gear are asked as well. Sessions of cones
+//! over an arm with a smooth curve, or with a payload that nobody wrote down, got lines of P 1.00
+//! that trebled the error between those angles.
 
-use super::lines::{self, Held, sharpened, size};
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use truearm::effects::Effect;
+
+use super::doubts::level_of;
+use super::lines::sharpened;
 use super::scan;
 use super::search_result::Searched;
 use super::sheet::Weights;
+use crate::diagnose::candidates::Candidate;
 use crate::diagnose::question::Question;
 use crate::evidence::lines::{JointColumn, Orders};
+use crate::identify::State;
+use crate::identify::fit::folds;
+use crate::model::ModelTerm;
 use crate::observations::postures;
 
-/// Lines of the model that do not predict poses held out of their scan.
+/// Of so many poses at each of its angles a joint stood at few of them.
+const A_LEVEL: usize = 2;
+
+/// Lines of the model that do not predict poses held out of their scan, and what else goes with
+/// the angle of a joint in waves and does not predict other angles, where those are few.
 #[must_use]
-pub fn ghosts(q: &Question, found: &Searched) -> Vec<Held> {
-    let held = lines::of(&found.best.added);
-    if held.is_empty() {
-        return held;
+pub fn ghosts(q: &Question, found: &Searched) -> Vec<Candidate> {
+    let waves: Vec<&Candidate> =
+        found.best.added.iter().filter(|c| orders_of(c).is_some()).collect();
+    if waves.is_empty() {
+        return Vec::new();
     }
     let problem = found.bent.problem(q.problem);
     let (state, rows) = (&found.best.fit.fit.state, &found.best.fit.kept);
@@ -37,44 +57,121 @@ pub fn ghosts(q: &Question, found: &Searched) -> Vec<Held> {
     let folds: Vec<usize> = stood.iter().map(|row| fold_of[*row]).collect();
     let of_joint = |joint: &usize| {
         let column = columns.joint(*joint);
-        let orders = held.iter().filter(|h| h.0 == *joint).map(|h| h.1);
-        let waves = orders.map(|order| (order, wave(&column.q, order, size(state, *joint, order))));
-        let mut waves: Vec<(f64, Vec<f64>)> = waves.collect();
+        let own = waves.iter().filter(|c| c.joints() == [joint + 1]);
+        let highest = own.clone().filter_map(|c| orders_of(c)).flatten().fold(0.0, f64::max);
+        let by_level = folds_of_levels(&column.q, highest, q.folds.len());
+        // Poses at many angles tell what has an order that is known by themselves.
+        let asked = own.filter(|c| by_level.is_some() || is_line(c));
+        let folds = by_level.as_ref().unwrap_or(&folds);
+        let mut asked: Vec<(&Candidate, Vec<f64>)> =
+            asked.map(|c| (*c, drawn(&column.q, c, state))).collect();
         // The strongest first, as a scan finds them.
         let strength = |wave: &[f64]| -> f64 {
             wave.iter().zip(&column.square).map(|(w, square)| w * w * square).sum()
         };
-        waves.sort_by(|a, b| strength(&b.1).total_cmp(&strength(&a.1)));
+        asked.sort_by(|a, b| strength(&b.1).total_cmp(&strength(&a.1)));
         let mut bare = column.clone();
-        waves.iter().for_each(|(_, wave)| bare.move_by(wave, 1.0));
+        asked.iter().for_each(|(_, wave)| bare.move_by(wave, 1.0));
         let orders = Orders::of(&column.q, q.highest_order);
-        let believed = believed(&bare, &orders, &folds, waves.len());
-        waves.split_off(believed).into_iter().map(|(order, _)| (*joint, order)).collect::<Vec<_>>()
+        let ways: Vec<Way> = asked.iter().map(|(c, _)| Way::of(c)).collect();
+        let believed = believed(&bare, &orders, folds, &ways);
+        asked.split_off(believed).into_iter().map(|(c, _)| c.clone()).collect::<Vec<_>>()
     };
     let joints = columns.joints().par_iter();
-    let with_lines = joints.filter(|joint| held.iter().any(|h| h.0 == **joint));
-    with_lines.flat_map_iter(of_joint).collect()
+    let with_waves = joints.filter(|j| waves.iter().any(|c| c.joints() == [**j + 1]));
+    with_waves.flat_map_iter(of_joint).collect()
 }
 
-/// A line at every value of a joint.
+fn is_line(candidate: &Candidate) -> bool {
+    candidate.name() == Effect::JointPeriodicError.name()
+}
+
+/// Orders of a candidate that goes in waves with the angle of its joint; `None` of others.
+fn orders_of(candidate: &Candidate) -> Option<Vec<f64>> {
+    // An eccentricity is told apart from geometry by many angles together: left out, some of
+    // them say nothing of it.
+    let waves = [Effect::JointPeriodicError, Effect::GearTransmissionError];
+    let is = waves.iter().any(|effect| effect.name() == candidate.name());
+    let mut orders: Vec<f64> = candidate.terms.iter().filter_map(|term| term.order()).collect();
+    orders.dedup();
+    is.then_some(orders)
+}
+
+/// Its waves in a state, at every value of its joint.
+fn drawn(q: &[f64], candidate: &Candidate, state: &State) -> Vec<f64> {
+    let mut out = vec![0.0; q.len()];
+    for term in &candidate.terms {
+        let own = state.terms.iter().filter_map(|known| match known {
+            ModelTerm::Arm(t) if known.at_zero() == *term => Some(*t),
+            _ => None,
+        });
+        for own in own {
+            for (out, q) in out.iter_mut().zip(q) {
+                let (sin, cos) = (own.order * q).sin_cos();
+                *out += own.coefficient * if own.component == 0 { cos } else { sin };
+            }
+        }
+    }
+    out
+}
+
+/// A wave at every value of a joint.
 fn wave(q: &[f64], order: f64, [cos, sin]: [f64; 2]) -> Vec<f64> {
     let at = |q: &f64| cos * (order * q).cos() + sin * (order * q).sin();
     q.iter().map(at).collect()
 }
 
-/// How many lines, found one after another without a fold, predict the squares of the folds
-/// best; at most so many.
-fn believed(column: &JointColumn, orders: &Orders, folds: &[usize], most: usize) -> usize {
+/// Folds of the angles at which a joint stood, where those are few: of every value its fold.
+fn folds_of_levels(q: &[f64], highest: f64, count: usize) -> Option<Vec<usize>> {
+    let levels = level_of(q, highest);
+    let most = levels.iter().max()? + 1;
+    if most * A_LEVEL > q.len() || most < count {
+        return None;
+    }
+    let mut fold: Vec<usize> = (0..most).map(|level| level % count).collect();
+    fold.shuffle(&mut ChaCha8Rng::seed_from_u64(folds::SEED + 3));
+    Some(levels.into_iter().map(|level| fold[level]).collect())
+}
+
+/// How orders are found without a fold.
+enum Way {
+    /// By a scan.
+    Scan,
+    /// They are known.
+    Known(Vec<f64>),
+}
+
+impl Way {
+    fn of(candidate: &Candidate) -> Self {
+        match is_line(candidate) {
+            true => Self::Scan,
+            false => Self::Known(orders_of(candidate).unwrap_or_default()),
+        }
+    }
+
+    fn orders(&self, others: &JointColumn, orders: &Orders) -> Vec<f64> {
+        match self {
+            Self::Known(known) => known.clone(),
+            Self::Scan => {
+                let line = orders.lines(others, 1).pop();
+                line.map(|l| sharpened(others, l.order, orders.step, &[])).into_iter().collect()
+            }
+        }
+    }
+}
+
+/// How many of these, found one after another without a fold, predict the squares of the folds
+/// best.
+fn believed(column: &JointColumn, orders: &Orders, folds: &[usize], ways: &[Way]) -> usize {
     let count = folds.iter().max().map_or(0, |last| last + 1);
-    let mut gains = vec![0.0; most + 1];
+    let mut gains = vec![0.0; ways.len() + 1];
     for fold in 0..count {
         let (own, others): (Vec<usize>, Vec<usize>) =
             (0..folds.len()).partition(|i| folds[*i] == fold);
         let mut others = only(column, &others);
         let mut all = vec![0.0; column.q.len()];
-        for gain in &mut gains[1..] {
-            if let Some(line) = orders.lines(&others, 1).pop() {
-                let order = sharpened(&others, line.order, orders.step, &[]);
+        for (gain, way) in gains[1..].iter_mut().zip(ways) {
+            for order in way.orders(&others, orders) {
                 let size = others.fitted(order);
                 others.move_by(&wave(&others.q, order, size), -1.0);
                 let line = wave(&column.q, order, size);
@@ -128,7 +225,7 @@ mod tests {
             let column = column(line, &mut rng);
             let folds: Vec<usize> = (0..150).map(|i| i % 5).collect();
             let orders = Orders::of(&column.q, 420.0);
-            let found = believed(&column, &orders, &folds, 4);
+            let found = believed(&column, &orders, &folds, &[const { Way::Scan }; 4]);
             assert!((least..=most).contains(&found), "{found} lines of {line} rad");
         }
     }
