@@ -48,7 +48,10 @@ pub fn effects(
             let first = !(0..terms.len()).filter(other).any(more);
             let whole = claim.map_or(0.0, |c| c.probability);
             let probability = if first { whole } else { own(i) };
+            let holdout_gain = gain(gap, row);
+            let rises = (holdout_gain < -POLICY.rises).then_some(Doubt::HeldOut);
             let sure = claim.is_some_and(is_named) && probability >= POLICY.named;
+            let sure = sure && rises.is_none();
             let known = claim.is_some_and(|c| c.orders.is_empty()) || own(i) >= POLICY.named;
             let effect = Effect {
                 name,
@@ -65,8 +68,8 @@ pub fn effects(
                 coefficients: vec![coefficient(term, &kinds, sigmas[i])],
                 probability,
                 half_gain: claim.map_or([0.0; 2], |c| c.half_gain),
-                doubt: claim.and_then(|c| c.doubt),
-                holdout_gain: gain(gap, row),
+                doubt: claim.and_then(|c| c.doubt).or(rises),
+                holdout_gain,
             };
             add(if sure { &mut named } else { &mut suspected }, term, effect);
         }

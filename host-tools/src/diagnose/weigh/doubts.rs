@@ -1,6 +1,9 @@
 //! Why a probable effect is suspected and not named: what makes it probable is that
 //! nothing else of the repertoire does the same, not that the data test it.
 
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
 use truearm::effects::Effect;
 
 use super::nameless::Nameless;
@@ -9,6 +12,7 @@ use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::Moments;
 use crate::diagnose::node::Node;
 use crate::diagnose::question::Question;
+use crate::identify::fit::folds;
 use crate::model::ModelTerm;
 
 /// Structure without a name is believed from here on, as in a verdict.
@@ -17,6 +21,8 @@ const BELIEVED: f64 = 0.5;
 const ONE_LEVEL: f64 = 0.01;
 /// ...and a wave's phase there by less than this.
 const ONE_PHASE: f64 = 0.3;
+/// Of so many poses at each of its angles a joint stood at few of them.
+const A_LEVEL: usize = 2;
 /// Functions of a joint's angle that geometry and a gain have: a constant and a slope.
 pub const OTHERS: usize = 2;
 
@@ -75,6 +81,18 @@ pub fn level_of(angles: &[f64], order: f64) -> Vec<usize> {
         out[k] = level;
     }
     out
+}
+
+/// Folds of the angles at which a joint stood, where those are few: of every value its fold.
+pub fn folds_of_levels(q: &[f64], highest: f64, count: usize) -> Option<Vec<usize>> {
+    let levels = level_of(q, highest);
+    let most = levels.iter().max()? + 1;
+    if most * A_LEVEL > q.len() || most < count {
+        return None;
+    }
+    let mut fold: Vec<usize> = (0..most).map(|level| level % count).collect();
+    fold.shuffle(&mut ChaCha8Rng::seed_from_u64(folds::SEED + 3));
+    Some(levels.into_iter().map(|level| fold[level]).collect())
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 //! halves agree, and what one half says helps to predict the other.
 
 use rayon::prelude::*;
+use truearm::effects::{Order, Term};
 
+use super::doubts;
 use super::partial_fits::{Explained, Part};
 use super::possible::Possible;
 use super::row_parts::{Parts, joined};
@@ -126,6 +128,35 @@ pub fn of_claims(
         }
     }
     out
+}
+
+/// Whether half of the angles at which a joint stood bears a claim out that goes with its angle
+/// against the other half; `None` where it stood at many, or the claim is none such. Halves of
+/// the poses both have all of few angles, where any function fits.
+#[must_use]
+pub fn of_levels(of: &Explained, claim: Claim, found: &Explanation, rows: &[usize]) -> Option<bool> {
+    let judged = Judged::new(of, claim, found)?;
+    let own = judged.members.iter().filter(|m| !judged.without.contains(m));
+    let terms: Vec<Term<f64>> = own.flat_map(|m| of.possible[*m].arm_terms()).collect();
+    let wave = |term: &Term<f64>| matches!(term.effect.order(), Order::Harmonic | Order::Cycles);
+    let order = |term: &Term<f64>| wave(term).then_some(term.order);
+    let highest = terms.iter().filter_map(order).reduce(f64::max)?;
+    let joint = usize::from(terms.first()?.joint);
+    let angles: Vec<f64> = rows.iter().map(|r| of.q.problem.data.rows[*r].q[joint]).collect();
+    let half = doubts::folds_of_levels(&angles, highest, 2)?;
+    let half = |h: usize| {
+        let rows = rows.iter().zip(&half).filter(|(_, own)| **own == h).map(|(row, _)| *row);
+        let rows: Vec<usize> = rows.collect();
+        Half { part: of.part(of.sheet.gram(&rows), found.scale), stated: None, rows }
+    };
+    let halves = [half(0), half(1)];
+    let fits = halves.each_ref().map(|half| judged.fitted(of, half, found));
+    let gain = |h: usize| {
+        let squares = of.sheet.misfits(&halves[1 - h].rows, &fits[h].1);
+        1.0 - (squares[0] / squares[1].max(f64::MIN_POSITIVE)).sqrt()
+    };
+    let agree = agree(&fits[0].0, &fits[1].0, POLICY.halves_apart[0]);
+    Some(agree && gain(0) + gain(1) > 0.0)
 }
 
 /// Whether coefficients of two halves agree.

@@ -37,6 +37,7 @@ pub fn answer(
     let mut nameless: Vec<Unnamed> = Vec::new();
     let geometry = joined(grams.iter(), of.sheet.size());
     let whole = of.part(geometry, found.scale);
+    let rows = parts.rows.concat();
     for ((claim, probability), borne) in claims.into_iter().zip(borne) {
         let half_gain = borne.gain;
         let member = member(of, found, claim);
@@ -67,7 +68,11 @@ pub fn answer(
                     probability,
                     orders: orders(of, found, claim),
                     half_gain,
-                    doubt: (!borne.agree).then_some(Doubt::Halves),
+                    doubt: match halves::of_levels(of, claim, found, &rows) {
+                        _ if !borne.agree => Some(Doubt::Halves),
+                        Some(false) => Some(Doubt::Levels),
+                        _ => None,
+                    },
                 };
                 names.push((named, candidate));
             }

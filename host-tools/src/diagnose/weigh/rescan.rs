@@ -11,13 +11,10 @@
 //! over an arm with a smooth curve, or with a payload that nobody wrote down, got lines of P 1.00
 //! that trebled the error between those angles.
 
-use rand::SeedableRng;
-use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use truearm::effects::Effect;
 
-use super::doubts::level_of;
+use super::doubts::folds_of_levels;
 use super::lines::sharpened;
 use super::scan;
 use super::search_result::Searched;
@@ -26,12 +23,8 @@ use crate::diagnose::candidates::Candidate;
 use crate::diagnose::question::Question;
 use crate::evidence::lines::{JointColumn, Orders};
 use crate::identify::State;
-use crate::identify::fit::folds;
 use crate::model::ModelTerm;
 use crate::observations::postures;
-
-/// Of so many poses at each of its angles a joint stood at few of them.
-const A_LEVEL: usize = 2;
 
 /// Lines of the model that do not predict poses held out of their scan, and what else goes with
 /// the angle of a joint in waves and does not predict other angles, where those are few.
@@ -119,18 +112,6 @@ fn drawn(q: &[f64], candidate: &Candidate, state: &State) -> Vec<f64> {
 fn wave(q: &[f64], order: f64, [cos, sin]: [f64; 2]) -> Vec<f64> {
     let at = |q: &f64| cos * (order * q).cos() + sin * (order * q).sin();
     q.iter().map(at).collect()
-}
-
-/// Folds of the angles at which a joint stood, where those are few: of every value its fold.
-fn folds_of_levels(q: &[f64], highest: f64, count: usize) -> Option<Vec<usize>> {
-    let levels = level_of(q, highest);
-    let most = levels.iter().max()? + 1;
-    if most * A_LEVEL > q.len() || most < count {
-        return None;
-    }
-    let mut fold: Vec<usize> = (0..most).map(|level| level % count).collect();
-    fold.shuffle(&mut ChaCha8Rng::seed_from_u64(folds::SEED + 3));
-    Some(levels.into_iter().map(|level| fold[level]).collect())
 }
 
 /// How orders are found without a fold.
