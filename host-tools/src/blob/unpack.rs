@@ -135,7 +135,10 @@ pub fn not_carried(model: &Model, bytes: &[u8]) -> Vec<String> {
             "[base] of the robot file: what is commanded is in the frame before joint 1, and \
              [base] is to be added again where the file had one",
         ),
-        (true, "[tool] of the robot file: it is the target now that was identified, and not turned"),
+        (
+            true,
+            "[tool] of the robot file: it is the target now that was identified, and not turned",
+        ),
         (true, "measurement_sigma_mm: 0.03 is assumed"),
         (true, "gear ratios"),
         (model.robot.links.is_empty(), "link masses and gravity: this blob has none"),

@@ -91,8 +91,9 @@ fn instead(problem: &Problem, unnamed: &Unnamed) -> Vec<Instead> {
         What::Nameless(other) => other.words(problem),
         What::Effect(candidate) => place(candidate.name(), &candidate.joints()),
     };
-    let of = |(what, probability): &(What, f64)| {
-        Instead { words: words(what), probability: *probability }
+    let of = |(what, probability): &(What, f64)| Instead {
+        words: words(what),
+        probability: *probability,
     };
     let shares = unnamed.instead.iter().filter(|other| other.1 >= POLICY.shares);
     shares.take(POLICY.alternatives).map(of).collect()

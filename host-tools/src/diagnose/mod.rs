@@ -49,6 +49,7 @@ use crate::identify::{Conditions, Options, Problem, RowResult, Scaling, State, b
 use crate::model::{ErrorCurve, Measurements, Model, ModelTerm, Mounting, Robot};
 use candidates::Candidate;
 use moments::Moments;
+use node::Node;
 use pipeline::{answered, with_hand};
 use policy::POLICY;
 use question::Question;
@@ -237,7 +238,7 @@ fn diagnosed(
     let mut problem = with_curves(&rigid, &tables);
     problem.scattering.clone_from(&weighed.scattering);
     let question = Question { problem: &problem, ..question };
-    let best = node::fitted(&question, added, &weighed.best.fit.fit.state)?;
+    let best = plausible(&question, added, &weighed.best.fit.fit.state)?;
     let show = Show {
         question: &question,
         rigid: &rigid,
@@ -247,6 +248,19 @@ fn diagnosed(
         unloaded: &unloaded,
     };
     shown(&show, Found { weighed, best, root, start, not_testable })
+}
+
+/// The fit of what is of a sign and size that physics allows in it: beside what has no name
+/// and is in no model, an effect takes up what that did.
+fn plausible(q: &Question, mut added: Vec<Candidate>, near: &State) -> Result<Node> {
+    loop {
+        let fit = node::fitted(q, added, near)?;
+        let bad = fit.implausible(&q.problem.conditions);
+        if bad.is_empty() {
+            return Ok(fit);
+        }
+        added = fit.added.into_iter().filter(|c| !bad.contains(c)).collect();
+    }
 }
 
 /// Effects of the most probable model; where there are curves, those of the last stage.

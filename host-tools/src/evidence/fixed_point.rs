@@ -7,12 +7,7 @@ const FARTHEST: f64 = 20.0;
 /// The fixed point of `next` that is reached from a number, to a share of it, in so many rounds
 /// at most. A noise scale beside a prior settles by a factor of up to 0.9 a round: two steps
 /// tell where all of them lead (Aitken's delta-squared process, in the logarithm).
-pub fn fixed_point(
-    from: f64,
-    within: f64,
-    rounds: usize,
-    next: &mut dyn FnMut(f64) -> f64,
-) -> f64 {
+pub fn fixed_point(from: f64, within: f64, rounds: usize, next: &mut dyn FnMut(f64) -> f64) -> f64 {
     let mut x = from.ln();
     let mut before: Option<f64> = None;
     for _ in 0..rounds {

@@ -179,9 +179,8 @@ pub fn in_place_of(
     let precision = others.iter().map(|k| beside_precision(projected, *k)).collect();
     let rest = Rest::of(projected, others, precision);
     let noise = projected.noise;
-    let evidence = |det: f64, more: f64| {
-        noise.log_evidence(projected.s - rest.explained - more) - 0.5 * det
-    };
+    let evidence =
+        |det: f64, more: f64| noise.log_evidence(projected.s - rest.explained - more) - 0.5 * det;
 
     let own: Vec<usize> = waves.iter().flat_map(|wave| wave.columns.clone()).collect();
     let (s, t) = rest.leave(projected, &own);

@@ -104,9 +104,7 @@ fn text(cell: &Data) -> String {
         // A date reads as one: where a number belongs it is none, as a spreadsheet makes of 1.2.
         Data::DateTime(days) if days.is_datetime() => {
             let (year, month, day, hour, minute, second, milli) = days.to_ymd_hms_milli();
-            format!(
-                "{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02}.{milli:03}"
-            )
+            format!("{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02}.{milli:03}")
         }
         Data::DateTime(days) => format!("{}", days.as_f64() * DAY),
         Data::Error(_) | Data::Empty => String::new(),

@@ -83,7 +83,8 @@ pub fn sentences(
         Some(place.iter().copied().collect())
     });
     let significant = significant(tests);
-    let slips = !crowded && found.is_none_or(|(problem, best)| step(problem, best, lambda).is_some());
+    let slips =
+        !crowded && found.is_none_or(|(problem, best)| step(problem, best, lambda).is_some());
     let slip = if slips { step(problem, root, lambda) } else { None };
     let least = significant.iter().chain(&slip).min_by(|a, b| a.0.total_cmp(&b.0)).cloned();
     let contradiction = if crowded { contradiction(problem, root) } else { Vec::new() };

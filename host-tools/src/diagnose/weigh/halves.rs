@@ -134,7 +134,12 @@ pub fn of_claims(
 /// against the other half; `None` where it stood at many, or the claim is none such. Halves of
 /// the poses both have all of few angles, where any function fits.
 #[must_use]
-pub fn of_levels(of: &Explained, claim: Claim, found: &Explanation, rows: &[usize]) -> Option<bool> {
+pub fn of_levels(
+    of: &Explained,
+    claim: Claim,
+    found: &Explanation,
+    rows: &[usize],
+) -> Option<bool> {
     let judged = Judged::new(of, claim, found)?;
     let own = judged.members.iter().filter(|m| !judged.without.contains(m));
     let terms: Vec<Term<f64>> = own.flat_map(|m| of.possible[*m].arm_terms()).collect();

@@ -134,17 +134,9 @@ pub(super) struct CorrectionFile {
     pub beta_deg: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma: Option<SigmaFile>,
-    #[serde(
-        default,
-        deserialize_with = "if_given",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(default, deserialize_with = "if_given", skip_serializing_if = "Option::is_none")]
     pub covered_deg: Option<[f64; 2]>,
-    #[serde(
-        default,
-        deserialize_with = "if_given",
-        skip_serializing_if = "Option::is_none"
-    )]
+    #[serde(default, deserialize_with = "if_given", skip_serializing_if = "Option::is_none")]
     pub covered_mm: Option<[f64; 2]>,
 }
 
