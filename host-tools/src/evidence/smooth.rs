@@ -385,4 +385,40 @@ mod tests {
             );
         }
     }
+
+    /// Waves of these orders, the first of them as large as in `truth`, weighed against the
+    /// curve that draws the same.
+    fn in_place(truth: &[(usize, f64)], waves: &[usize], seed: u64) -> Option<Prior> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (rows, noise, most) = (400, 1e-4, orders(LENGTHS[3]));
+        let own = 2 * waves.len();
+        let mut gram = Gram::new(1, own + 2 * most);
+        let (mut z, mut y) = (DMatrix::zeros(rows, own + 2 * most), DVector::zeros(rows));
+        for i in 0..rows {
+            let values = basis(most, rng.random_range(-1.5..1.5));
+            let at = |n: usize| &values[2 * n - 2..2 * n];
+            let columns = waves.iter().flat_map(|n| at(*n)).chain(&values);
+            columns.enumerate().for_each(|(j, value)| z[(i, j)] = value / noise);
+            let value: f64 = truth.iter().map(|(n, a)| a * (at(*n)[0] - at(*n)[1])).sum();
+            y[i] = value / noise + normal(&mut rng);
+        }
+        gram.add(&DMatrix::from_element(rows, 1, 1.0 / noise), &z, &y);
+        let projected = gram.project(&gram.geometry(&DVector::from_element(1, 1e-6), 1.0));
+        let waves: Vec<Wave> = (0..waves.len())
+            .map(|k| Wave { columns: vec![2 * k, 2 * k + 1], log_odds: -8.0 })
+            .collect();
+        in_place_of(&projected, (own, most), 0, &waves, -6.0)
+    }
+
+    /// Five waves that draw what a smooth function of eight orders does are that function; two
+    /// that are there, and nothing else is, are two.
+    #[test]
+    fn waves_that_draw_a_curve_are_one() {
+        for seed in 0..5 {
+            let smooth: Vec<(usize, f64)> = (1..=8).map(|n| (n, 1.5e-4 / n as f64)).collect();
+            assert!(in_place(&smooth, &[1, 2, 3, 5, 7], 300 + seed).is_some(), "seed {seed}");
+            let two = [(2, 2e-4), (7, 2e-4)];
+            assert_eq!(in_place(&two, &[2, 7], 400 + seed), None, "seed {seed}");
+        }
+    }
 }

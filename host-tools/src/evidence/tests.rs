@@ -441,3 +441,23 @@ fn products_by_blocks_are_products() {
         }
     }
 }
+
+/// Geometry of about as many unknowns as there are equations, each as far off as its prior says,
+/// in noise of 0.6 times the stated: what it is off by is no noise, and no step of the scale,
+/// of which many are small, is taken for the last.
+#[test]
+fn geometry_off_its_nominal_is_no_noise() {
+    for (equations, off) in [(39, 1.0), (60, 1.0), (60, 0.3), (300, 1.0)] {
+        let mut logs = 0.0;
+        for seed in 0..20 {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let g = DMatrix::from_fn(equations, 27, |_, _| 40.0 * normal(&mut rng));
+            let x = DVector::from_fn(27, |_, _| off * normal(&mut rng));
+            let noise = DVector::from_fn(equations, |_, _| 0.6 * normal(&mut rng));
+            let mut gram = Gram::new(27, 0);
+            gram.add(&g, &DMatrix::zeros(equations, 0), &(&g * x + noise));
+            logs += (gram.scale_of_geometry(&DVector::from_element(27, 1.0)) / 0.6).ln() / 20.0;
+        }
+        assert!(logs.abs() < 0.15, "{equations} equations, off by {off}: {}", logs.exp());
+    }
+}

@@ -4,6 +4,8 @@ use std::ops::Deref;
 
 use serde::de::{Deserialize, Deserializer, Error};
 
+use crate::error::count;
+
 /// So many numbers. An array takes the first of a longer list, and nobody hears of the rest:
 /// of `[1,5, 0, 93]`, with a comma for a point, the last.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,13 +22,14 @@ impl<const N: usize> Deref for Numbers<N> {
 impl<'de, const N: usize> Deserialize<'de> for Numbers<N> {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let list = Vec::<f64>::deserialize(from)?;
-        let count = list.len();
+        let many = list.len();
         let wrong = |_| {
-            let comma = match count > N {
+            let comma = match many > N {
                 true => "; decimals have a point, not a comma",
                 false => "",
             };
-            D::Error::custom(format!("{count} numbers where {N} are expected{comma}"))
+            let numbers = count(many, "number");
+            D::Error::custom(format!("{numbers} where {N} are expected{comma}"))
         };
         list.try_into().map(Self).map_err(wrong)
     }

@@ -41,7 +41,7 @@ fn expect(what: &str, message: &str, says: &[&str]) {
 }
 
 /// In robot.toml: what stands there, what stands there instead, the message.
-const ROBOTS: [(&str, &str, &[&str]); 64] = [
+const ROBOTS: [(&str, &str, &[&str]); 67] = [
     ("gear_ratio = 101", "gear_ratio = 0", &["robot.toml:", "gear_ratio = 0 ->", "such as 101"]),
     ("gear_ratio = 101", "gear_ratio = -101", &["gear_ratio = -101", "its sense does not matter"]),
     ("gear_ratio = 101", "gear_ratio = nan", &["gear_ratio = NaN"]),
@@ -69,7 +69,7 @@ const ROBOTS: [(&str, &str, &[&str]); 64] = [
     ("[0.0, 0.0, -9.81]", "[0.0, 0.0, -9810.0]", &["gravity_m_s2 of 9810.000", "9.81"]),
     ("[0.0, 0.0, -9.81]", "[0.0, 0.0, -1.0]", &["gravity_m_s2 of 1.000"]),
     ("[0.0, 0.0, -9.81]", "[9.81, 0.0, -9.81]", &["gravity_m_s2 of 13.873"]),
-    ("[0.0, 0.0, -9.81]", "-9.81", &["invalid type: floating point", "array"]),
+    ("[0.0, 0.0, -9.81]", "-9.81", &["invalid type: floating point", "sequence"]),
     (
         "reference_temperature_c = 21.5",
         "reference_temperature_c = 294.65",
@@ -84,7 +84,10 @@ const ROBOTS: [(&str, &str, &[&str]); 64] = [
     ),
     ("limits_deg = [-360, 360]", "limits_deg = [nan, 360]", &["limits is NaN"]),
     ("limits_deg = [-360, 360]", "limits_mm = [-360, 360]", &["limits in the wrong unit"]),
-    ("limits_deg = [-360, 360]", "limits_deg = [-360]", &["array", "2"]),
+    ("limits_deg = [-360, 360]", "limits_deg = [-360]", &["1 number where 2 are expected"]),
+    ("limits_deg = [-360, 360]", "limits_deg = [-3,14, 3,14]", &["4 numbers", "not a comma"]),
+    ("[0.0, 0.0, -9.81]", "[0.0, 0.0, -9.81, 3.0]", &["4 numbers where 3 are expected"]),
+    ("com_mm = [0.0, 0.0, 50.0]", "com_mm = [0,5, 0, 50]", &["4 numbers where 3 are expected"]),
     ("sigma_mm = 0.03", "sigma_mm = 0", &["measurement_sigma_mm = 0"]),
     ("sigma_mm = 0.03", "sigma_mm = -0.03", &["measurement_sigma_mm = -0.03", "such as 0.03"]),
     ("sigma_mm = 0.03", "sigma_mm = nan", &["measurement_sigma_mm = NaN"]),

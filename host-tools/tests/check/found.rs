@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::mistakes::{Mistake, Outcome, SCARA, Session, drawn, judged, read};
 use crate::simulated::robot;
 use assert_cmd::Command;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde_json::Value;
@@ -95,6 +95,28 @@ fn sound_scaras_raise_no_alarm() {
         })
         .collect();
     assert!(alarms.is_empty(), "{}", alarms.join("\n"));
+}
+
+/// An arm whose only length is that of its tool, measured better than a mistake is judged: the
+/// points were said to be in centimetres.
+#[test]
+fn a_rotary_table_raises_no_alarm() {
+    let robot = "name = \"table\"\nmeasurement_sigma_mm = 0.02\n[[joints]]\nalpha_deg = 0.0\n\
+                 a_mm = 0.0\nd_mm = 300.0\ntheta_offset_deg = 0.0\n[tool]\nxyz_mm = [150, 0, 20]\n";
+    for seed in 0..4 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut text = "q1_deg,x_mm,y_mm,z_mm\n".to_owned();
+        for _ in 0..40 {
+            let q: f64 = rng.random_range(-170.0..170.0);
+            let (sin, cos) = q.to_radians().sin_cos();
+            let mut noise = || rng.random_range(-0.03..0.03);
+            let (x, y, z) = (1000.0 + 150.0 * cos + noise(), 150.0 * sin + noise(), 320.0 + noise());
+            text += &format!("{q:.4},{x:.4},{y:.4},{z:.4}\n");
+        }
+        let (robot, data) = read(robot, &text);
+        let finding = check(&robot, &data);
+        assert_eq!(finding.verdict, Verdict::Sound, "seed {seed}: {:?}", finding.said);
+    }
 }
 
 /// Seeds, how much of a file is wrong, and what.

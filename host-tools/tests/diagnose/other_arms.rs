@@ -145,3 +145,47 @@ fn a_hand_that_nobody_stated_is_found() {
 fn an_arm_whose_springs_are_named_stands() {
     named("unsaid-mounting", "joint-compliance", &[2, 3], 0.0520);
 }
+
+/// Twenty poses read five times each, of an arm of 31 identifiable parameters: its noise is 0.62
+/// times the stated, and was said to be 10.6 times, as the scale stopped on its way there and
+/// counted what geometry is off its nominal by; fresh poses were missed by 0.098 mm.
+#[test]
+fn a_few_poses_read_often_tell_the_noise() {
+    let (told, _) = elsewhere("few-repeats");
+    assert_eq!(told.verdict, Verdict::Clean, "{:?}", told.unnamed);
+    assert!((told.noise_scale / 0.62).ln().abs() < 0.2, "{}", told.noise_scale);
+}
+
+/// The error of joint 2 is a smooth function of orders 3 to 10. Two lines and both orders of an
+/// eccentricity, of 1.7 mrad, drew the same.
+#[test]
+fn a_smooth_curve_is_no_eccentricity() {
+    named("smooth-curve", "joint-error-curve", &[2], 0.0381);
+}
+
+/// The same of an arm that was measured in cones of poses, at 18 angles of joint 2: two lines
+/// and an eccentricity drew it at those, and missed fresh poses by 0.097 mm.
+#[test]
+fn a_curve_seen_at_few_angles_is_one() {
+    let (told, missed) = elsewhere("cone-curve");
+    let names: Vec<_> = told.effects.iter().map(|e| (e.name, e.joints.clone())).collect();
+    assert_eq!(names, [("joint-error-curve", vec![2])]);
+    assert!(missed < 0.03, "{missed} mm");
+}
+
+/// The zero of joint 2 goes with a temperature that only rises, as time does: which of both it
+/// is the data hardly tell, and what is said first is not said alone. It was said to wander with
+/// time, beside the question whether its encoder had slipped.
+#[test]
+fn a_zero_that_goes_with_the_temperature_may_go_with_time() {
+    let (told, _) = elsewhere("warm-zero");
+    assert!(told.effects.is_empty(), "{:?}", told.effects);
+    let [described] = &told.described[..] else { panic!("{:?}", told.described) };
+    assert_eq!((described.part, described.joint), ("joint", Some(2)));
+    assert_eq!(described.with, "temperature");
+    let others: f64 = described.instead.iter().map(|other| other.probability).sum();
+    assert!(described.instead.iter().any(|other| other.words.contains("wanders with time")));
+    assert!((described.probability + others - 1.0).abs() < 0.05, "{described:?}");
+    let sentences = told.unnamed.iter().chain(&told.whereabouts);
+    assert!(sentences.clone().all(|s| !s.contains("slipped")), "{:?}", told.unnamed);
+}

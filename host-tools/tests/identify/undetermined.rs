@@ -60,6 +60,23 @@ fn rows_written_twice_change_no_figure() {
     assert!(!said(&a) && said(&b), "{:?}", b.figures.warnings);
 }
 
+/// Copies of a flagged row are what it is: they stood among the rows of every figure, and 0.04 mm
+/// were 7 mm.
+#[test]
+fn copies_of_a_gross_row_are_gross() {
+    let (robot, mut once) = scara("scara/points.csv");
+    once.rows[3].measured[0] += 0.05;
+    let mut twice = once.clone();
+    twice.rows.extend(once.rows.clone());
+    let [a, b] = [&once, &twice].map(|rows| identified(&robot, rows));
+    assert_eq!(a.figures.outlier_rows, [4]);
+    assert_eq!(b.figures.outlier_rows, [4]);
+    let flagged = |i: &Identification| i.rows.iter().filter(|row| row.flagged).count();
+    assert_eq!((flagged(&a), flagged(&b)), (1, 2));
+    let rms = |i: &Identification| i.figures.identified.unwrap().rms_mm;
+    assert!((rms(&a) / rms(&b) - 1.0).abs() < 1e-9, "{} {}", rms(&a), rms(&b));
+}
+
 /// A plate whose coordinates are in inches is no set of gross errors.
 #[test]
 fn a_kind_that_contradicts_the_others_is_no_set_of_gross_rows() {

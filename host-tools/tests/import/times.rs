@@ -112,6 +112,26 @@ fn dates_in_a_column_of_their_own() {
     assert_eq!(times(&found), every(600.0));
 }
 
+/// A spreadsheet makes the first of February of 1.2: no angle of 3,913,315,200 degrees.
+#[test]
+fn a_date_is_no_angle() {
+    let mut book = Workbook::new();
+    let sheet = book.add_worksheet();
+    let date = Format::new().set_num_format("yyyy-mm-dd");
+    for (column, name) in plain().lines().next().unwrap().split(',').enumerate() {
+        sheet.write(0, column as u16, name).unwrap();
+    }
+    for (k, row) in rows().iter().enumerate() {
+        for (column, value) in row.iter().enumerate() {
+            sheet.write(k as u32 + 1, column as u16, *value).unwrap();
+        }
+    }
+    sheet.write_number_with_format(3, 1, 45_689.0, &date).unwrap();
+    let files = vec![("m.xlsx", book.save_to_buffer().unwrap())];
+    let said = refused(&files, None, &ImportOptions::default());
+    assert!(said.contains("2025-02-01"), "{said}");
+}
+
 #[test]
 fn dates_and_times_of_a_spreadsheet() {
     let mut book = Workbook::new();

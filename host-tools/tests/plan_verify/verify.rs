@@ -174,6 +174,20 @@ fn figures_of_the_standard() {
     assert_eq!(repeatability(&square[..1]), None);
 }
 
+/// A row that was written thirty times was measured once: no repeatability of 0 is said of it.
+#[test]
+fn copies_are_no_repetitions() {
+    let cell = Cell::new(1);
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let text = cell.file(&poses(4, &mut rng), 1, true, &mut rng);
+    let (header, rows) = text.split_once('\n').unwrap();
+    let copied = format!("{header}\n{}", rows.repeat(30));
+    let found = verify(&cell.model, &cell.read(&copied), false).unwrap();
+    assert_eq!(found.repeats, [1, 1]);
+    assert!(of_points(&found).repeatability.is_none());
+    assert!(found.warnings.iter().any(|w| w.contains("116 rows of the same cells")), "{found:?}");
+}
+
 #[test]
 fn test_poses_are_others() {
     let cell = Cell::new(5);
