@@ -71,8 +71,8 @@ pub struct ErrorCourse {
 /// Places of a covariate at which a curve is told.
 const POINTS: u16 = 41;
 
-/// What is more probable than not, surest first; of several that explain the same and are so
-/// together, the most probable with the others beside it.
+/// What is more probable than not, surest first; of two that explain the same and are so
+/// together, the more probable with the other beside it.
 #[must_use]
 pub fn described(problem: &Problem, weighed: &Weighed) -> Vec<Described> {
     let first = |u: &Unnamed| u.instead.first().is_none_or(|other| other.1 < u.probability);

@@ -73,6 +73,8 @@ pub struct Diagnosis {
     pub alternatives: Vec<State>,
     /// Springs fitted, but gave way against gravity as it was assumed.
     pub against_gravity: bool,
+    /// The same of springs that would have been named.
+    pub surely_against: bool,
 }
 
 impl Diagnosis {

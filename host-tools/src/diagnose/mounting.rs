@@ -25,7 +25,8 @@ pub fn tried(with: &dyn Fn(Mounting) -> Result<Diagnosis>) -> Result<Diagnosis> 
         Ok(hanging) if !hanging.against_gravity && (has_springs(&hanging) || !stands) => {
             Ok(hanging)
         }
-        _ if stands => Ok(upright),
+        // One that a few rows make probable and gravity does not may be noise.
+        _ if stands || !upright.surely_against => Ok(upright),
         _ => {
             upright.outcome.verdict = Verdict::Unexplained;
             upright.outcome.unnamed.push(NEITHER.to_owned());

@@ -1,10 +1,11 @@
 //! The model that was found, and what shows how good it is.
 
+use super::candidates::Candidate;
 use super::node::Node;
 use super::outcome::Outcome;
 use super::policy::POLICY;
 use super::show::{self, HeldOut, Show};
-use super::weigh::{Weighed, without};
+use super::weigh::{Nameless, Weighed, without};
 use super::{Diagnosis, described, moments, remarks, tell, verdict};
 use crate::error::Result;
 use crate::identify::fit::estimate::Estimate;
@@ -45,7 +46,9 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
     let lambda = show.question.flags.lambda;
     let with_terms = problem.with_terms(best.fit.fit.state.terms.len());
-    let nameless = weighed.held_nameless();
+    // But for a slip, which is what is asked.
+    let mut nameless = weighed.held_nameless();
+    nameless.retain(|(what, _)| !matches!(what, Nameless::Slip { .. }));
     let apart = without(&with_terms, &best.fit.fit.state, &nameless);
     let beside = !(best.added.is_empty() && nameless.is_empty());
     let found = beside.then_some((&apart, &best));
@@ -63,7 +66,9 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let show = &Show { robot, ..*show };
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
     let findings = findings(show, &terms, &best, nominal, held_out)?;
-    let against_gravity = assumed && weighed.refused.iter().any(|c| moments::bends(c.name()));
+    let bends = |c: &Candidate| moments::bends(c.name());
+    let against_gravity = assumed && weighed.refused.iter().any(bends);
+    let surely_against = assumed && weighed.sure.iter().any(bends);
     let mut identified = findings.summarise();
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
@@ -107,6 +112,7 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         state: best.fit.fit.state,
         alternatives: rivals,
         against_gravity,
+        surely_against,
     })
 }
 

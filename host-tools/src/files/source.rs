@@ -131,6 +131,8 @@ impl Source<'_> {
         let read = serde_ignored::deserialize(deserializer, |key| {
             // Spans are kept in a struct of their own, which no user wrote.
             let key = key.to_string().replace(".$__serde_spanned_private_value", "");
+            // Nor did one write that a table may be left out.
+            let key = key.replace(".?", "");
             let name = key.rsplit('.').next().unwrap_or(&key);
             // A key that is right elsewhere is no slip.
             let like = resembling(name, KEYS.iter().copied()).filter(|like| *like != name);

@@ -110,7 +110,8 @@ fn a_rotary_table_raises_no_alarm() {
             let q: f64 = rng.random_range(-170.0..170.0);
             let (sin, cos) = q.to_radians().sin_cos();
             let mut noise = || rng.random_range(-0.03..0.03);
-            let (x, y, z) = (1000.0 + 150.0 * cos + noise(), 150.0 * sin + noise(), 320.0 + noise());
+            let (x, y, z) =
+                (1000.0 + 150.0 * cos + noise(), 150.0 * sin + noise(), 320.0 + noise());
             text += &format!("{q:.4},{x:.4},{y:.4},{z:.4}\n");
         }
         let (robot, data) = read(robot, &text);

@@ -43,7 +43,8 @@ pub fn checked(report: &CheckReport) -> String {
             }
         };
         if let Some(margin) = report.margin {
-            out += &format!("; the next explanation leaves {margin:.1} times as much");
+            let farther = if margin < 1.0 { ", with an arm farther from its drawing" } else { "" };
+            out += &format!("; the next explanation leaves {margin:.1} times as much{farther}");
         }
         out += "\n";
         if !report.equivalent.is_empty() {

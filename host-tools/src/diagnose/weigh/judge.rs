@@ -93,6 +93,7 @@ pub fn answer(
         scale: found.scale,
         nested,
         refused: Vec::new(),
+        sure: Vec::new(),
         scattering: Vec::new(),
         moments: None,
         no_room: 0,
@@ -110,14 +111,14 @@ fn member(of: &Explained, found: &Explanation, claim: Claim) -> Option<usize> {
 }
 
 /// What stands where a claim does not, with the probability that it does; and that the claim
-/// or one of those without a name holds.
+/// or the first of those without a name holds.
 fn instead(of: &Explained, found: &Explanation, claim: Claim) -> (Vec<(What, f64)>, f64) {
     let mut rivals = found.posterior.alternatives(claim);
     rivals.retain(|(_, alone)| *alone >= POLICY.worth_a_word);
     let what = |other| member(of, found, other).map(|m| of.possible[m].what.clone());
     let whats = rivals.iter().filter_map(|(other, alone)| Some((what(*other)?, *alone))).collect();
     let nameless = rivals.iter().map(|r| r.0).filter(|other| other.name >= NAMELESS);
-    let any: Vec<Claim> = nameless.chain([claim]).collect();
+    let any: Vec<Claim> = nameless.take(1).chain([claim]).collect();
     (whats, found.posterior.probability_of_any(&any))
 }
 

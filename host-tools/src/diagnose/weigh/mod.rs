@@ -40,6 +40,7 @@ use crate::error::Result;
 use crate::evidence::{Effort, Known, explain};
 pub use follows::{Covariate, Follows};
 use given_back::given_back;
+use joint_curves::Curve;
 use joint_curves::choice::Chosen;
 use lines::Held;
 pub use nameless::{Nameless, without};
@@ -104,15 +105,30 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
         };
         return replicated(q, found, progress)?.judged(q);
     }
-    let (scale, refused) = (plain.found.scale, plain.refused);
-    let start = Start { curves, scale, refused, bent: plain.bent, ..begin };
+    let (scale, refused, sure) = (plain.found.scale, plain.refused, plain.sure);
+    let start = Start { curves, scale, refused, sure, bent: plain.bent, ..begin };
     let first = search(q, start, AT_FIRST, progress)?;
     // At the noise that is left now, lengths and sizes are told better.
     let curves = first.wanted(q).curves;
     let mut again = Start { curves, ..first.again() };
-    // A curve that is no longer wanted must not stay in what is predicted.
-    again.bent.tables.retain(|t| again.curves.iter().any(|c| c.joint == usize::from(t.joint())));
-    replicated(q, search(q, again, WHOLE, progress)?, progress)?.judged(q)
+    again.keep_tables();
+    let mut found = replicated(q, search(q, again, WHOLE, progress)?, progress)?;
+    loop {
+        let mut less = found.again();
+        let answer = found.judged(q)?;
+        // Beside a joint that scatters what drew a curve may be nothing.
+        let doubtful = |c: &Curve| {
+            let is = |own: &Curved| usize::from(own.table.joint()) == c.joint && own.log_odds < 0.0;
+            !answer.scattering.is_empty() && answer.curves.iter().any(is)
+        };
+        let all = less.curves.len();
+        less.curves.retain(|c| !doubtful(c));
+        if less.curves.len() == all {
+            return Ok(answer);
+        }
+        less.keep_tables();
+        found = replicated(q, search(q, less, WHOLE, progress)?, progress)?;
+    }
 }
 
 /// A search from geometry and where it began: where evidence may have been lost to tails and
@@ -163,7 +179,7 @@ fn replicated(q: &Question, mut found: Searched, progress: &dyn Fn()) -> Result<
 /// Rounds of linearising, weighing and fitting until nothing changes.
 fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Result<Searched> {
     let Start { mut node, curves, mut bent, mut scale, mut refused, lines, .. } = start;
-    let Start { closed, scattering: mut scattered, even, mut nameless, .. } = start;
+    let Start { closed, scattering: mut scattered, even, mut nameless, mut sure, .. } = start;
     let lambda = q.flags.lambda;
     let mut held = [lines::of(&node.added), lines].concat();
     let joints: Vec<usize> = scattered.iter().map(|s| s.0).collect();
@@ -244,6 +260,12 @@ fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Resu
         let again = !bad.is_empty() && round < reach.rounds + REFUSALS;
         if !bad.is_empty() {
             let kept = node.added.iter().filter(|c| !bad.contains(c)).cloned().collect();
+            let probable = |c: &&Candidate| {
+                let own = possible.iter().find(|p| p.is(std::slice::from_ref(*c)));
+                let is = |p: &Possible| found.posterior.probability((&p.entry).into());
+                own.is_some_and(|p| is(p) >= POLICY.named)
+            };
+            sure.extend(bad.iter().filter(probable).cloned());
             found.leave_out(|m| possible[m].is(&bad));
             refused.extend(bad);
             node = fitted(&asked, kept, &state)?;
@@ -263,6 +285,7 @@ fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Resu
                 weights,
                 found,
                 refused,
+                sure,
                 closed,
             });
         }

@@ -24,6 +24,8 @@ pub struct Start {
     pub scale: f64,
     /// What physics refused.
     pub refused: Vec<Candidate>,
+    /// Of that, what would have been named.
+    pub sure: Vec<Candidate>,
     /// Lines to be weighed beside those of the model.
     pub lines: Vec<Held>,
     /// Joints, counted from 0, of which no scan is believed.
@@ -46,12 +48,19 @@ impl Start {
             bent: Bent { tables: Vec::new(), moments: q.moments.cloned() },
             scale: 0.0,
             refused: Vec::new(),
+            sure: Vec::new(),
             lines: Vec::new(),
             closed: Vec::new(),
             scattering: Vec::new(),
             even: false,
             nameless: Vec::new(),
         }
+    }
+
+    /// A curve that is no longer wanted must not stay in what is predicted.
+    pub fn keep_tables(&mut self) {
+        let kept = |t: &ErrorCurve| self.curves.iter().any(|c| c.joint == usize::from(t.joint()));
+        self.bent.tables.retain(kept);
     }
 }
 

@@ -43,7 +43,7 @@ pub struct Unnamed {
     pub half_gain: [f64; 2],
     /// What may be there in its place, and that it is: it shares the probability.
     pub instead: Vec<(What, f64)>,
-    /// That it or one of those without a name is there.
+    /// That it or the first of those without a name is there.
     pub together: f64,
     /// Coefficients in the most probable model and their covariance, SI; none where it is
     /// not in that.
@@ -70,6 +70,8 @@ pub struct Weighed {
     pub no_room: usize,
     /// Effects that fitted, of signs or sizes that physics refuses.
     pub refused: Vec<Candidate>,
+    /// Of these, what would have been named.
+    pub sure: Vec<Candidate>,
     /// Joints, counted from 0, that scatter by themselves, and by how much, rad (one
     /// standard deviation).
     pub scattering: Vec<(usize, f64)>,

@@ -23,7 +23,12 @@ impl Checker<'_> {
     /// Whether truearm handles so many joints.
     pub fn count(&self, joints: usize) -> Result<()> {
         if joints == 0 {
-            let help = "add one [[joints]] table a joint: alpha_deg, a_mm, d_mm, theta_offset_deg";
+            let help = match self.source.text.contains("[[joint]]") {
+                true => "write [[joints]] where [[joint]] stands",
+                false => {
+                    "add one [[joints]] table a joint: alpha_deg, a_mm, d_mm, theta_offset_deg"
+                }
+            };
             return Err(self.source.whole("no [[joints]]", help));
         }
         if joints > truearm::MAX_JOINTS {
