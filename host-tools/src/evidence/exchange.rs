@@ -47,6 +47,7 @@ impl Gram {
             yy: residual.dot(&right),
             equations: self.equations,
             repeats: self.repeats.clone(),
+            nominal: self.nominal,
         }
     }
 

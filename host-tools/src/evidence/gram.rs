@@ -40,6 +40,8 @@ pub struct Gram {
     pub(super) yy: f64,
     pub(super) equations: usize,
     pub(super) repeats: Repeats,
+    /// So many of the first unknowns have a nominal value, about which they have their prior.
+    pub(super) nominal: usize,
 }
 
 /// Geometry at one noise scale k: the Cholesky factor of `G'G / k^2 + Lambda`.
@@ -73,6 +75,21 @@ pub struct Projected {
     pub scale: f64,
 }
 
+impl Projected {
+    /// The same without some columns, of which none stands twice.
+    #[must_use]
+    pub fn without(self, columns: &[usize]) -> Self {
+        let mut gone = columns.to_vec();
+        gone.sort_unstable();
+        Self {
+            c: self.c.remove_columns_at(&gone).remove_rows_at(&gone),
+            b: self.b.remove_rows_at(&gone),
+            full: self.full.remove_rows_at(&gone),
+            ..self
+        }
+    }
+}
+
 impl Gram {
     /// Of no equations.
     #[must_use]
@@ -86,6 +103,7 @@ impl Gram {
             yy: 0.0,
             equations: 0,
             repeats: Repeats::default(),
+            nominal: unknowns,
         }
     }
 
@@ -132,7 +150,16 @@ impl Gram {
         self.zy += &other.zy;
         self.yy += other.yy;
         self.equations += other.equations;
+        self.nominal = self.nominal.min(other.nominal);
         self.add_repeats(&other.repeats);
+    }
+
+    /// The same where only so many of the first unknowns have a nominal value. What others are,
+    /// functions whose size was chosen as they turn out, tells nothing of the noise: of 600 rows
+    /// of a UR10 five curves left twice the error on fresh poses.
+    #[must_use]
+    pub fn with_nominal(self, nominal: usize) -> Self {
+        Self { nominal, ..self }
     }
 
     /// Unknowns of geometry.
@@ -168,7 +195,8 @@ impl Gram {
         let freedom = (0..unit.len()).filter(|i| seen[*i]).map(|i| 1.0 - own(i)).sum();
         let mut geometry = Geometry { unit, factor, scale, freedom, prior: 0.0 };
         let off = geometry.mean(self, &DVector::zeros(self.columns()));
-        geometry.prior = off.iter().zip(precision.iter()).map(|(x, p)| p * x * x).sum();
+        let nominal = off.iter().zip(precision.iter()).take(self.nominal);
+        geometry.prior = nominal.map(|(x, p)| p * x * x).sum();
         geometry
     }
 

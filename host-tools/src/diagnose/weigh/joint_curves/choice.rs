@@ -46,23 +46,24 @@ pub fn chosen(
     let projected = gram.project(&gram.geometry(&sheet.precision(lambda), scale));
     let line = |order: usize| line_odds(joints.len(), order, highest);
     let curve = prior::log_odds(joints.len(), smooth::PRIORS);
+    let orders = smooth::orders(length);
+    // All curves are chosen together, beside what else was found but for waves that draw one.
+    let drawn = |k: usize| {
+        let own = waves(members, &all[k]);
+        let place = (columns_of(members), orders);
+        let is = own.len() > 1 && smooth::in_place_of(&projected, place, k, &own, curve).is_some();
+        is.then(|| own.into_iter().flat_map(|wave| wave.columns).collect::<Vec<_>>())
+    };
+    let out: Vec<usize> = (0..joints.len()).filter_map(drawn).flatten().collect();
+    let beside = columns_of(members) - out.len();
+    let projected = projected.without(&out);
     let shapes = |line: Option<&dyn Fn(usize) -> f64>| {
         let odds = Odds { curve, line };
-        smooth::choose(&projected, columns_of(members), smooth::orders(length), &odds)
+        smooth::choose(&projected, beside, orders, &odds)
     };
-    let drawn = |k: usize| {
-        let waves = waves(members, &all[k]);
-        let place = (columns_of(members), smooth::orders(length));
-        let several = waves.len() > 1;
-        several.then(|| smooth::in_place_of(&projected, place, k, &waves, curve)).flatten()
-    };
-    let drawn: Vec<Option<Prior>> = (0..joints.len()).map(drawn).collect();
-    let smooth = joints.iter().zip(shapes(None)).zip(&drawn);
-    let smooth = smooth.filter_map(|((joint, shape), drawn)| match (*drawn, shape) {
-        (Some(prior), _) | (None, Some(Shape::Curve(prior))) => {
-            Some(Curve { joint: *joint, prior })
-        }
-        _ => None,
+    let smooth = joints.iter().zip(shapes(None)).filter_map(|(joint, shape)| match shape? {
+        Shape::Curve(prior) => Some(Curve { joint: *joint, prior }),
+        Shape::Line { .. } => None,
     });
     let curves: Vec<Curve> = smooth.collect();
     if curves.is_empty() {
@@ -73,12 +74,7 @@ pub fn chosen(
             Shape::Line { order, .. } => Some((*joint, order as f64)),
             Shape::Curve(_) => None,
         });
-    // Lines that a curve takes the place of are no line beside others.
-    let curved = |joint: &usize| {
-        curves.iter().any(|c| c.joint == *joint)
-            && joints.iter().zip(&drawn).all(|(j, drawn)| j != joint || drawn.is_none())
-    };
-    let lines = instead.filter(|(joint, _)| curved(joint)).collect();
+    let lines = instead.filter(|(joint, _)| curves.iter().any(|c| c.joint == *joint)).collect();
     Chosen { curves, lines }
 }
 

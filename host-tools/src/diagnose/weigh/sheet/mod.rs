@@ -233,7 +233,8 @@ impl<'a> Sheet<'a> {
             a.join(&b);
             a
         };
-        self.summed(rows, None, (&|| Gram::new(p, k), &add), &join)
+        let none = || Gram::new(p, k).with_nominal(self.unknowns());
+        self.summed(rows, None, (&none, &add), &join)
     }
 
     /// Something that blocks of rows add to, on all cores.
