@@ -154,9 +154,8 @@ impl Gram {
         self.add_repeats(&other.repeats);
     }
 
-    /// The same where only so many of the first unknowns have a nominal value. What others are,
-    /// functions whose size was chosen as they turn out, tells nothing of the noise: of 600 rows
-    /// of a UR10 five curves left twice the error on fresh poses.
+    /// The same where only so many of the first unknowns have a nominal value: what others are,
+    /// functions whose size was chosen as they turn out, is not taken off as theirs.
     #[must_use]
     pub fn with_nominal(self, nominal: usize) -> Self {
         Self { nominal, ..self }
