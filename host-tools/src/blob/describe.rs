@@ -9,9 +9,9 @@ use truearm_sized::Parameters;
 use crate::model::{ErrorCurve, friction, friction_unit, part};
 
 /// A blob in words, every field with its unit. `given` is how many bytes it was
-/// found in.
+/// found in; that its tag has to be checked is said where it is not (`asked`).
 #[must_use]
-pub fn describe(blob: &Blob, given: usize) -> String {
+pub fn describe(blob: &Blob, given: usize, asked: bool) -> String {
     let mut text = format!(
         "truearm parameter blob, layout {} (format 1.6), {} bytes, checksum good\n",
         blob::LAYOUT,
@@ -20,10 +20,10 @@ pub fn describe(blob: &Blob, given: usize) -> String {
     if given > blob.size() {
         text += &format!("{} bytes behind the blob are ignored\n", given - blob.size());
     }
-    text += if blob.is_tagged() {
-        "authentication        HMAC-SHA-256 tag, not checked without a key\n"
-    } else {
-        "authentication        none\n"
+    text += match (blob.is_tagged(), asked) {
+        (true, true) => "authentication        HMAC-SHA-256 tag\n",
+        (true, false) => "authentication        HMAC-SHA-256 tag, not checked without a key\n",
+        (false, _) => "authentication        none\n",
     };
     text + &fields(blob, &parameters(blob))
 }

@@ -34,11 +34,7 @@ impl Inspect {
         let bytes = read_blob(&self.blob)?;
         let refused = |e| refused(&self.blob, &bytes, &e);
         let blob = Blob::check(&bytes).map_err(|e| refused(e.into()))?;
-        let mut text = describe(&blob, bytes.len());
-        if self.key.is_some() {
-            // That is told below.
-            text = text.replace(", not checked without a key", "");
-        }
+        let mut text = describe(&blob, bytes.len(), self.key.is_some());
 
         let mut asked = Vec::new();
         let mut acceptance = Acceptance::of(blob.robot_id(), blob.joints());

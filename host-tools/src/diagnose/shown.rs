@@ -68,7 +68,7 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let findings = findings(show, &terms, &best, nominal, held_out)?;
     let bends = |c: &Candidate| moments::bends(c.name());
     let against_gravity = assumed && weighed.refused.iter().any(bends);
-    let surely_against = assumed && weighed.sure.iter().any(bends);
+    let surely_against = assumed && weighed.surely_refused.iter().any(bends);
     let mut identified = findings.summarise();
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);

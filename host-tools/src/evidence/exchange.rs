@@ -47,7 +47,6 @@ impl Gram {
             yy: residual.dot(&right),
             equations: self.equations,
             repeats: self.repeats.clone(),
-            nominal: self.nominal,
         }
     }
 

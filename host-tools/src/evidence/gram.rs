@@ -40,8 +40,6 @@ pub struct Gram {
     pub(super) yy: f64,
     pub(super) equations: usize,
     pub(super) repeats: Repeats,
-    /// So many of the first unknowns have a nominal value, about which they have their prior.
-    pub(super) nominal: usize,
 }
 
 /// Geometry at one noise scale k: the Cholesky factor of `G'G / k^2 + Lambda`.
@@ -103,7 +101,6 @@ impl Gram {
             yy: 0.0,
             equations: 0,
             repeats: Repeats::default(),
-            nominal: unknowns,
         }
     }
 
@@ -150,15 +147,7 @@ impl Gram {
         self.zy += &other.zy;
         self.yy += other.yy;
         self.equations += other.equations;
-        self.nominal = self.nominal.min(other.nominal);
         self.add_repeats(&other.repeats);
-    }
-
-    /// The same where only so many of the first unknowns have a nominal value: what others are,
-    /// functions whose size was chosen as they turn out, is not taken off as theirs.
-    #[must_use]
-    pub fn with_nominal(self, nominal: usize) -> Self {
-        Self { nominal, ..self }
     }
 
     /// Unknowns of geometry.
@@ -194,8 +183,7 @@ impl Gram {
         let freedom = (0..unit.len()).filter(|i| seen[*i]).map(|i| 1.0 - own(i)).sum();
         let mut geometry = Geometry { unit, factor, scale, freedom, prior: 0.0 };
         let off = geometry.mean(self, &DVector::zeros(self.columns()));
-        let nominal = off.iter().zip(precision.iter()).take(self.nominal);
-        geometry.prior = nominal.map(|(x, p)| p * x * x).sum();
+        geometry.prior = off.iter().zip(precision.iter()).map(|(x, p)| p * x * x).sum();
         geometry
     }
 

@@ -163,17 +163,17 @@ pub struct Wave {
     pub log_odds: f64,
 }
 
-/// The curve of function `k` that is more probable than several waves which do the same and
-/// are among what is `beside`: as a model of many waves grows by one after the other it is
+/// Whether function `k` is more probably a curve than several waves which do the same and are
+/// among what is `beside`: as a model of many waves grows by one after the other it is
 /// never weighed against the curve that all of them draw.
 #[must_use]
-pub fn in_place_of(
+pub fn are_a_curve(
     projected: &Projected,
     (beside, orders): (usize, usize),
     k: usize,
     waves: &[Wave],
     curve: f64,
-) -> Option<Prior> {
+) -> bool {
     let is_wave = |column: &usize| waves.iter().any(|wave| wave.columns.contains(column));
     let others: Vec<usize> = (0..beside).filter(|column| !is_wave(column)).collect();
     let precision = others.iter().map(|k| beside_precision(projected, *k)).collect();
@@ -207,14 +207,11 @@ pub fn in_place_of(
     let first = beside + 2 * orders * k;
     let own: Vec<usize> = (first..first + 2 * orders).collect();
     let (s, t) = rest.leave(projected, &own);
-    let of_shape = |(shape, log_odds): (Shape, f64)| {
+    let is_better = |(shape, log_odds): (Shape, f64)| {
         let (det, more) = explained(&s, &t, &shape.columns());
-        let Shape::Curve(prior) = shape else { return None };
-        Some((log_odds + evidence(det, more), prior))
+        log_odds + evidence(det, more) > best
     };
-    let curves = Shape::all(orders, &Odds { curve, line: None }).into_iter().filter_map(of_shape);
-    let (top, prior) = curves.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (top > best).then_some(prior)
+    Shape::all(orders, &Odds { curve, line: None }).into_iter().any(is_better)
 }
 
 /// `log |B|` and what a function of these columns and variances explains.
@@ -386,9 +383,8 @@ mod tests {
         }
     }
 
-    /// Waves of these orders, the first of them as large as in `truth`, weighed against the
-    /// curve that draws the same.
-    fn in_place(truth: &[(usize, f64)], waves: &[usize], seed: u64) -> Option<Prior> {
+    /// Whether waves of these orders are a curve, of rows in which those of `truth` are.
+    fn draw(truth: &[(usize, f64)], waves: &[usize], seed: u64) -> bool {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (rows, noise, most) = (400, 1e-4, orders(LENGTHS[3]));
         let own = 2 * waves.len();
@@ -407,7 +403,7 @@ mod tests {
         let waves: Vec<Wave> = (0..waves.len())
             .map(|k| Wave { columns: vec![2 * k, 2 * k + 1], log_odds: -8.0 })
             .collect();
-        in_place_of(&projected, (own, most), 0, &waves, -6.0)
+        are_a_curve(&projected, (own, most), 0, &waves, -6.0)
     }
 
     /// Five waves that draw what a smooth function of eight orders does are that function; two
@@ -416,9 +412,9 @@ mod tests {
     fn waves_that_draw_a_curve_are_one() {
         for seed in 0..5 {
             let smooth: Vec<(usize, f64)> = (1..=8).map(|n| (n, 1.5e-4 / n as f64)).collect();
-            assert!(in_place(&smooth, &[1, 2, 3, 5, 7], 300 + seed).is_some(), "seed {seed}");
+            assert!(draw(&smooth, &[1, 2, 3, 5, 7], 300 + seed), "seed {seed}");
             let two = [(2, 2e-4), (7, 2e-4)];
-            assert_eq!(in_place(&two, &[2, 7], 400 + seed), None, "seed {seed}");
+            assert!(!draw(&two, &[2, 7], 400 + seed), "seed {seed}");
         }
     }
 }

@@ -18,15 +18,11 @@ pub(super) fn in_minutes(text: &str) -> bool {
 }
 
 /// Seconds of a date, and of a time of day in a column of its own. The date may be
-/// `20210305` as well, or the seconds that a spreadsheet has counted.
+/// `20210305` as well.
 pub(super) fn dated(date: &str, time: &str) -> Option<f64> {
     let date = date.trim();
     if date.is_empty() {
         return None;
-    }
-    let counted = date.parse::<f64>().ok().filter(|seconds| *seconds > 1e8);
-    if let Some(midnight) = counted {
-        return is_of_day(time).then(|| seconds(time)).flatten().map(|time| midnight + time);
     }
     let digits = date.len() == 8 && date.bytes().all(|b| b.is_ascii_digit());
     let date = match date.split_once(['T', ' ']) {

@@ -197,7 +197,7 @@ fn blobs() {
         let good = std::fs::read(&path).unwrap();
         all(&path.display().to_string(), &good, EACH, |bytes| match Blob::check(bytes) {
             Ok(blob) => {
-                let _ = (describe(&blob, bytes.len()), contents(&blob, bytes.len()));
+                let _ = (describe(&blob, bytes.len(), false), contents(&blob, bytes.len()));
                 let _ = unpack(bytes, Path::new("a.bin"), None);
             }
             Err(error) => drop(explain(bytes, &error.into())),

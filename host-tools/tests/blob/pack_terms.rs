@@ -80,7 +80,7 @@ fn the_blob_has_the_terms_of_the_arm() {
             "warning: order of term 2 (joint-periodic-error of joint 3) rounded from 3.15 to 3.15625",
         ]
     );
-    let text = describe(&Blob::check(&bytes).unwrap(), bytes.len());
+    let text = describe(&Blob::check(&bytes).unwrap(), bytes.len(), false);
     for words in ["reference temp. C     22.50", "-9.81", "12.7000", "2.5 N m", "all"] {
         assert!(text.contains(words), "{words} in {text}");
     }
@@ -134,7 +134,7 @@ fn a_changed_model_claims_nothing() {
     };
     let after = |model: &Model| {
         let bytes = pack(model, None).unwrap();
-        let said = describe(&Blob::check(&bytes).unwrap(), bytes.len());
+        let said = describe(&Blob::check(&bytes).unwrap(), bytes.len(), false);
         (Blob::check(&bytes).unwrap().parameters::<f64, 6>().unwrap().rms_after, said)
     };
     let stated = whole.provenance.cross_validated_rms_mm * 1e-3;

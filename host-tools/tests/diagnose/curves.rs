@@ -108,7 +108,7 @@ fn curves_are_told_in_words_and_in_sources() {
     let model = model();
     let bytes = pack(&model, Some(1)).unwrap();
     let blob = Blob::check(&bytes).unwrap();
-    let text = describe(&blob, bytes.len());
+    let text = describe(&blob, bytes.len(), false);
     let lines: Vec<&str> = text.lines().filter(|l| l.contains("joint-error-curve")).collect();
     assert_eq!(lines.len(), 5, "{text}");
     let words: Vec<&str> = lines[2].split_whitespace().collect();

@@ -82,7 +82,7 @@ fn refused(waves: &[&ModelTerm], angles: &[f64]) -> Vec<f64> {
 }
 
 /// What a wave bends its joint by at an angle, rad.
-fn wave(term: &ModelTerm, q: f64) -> f64 {
+pub fn wave(term: &ModelTerm, q: f64) -> f64 {
     let ModelTerm::Arm(own) = term else { return 0.0 };
     let (sin, cos) = (own.order * q).sin_cos();
     own.coefficient * if own.component == 0 { cos } else { sin }

@@ -23,6 +23,8 @@ const ONE_LEVEL: f64 = 0.01;
 const ONE_PHASE: f64 = 0.3;
 /// Of so many poses at each of its angles a joint stood at few of them.
 const A_LEVEL: usize = 2;
+/// Levels next to each other over more than this share of what the joint covered are no few.
+const APART: f64 = 0.5;
 /// Functions of a joint's angle that geometry and a gain have: a constant and a slope.
 pub const OTHERS: usize = 2;
 
@@ -66,12 +68,17 @@ pub fn levels(angles: &[f64], order: f64) -> usize {
     level_of(angles, order).into_iter().max().map_or(0, |last| last + 1)
 }
 
+/// Angles within this are one level to a wave of this order, rad.
+fn width(order: f64) -> f64 {
+    ONE_LEVEL.min(ONE_PHASE / order.max(1.0))
+}
+
 /// Of each angle the number of its level, upwards: of those that a wave of this order can tell
 /// apart.
 pub fn level_of(angles: &[f64], order: f64) -> Vec<usize> {
     let mut upwards: Vec<usize> = (0..angles.len()).collect();
     upwards.sort_by(|a, b| angles[*a].total_cmp(&angles[*b]));
-    let width = ONE_LEVEL.min(ONE_PHASE / order.max(1.0));
+    let width = width(order);
     let mut out = vec![0; angles.len()];
     let (mut level, mut first) = (0, upwards.first().map_or(0.0, |k| angles[*k]));
     for k in upwards {
@@ -83,11 +90,14 @@ pub fn level_of(angles: &[f64], order: f64) -> Vec<usize> {
     out
 }
 
-/// Folds of the angles at which a joint stood, where those are few: of every value its fold.
+/// Folds of the angles at which a joint stood, where those are few and apart: of every value
+/// its fold. Where many poses were measured all over a range every level has several, too.
 pub fn folds_of_levels(q: &[f64], highest: f64, count: usize) -> Option<Vec<usize>> {
     let levels = level_of(q, highest);
     let most = levels.iter().max()? + 1;
-    if most * A_LEVEL > q.len() || most < count {
+    let [low, high] = [f64::min, f64::max].map(|of| q.iter().copied().reduce(of));
+    let apart = most as f64 * width(highest) < APART * (high? - low?);
+    if !apart || most * A_LEVEL > q.len() || most < count {
         return None;
     }
     let mut fold: Vec<usize> = (0..most).map(|level| level % count).collect();
@@ -97,7 +107,25 @@ pub fn folds_of_levels(q: &[f64], highest: f64, count: usize) -> Option<Vec<usiz
 
 #[cfg(test)]
 mod tests {
-    use super::{level_of, levels};
+    use super::{folds_of_levels, level_of, levels};
+
+    /// Eight angles, each in two poses or more, are few; in one pose each, or all over the
+    /// range however many poses there are, they are not.
+    #[test]
+    fn few_angles_are_apart_and_stood_at_twice() {
+        let grid = |count: u32, levels: u32| -> Vec<f64> {
+            (0..count).map(|i| f64::from(i % levels) * 0.3).collect()
+        };
+        let folds = folds_of_levels(&grid(16, 8), 10.0, 5).unwrap();
+        // One angle is in one fold, and every fold has one.
+        assert!((0..8).all(|k| folds[k] == folds[k + 8]));
+        assert!((0..5).all(|fold| folds.contains(&fold)));
+        assert_eq!(folds_of_levels(&grid(15, 8), 10.0, 5), None);
+        assert_eq!(folds_of_levels(&grid(16, 4), 10.0, 5), None, "fewer angles than folds");
+        let all: Vec<f64> = (0..20_000).map(|i| f64::from(i) * 3e-4).collect();
+        assert_eq!(folds_of_levels(&all, 10.0, 5), None);
+        assert_eq!(folds_of_levels(&[], 10.0, 5), None);
+    }
 
     #[test]
     fn angles_that_a_wave_cannot_tell_apart_are_one_level() {

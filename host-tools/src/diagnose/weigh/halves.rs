@@ -108,10 +108,6 @@ pub fn of_claims(
             let fits: Vec<_> = judged.par_iter().flatten().map(fit).collect();
             let (own, solutions): (Vec<_>, Vec<[Solution; 2]>) = fits.into_iter().unzip();
             let squares = of.sheet.misfits(&halves[1 - h].rows, &solutions.concat());
-            let gain = |pair: &[f64]| {
-                let [with, without] = [pair[0], pair[1]].map(f64::sqrt);
-                1.0 - with / without.max(f64::MIN_POSITIVE)
-            };
             own.into_iter().zip(squares.chunks_exact(2).map(gain).collect::<Vec<_>>())
         });
         let known = out.iter_mut().zip(&judged).filter_map(|(b, j)| Some((b, j.as_ref()?)));
@@ -156,12 +152,15 @@ pub fn of_levels(
     };
     let halves = [half(0), half(1)];
     let fits = halves.each_ref().map(|half| judged.fitted(of, half, found));
-    let gain = |h: usize| {
-        let squares = of.sheet.misfits(&halves[1 - h].rows, &fits[h].1);
-        1.0 - (squares[0] / squares[1].max(f64::MIN_POSITIVE)).sqrt()
-    };
+    let gain = |h: usize| gain(&of.sheet.misfits(&halves[1 - h].rows, &fits[h].1));
     let agree = agree(&fits[0].0, &fits[1].0, POLICY.halves_apart[0]);
     Some(agree && gain(0) + gain(1) > 0.0)
+}
+
+/// Fall of an error, of mean squares with something and without it.
+fn gain(pair: &[f64]) -> f64 {
+    let [with, without] = [pair[0], pair[1]].map(f64::sqrt);
+    1.0 - with / without.max(f64::MIN_POSITIVE)
 }
 
 /// Whether coefficients of two halves agree.

@@ -93,7 +93,7 @@ pub fn answer(
         scale: found.scale,
         nested,
         refused: Vec::new(),
-        sure: Vec::new(),
+        surely_refused: Vec::new(),
         scattering: Vec::new(),
         moments: None,
         no_room: 0,

@@ -105,8 +105,8 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
         };
         return replicated(q, found, progress)?.judged(q);
     }
-    let (scale, refused, sure) = (plain.found.scale, plain.refused, plain.sure);
-    let start = Start { curves, scale, refused, sure, bent: plain.bent, ..begin };
+    let (scale, refused, surely_refused) = (plain.found.scale, plain.refused, plain.surely_refused);
+    let start = Start { curves, scale, refused, surely_refused, bent: plain.bent, ..begin };
     let first = search(q, start, AT_FIRST, progress)?;
     // At the noise that is left now, lengths and sizes are told better.
     let curves = first.wanted(q).curves;
@@ -179,7 +179,8 @@ fn replicated(q: &Question, mut found: Searched, progress: &dyn Fn()) -> Result<
 /// Rounds of linearising, weighing and fitting until nothing changes.
 fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Result<Searched> {
     let Start { mut node, curves, mut bent, mut scale, mut refused, lines, .. } = start;
-    let Start { closed, scattering: mut scattered, even, mut nameless, mut sure, .. } = start;
+    let Start { closed, scattering: mut scattered, even, mut nameless, mut surely_refused, .. } =
+        start;
     let lambda = q.flags.lambda;
     let mut held = [lines::of(&node.added), lines].concat();
     let joints: Vec<usize> = scattered.iter().map(|s| s.0).collect();
@@ -265,7 +266,7 @@ fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Resu
                 let is = |p: &Possible| found.posterior.probability((&p.entry).into());
                 own.is_some_and(|p| is(p) >= POLICY.named)
             };
-            sure.extend(bad.iter().filter(probable).cloned());
+            surely_refused.extend(bad.iter().filter(probable).cloned());
             found.leave_out(|m| possible[m].is(&bad));
             refused.extend(bad);
             node = fitted(&asked, kept, &state)?;
@@ -285,7 +286,7 @@ fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Resu
                 weights,
                 found,
                 refused,
-                sure,
+                surely_refused,
                 closed,
             });
         }

@@ -14,6 +14,7 @@
 use rayon::prelude::*;
 use truearm::effects::Effect;
 
+use super::between;
 use super::doubts::folds_of_levels;
 use super::lines::sharpened;
 use super::scan;
@@ -92,20 +93,9 @@ fn orders_of(candidate: &Candidate) -> Option<Vec<f64>> {
 
 /// Its waves in a state, at every value of its joint.
 fn drawn(q: &[f64], candidate: &Candidate, state: &State) -> Vec<f64> {
-    let mut out = vec![0.0; q.len()];
-    for term in &candidate.terms {
-        let own = state.terms.iter().filter_map(|known| match known {
-            ModelTerm::Arm(t) if known.at_zero() == *term => Some(*t),
-            _ => None,
-        });
-        for own in own {
-            for (out, q) in out.iter_mut().zip(q) {
-                let (sin, cos) = (own.order * q).sin_cos();
-                *out += own.coefficient * if own.component == 0 { cos } else { sin };
-            }
-        }
-    }
-    out
+    let is_own = |term: &&ModelTerm| candidate.terms.contains(&term.at_zero());
+    let own: Vec<&ModelTerm> = state.terms.iter().filter(is_own).collect();
+    q.iter().map(|q| own.iter().map(|term| between::wave(term, *q)).sum()).collect()
 }
 
 /// A wave at every value of a joint.

@@ -34,7 +34,7 @@ pub struct Searched {
     pub found: Explanation,
     pub refused: Vec<Candidate>,
     /// Of that, what would have been named.
-    pub sure: Vec<Candidate>,
+    pub surely_refused: Vec<Candidate>,
     /// Joints of which no scan is believed.
     pub closed: Vec<usize>,
 }
@@ -48,7 +48,7 @@ impl Searched {
             bent: self.bent.clone(),
             scale: self.found.scale,
             refused: self.refused.clone(),
-            sure: self.sure.clone(),
+            surely_refused: self.surely_refused.clone(),
             lines: Vec::new(),
             closed: self.closed.clone(),
             scattering: self.weights.scattering.clone(),
@@ -96,7 +96,7 @@ impl Searched {
         };
         let mut answer = judge::answer(&all, best, &self.found, &parts, &grams);
         answer.refused = self.refused;
-        answer.sure = self.sure;
+        answer.surely_refused = self.surely_refused;
         let rad = |ratio: f64| self.found.scale * ratio.sqrt();
         // What was found since may leave none of it.
         let scattering = self.weights.scattering.iter().filter(|(_, ratio)| *ratio > 0.0);

@@ -25,7 +25,7 @@ pub struct Start {
     /// What physics refused.
     pub refused: Vec<Candidate>,
     /// Of that, what would have been named.
-    pub sure: Vec<Candidate>,
+    pub surely_refused: Vec<Candidate>,
     /// Lines to be weighed beside those of the model.
     pub lines: Vec<Held>,
     /// Joints, counted from 0, of which no scan is believed.
@@ -48,7 +48,7 @@ impl Start {
             bent: Bent { tables: Vec::new(), moments: q.moments.cloned() },
             scale: 0.0,
             refused: Vec::new(),
-            sure: Vec::new(),
+            surely_refused: Vec::new(),
             lines: Vec::new(),
             closed: Vec::new(),
             scattering: Vec::new(),

@@ -71,7 +71,7 @@ pub struct Weighed {
     /// Effects that fitted, of signs or sizes that physics refuses.
     pub refused: Vec<Candidate>,
     /// Of these, what would have been named.
-    pub sure: Vec<Candidate>,
+    pub surely_refused: Vec<Candidate>,
     /// Joints, counted from 0, that scatter by themselves, and by how much, rad (one
     /// standard deviation).
     pub scattering: Vec<(usize, f64)>,
@@ -143,7 +143,8 @@ pub enum Doubt {
     /// Nobody stated the masses of the links: what hangs on the joint loads it by the cosine
     /// of its angle, and a spring does what an eccentricity does.
     Unweighed,
-    /// Poses of the hold-out file are missed by more with it, and by no little.
+    /// Poses held out, those of the hold-out file where there is one, are missed by more with it,
+    /// and by no little.
     HeldOut,
     /// The joint's spring stiffens, and the side of its gap is that of its load: what the two
     /// slopes of a harmonic drive are beside that of a spring that stiffens in proportion.

@@ -110,8 +110,8 @@ pub fn effects(named: &[Effect], suspected: &[Effect], parts: &[Part], clean: bo
     if !suspected.is_empty() {
         section = section
             .say(
-                "Suspected: in the model because the error of poses held out falls, but less sure, \
-                 or only one half of the poses speaks for it.",
+                "Suspected: in the model all the same, but less sure, or something speaks against \
+                 the name.",
             )
             .node(list(suspected.iter().map(sentence)));
     }

@@ -51,7 +51,7 @@ pub fn chosen(
     let drawn = |k: usize| {
         let own = waves(members, &all[k]);
         let place = (columns_of(members), orders);
-        let is = own.len() > 1 && smooth::in_place_of(&projected, place, k, &own, curve).is_some();
+        let is = own.len() > 1 && smooth::are_a_curve(&projected, place, k, &own, curve);
         is.then(|| own.into_iter().flat_map(|wave| wave.columns).collect::<Vec<_>>())
     };
     let out: Vec<usize> = (0..joints.len()).filter_map(drawn).flatten().collect();

@@ -77,8 +77,8 @@ fn ways(problem: &Problem, follows: &Follows) -> usize {
 }
 
 /// Whether a joint's zero goes in proportion to the temperature: as one that wanders with time it
-/// has the prior of a kind of its own. Split among all that a joint may follow it had a fifth of
-/// that, and of nine arms that somebody else made so seven were said to wander with time.
+/// has the prior of a kind of its own. Split among all that a joint may follow it had far less,
+/// and of nine arms that somebody else made so seven were said to wander with time.
 fn is_warmth(follows: &Follows) -> bool {
     let straight = follows.how.shape == Shape::Bow(1);
     matches!(follows.part, Part::Joint(_)) && straight && follows.with == Covariate::Temperature

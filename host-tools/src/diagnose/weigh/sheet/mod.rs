@@ -233,8 +233,7 @@ impl<'a> Sheet<'a> {
             a.join(&b);
             a
         };
-        let none = || Gram::new(p, k).with_nominal(self.unknowns());
-        self.summed(rows, None, (&none, &add), &join)
+        self.summed(rows, None, (&|| Gram::new(p, k), &add), &join)
     }
 
     /// Something that blocks of rows add to, on all cores.
