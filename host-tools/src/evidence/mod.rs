@@ -38,6 +38,7 @@ mod candidate;
 mod coefficients;
 mod curve;
 pub mod directed;
+pub mod drawn;
 mod exchange;
 mod fixed_point;
 mod gram;

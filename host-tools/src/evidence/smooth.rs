@@ -24,7 +24,7 @@ pub const PRIORS: usize = LENGTHS.len() * SIZES.len();
 /// Orders whose variance is below this share of the first one's are left out.
 const CUT: f64 = 1e-4;
 /// Times that each function is chosen again, the others as they are.
-const SWEEPS: usize = 3;
+pub(super) const SWEEPS: usize = 3;
 /// Precision of columns that are only beside, as a share of their own square.
 const BESIDE: f64 = 1e-6;
 
@@ -84,7 +84,7 @@ pub enum Shape {
 
 impl Shape {
     /// Its columns among cosine and sine of each order, with their variances.
-    fn columns(&self) -> Vec<(usize, f64)> {
+    pub(super) fn columns(&self) -> Vec<(usize, f64)> {
         match *self {
             Self::Curve(prior) => prior.variances().into_iter().enumerate().collect(),
             Self::Line { order, size } => {
@@ -94,7 +94,7 @@ impl Shape {
     }
 
     /// All that a function may be.
-    fn all(orders: usize, odds: &Odds) -> Vec<(Self, f64)> {
+    pub(super) fn all(orders: usize, odds: &Odds) -> Vec<(Self, f64)> {
         let lengths = LENGTHS.into_iter().filter(|length| self::orders(*length) <= orders);
         let priors = lengths.flat_map(|length| SIZES.map(|size| Prior { length, size }));
         let curves = priors.map(|prior| (Self::Curve(prior), odds.curve));
@@ -155,67 +155,12 @@ pub fn choose(
     chosen
 }
 
-/// Columns that are in the model, and the log prior odds that they are.
-pub struct Wave {
-    /// Among those beside the functions.
-    pub columns: Vec<usize>,
-    /// Of all its ways to be there but for its size.
-    pub log_odds: f64,
-}
-
-/// Whether function `k` is more probably a curve than several waves which do the same and are
-/// among what is `beside`: as a model of many waves grows by one after the other it is
-/// never weighed against the curve that all of them draw.
-#[must_use]
-pub fn are_a_curve(
-    projected: &Projected,
-    (beside, orders): (usize, usize),
-    k: usize,
-    waves: &[Wave],
-    curve: f64,
-) -> bool {
-    let is_wave = |column: &usize| waves.iter().any(|wave| wave.columns.contains(column));
-    let others: Vec<usize> = (0..beside).filter(|column| !is_wave(column)).collect();
-    let precision = others.iter().map(|k| beside_precision(projected, *k)).collect();
-    let rest = Rest::of(projected, others, precision);
-    let noise = projected.noise;
-    let evidence =
-        |det: f64, more: f64| noise.log_evidence(projected.s - rest.explained - more) - 0.5 * det;
-
-    let own: Vec<usize> = waves.iter().flat_map(|wave| wave.columns.clone()).collect();
-    let (s, t) = rest.leave(projected, &own);
-    // Each at the size that suits it, which is a price, as the others are.
-    let mut sizes = vec![SIZES[SIZES.len() / 2]; waves.len()];
-    let price = waves.iter().map(|w| w.log_odds - (SIZES.len() as f64).ln()).sum::<f64>();
-    let of_sizes = |sizes: &[f64]| {
-        let variances = waves.iter().zip(sizes).flat_map(|(w, d)| vec![d * d; w.columns.len()]);
-        let columns: Vec<(usize, f64)> = variances.enumerate().collect();
-        let (det, more) = explained(&s, &t, &columns);
-        price + evidence(det, more)
-    };
-    let mut best = of_sizes(&sizes);
-    for _ in 0..SWEEPS {
-        for wave in 0..waves.len() {
-            for size in SIZES {
-                let before = std::mem::replace(&mut sizes[wave], size);
-                let now = of_sizes(&sizes);
-                if now > best { best = now } else { sizes[wave] = before }
-            }
-        }
-    }
-
-    let first = beside + 2 * orders * k;
-    let own: Vec<usize> = (first..first + 2 * orders).collect();
-    let (s, t) = rest.leave(projected, &own);
-    let is_better = |(shape, log_odds): (Shape, f64)| {
-        let (det, more) = explained(&s, &t, &shape.columns());
-        log_odds + evidence(det, more) > best
-    };
-    Shape::all(orders, &Odds { curve, line: None }).into_iter().any(is_better)
-}
-
 /// `log |B|` and what a function of these columns and variances explains.
-fn explained(s: &DMatrix<f64>, t: &DVector<f64>, columns: &[(usize, f64)]) -> (f64, f64) {
+pub(super) fn explained(
+    s: &DMatrix<f64>,
+    t: &DVector<f64>,
+    columns: &[(usize, f64)],
+) -> (f64, f64) {
     let columns: Vec<(usize, f64)> =
         columns.iter().filter(|(k, _)| *k < t.len()).map(|(k, v)| (*k, v.sqrt())).collect();
     let n = columns.len();
@@ -232,16 +177,16 @@ fn explained(s: &DMatrix<f64>, t: &DVector<f64>, columns: &[(usize, f64)]) -> (f
 }
 
 /// Precision of a column that is only beside.
-fn beside_precision(projected: &Projected, column: usize) -> f64 {
+pub(super) fn beside_precision(projected: &Projected, column: usize) -> f64 {
     (BESIDE * projected.c[(column, column)]).max(f64::MIN_POSITIVE)
 }
 
 /// The model without one function.
-struct Rest {
+pub(super) struct Rest {
     columns: Vec<usize>,
     factor: Option<nalgebra::Cholesky<f64, nalgebra::Dyn>>,
     right: DVector<f64>,
-    explained: f64,
+    pub explained: f64,
 }
 
 impl Rest {
@@ -265,7 +210,7 @@ impl Rest {
     }
 
     /// Of these columns under such a prior.
-    fn of(projected: &Projected, columns: Vec<usize>, precision: Vec<f64>) -> Self {
+    pub fn of(projected: &Projected, columns: Vec<usize>, precision: Vec<f64>) -> Self {
         let c = &projected.c;
         let n = columns.len();
         let mut a = DMatrix::from_fn(n, n, |i, j| c[(columns[i], columns[j])]);
@@ -278,7 +223,7 @@ impl Rest {
     }
 
     /// What it leaves of some columns: S and t.
-    fn leave(&self, projected: &Projected, own: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+    pub fn leave(&self, projected: &Projected, own: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
         let count = own.len();
         let mut s = DMatrix::from_fn(count, count, |i, j| projected.c[(own[i], own[j])]);
         let mut t = DVector::from_fn(count, |i, _| projected.b[own[i]]);
@@ -298,7 +243,7 @@ impl Rest {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use nalgebra::{DMatrix, DVector};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -306,7 +251,7 @@ mod tests {
     use super::*;
     use crate::evidence::Gram;
 
-    fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    pub(in crate::evidence) fn normal(rng: &mut ChaCha8Rng) -> f64 {
         (0..12).map(|_| rng.random_range(-0.5..0.5)).sum()
     }
 
@@ -380,41 +325,6 @@ mod tests {
                 matches!(found[..], [Some(Shape::Line { order: own, .. }), None] if own == order),
                 "seed {seed}: {found:?}"
             );
-        }
-    }
-
-    /// Whether waves of these orders are a curve, of rows in which those of `truth` are.
-    fn draw(truth: &[(usize, f64)], waves: &[usize], seed: u64) -> bool {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let (rows, noise, most) = (400, 1e-4, orders(LENGTHS[3]));
-        let own = 2 * waves.len();
-        let mut gram = Gram::new(1, own + 2 * most);
-        let (mut z, mut y) = (DMatrix::zeros(rows, own + 2 * most), DVector::zeros(rows));
-        for i in 0..rows {
-            let values = basis(most, rng.random_range(-1.5..1.5));
-            let at = |n: usize| &values[2 * n - 2..2 * n];
-            let columns = waves.iter().flat_map(|n| at(*n)).chain(&values);
-            columns.enumerate().for_each(|(j, value)| z[(i, j)] = value / noise);
-            let value: f64 = truth.iter().map(|(n, a)| a * (at(*n)[0] - at(*n)[1])).sum();
-            y[i] = value / noise + normal(&mut rng);
-        }
-        gram.add(&DMatrix::from_element(rows, 1, 1.0 / noise), &z, &y);
-        let projected = gram.project(&gram.geometry(&DVector::from_element(1, 1e-6), 1.0));
-        let waves: Vec<Wave> = (0..waves.len())
-            .map(|k| Wave { columns: vec![2 * k, 2 * k + 1], log_odds: -8.0 })
-            .collect();
-        are_a_curve(&projected, (own, most), 0, &waves, -6.0)
-    }
-
-    /// Five waves that draw what a smooth function of eight orders does are that function; two
-    /// that are there, and nothing else is, are two.
-    #[test]
-    fn waves_that_draw_a_curve_are_one() {
-        for seed in 0..5 {
-            let smooth: Vec<(usize, f64)> = (1..=8).map(|n| (n, 1.5e-4 / n as f64)).collect();
-            assert!(draw(&smooth, &[1, 2, 3, 5, 7], 300 + seed), "seed {seed}");
-            let two = [(2, 2e-4), (7, 2e-4)];
-            assert!(!draw(&two, &[2, 7], 400 + seed), "seed {seed}");
         }
     }
 }

@@ -92,9 +92,11 @@ pub fn weigh(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<Weighed> 
         plain = search(q, start, AT_FIRST, progress)?;
     }
     // What one line explains is no curve; it is weighed with everything else first.
-    let Chosen { mut curves, lines } = plain.wanted(q);
-    if !lines.is_empty() {
-        plain = search(q, Start { lines, ..plain.again() }, AT_FIRST, progress)?;
+    let Chosen { mut curves, mut lines, few } = plain.wanted(q);
+    if !lines.is_empty() || !few.is_empty() {
+        lines.extend(few.iter().flat_map(|few| few.lines.clone()));
+        let start = Start { lines, ..plain.with_few(q, &few)? };
+        plain = search(q, start, AT_FIRST, progress)?;
         curves = plain.wanted(q).curves;
     }
     if curves.is_empty() {

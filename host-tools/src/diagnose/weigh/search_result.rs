@@ -13,7 +13,7 @@ use super::weighed::Weighed;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::question::Question;
-use crate::diagnose::weigh::joint_curves::choice::{self, Chosen};
+use crate::diagnose::weigh::joint_curves::choice::{self, Chosen, Few};
 use crate::error::Result;
 use crate::evidence::Explanation;
 use crate::identify::State;
@@ -55,6 +55,20 @@ impl Searched {
             even: false,
             nameless: self.nameless(),
         }
+    }
+
+    /// A new search from here, with a few lines in the place of others.
+    pub fn with_few(&self, q: &Question, few: &[Few]) -> Result<Start> {
+        let start = self.again();
+        if few.is_empty() {
+            return Ok(start);
+        }
+        let stays = |c: &&Candidate| !few.iter().any(|few| few.instead_of.contains(c));
+        let kept = self.best.added.iter().filter(stays).cloned();
+        let added = kept.chain(few.iter().flat_map(Few::candidates)).collect();
+        let problem = self.bent.problem(q.problem);
+        let node = fitted(&Question { problem: &problem, ..*q }, added, &self.best.fit.fit.state)?;
+        Ok(Start { node, ..start })
     }
 
     /// What its model has that has no name.

@@ -1,12 +1,17 @@
 //! Which joints have an error curve, by the evidence.
 
+use truearm::effects::Effect;
+
 use super::Curve;
-use crate::diagnose::weigh::lines::Held;
-use crate::diagnose::weigh::possible::{Possible, columns_of, columns_of_member, revolute};
+use crate::diagnose::candidates::Candidate;
+use crate::diagnose::weigh::lines::{self, Held};
+use crate::diagnose::weigh::possible::{Possible, What, columns_of, columns_of_member, revolute};
 use crate::diagnose::weigh::sheet::{Sheet, Weights};
+use crate::effects::Offer;
+use crate::evidence::drawn::{Drawn, Wave, drawn};
 use crate::evidence::lines::LOWEST;
 use crate::evidence::prior;
-use crate::evidence::smooth::{self, Odds, Prior, Shape, Wave};
+use crate::evidence::smooth::{self, Odds, Prior, Shape};
 use crate::identify::{Problem, State};
 
 /// Poses that an order needs.
@@ -19,6 +24,46 @@ pub struct Chosen {
     pub curves: Vec<Curve>,
     /// Lines that say as much as a curve would.
     pub lines: Vec<Held>,
+    /// Joints whose lines are to be others.
+    pub few: Vec<Few>,
+}
+
+/// Lines of a joint and what says as much in their place.
+#[derive(Debug)]
+pub struct Few {
+    /// In the model.
+    pub instead_of: Vec<Candidate>,
+    /// Few lines of whole orders.
+    pub lines: Vec<Held>,
+}
+
+impl Few {
+    fn new(members: &[Possible], curve: &Curve, orders: &[usize]) -> Option<Self> {
+        let is_high = |order: &f64| *order > LOWEST;
+        let orders = orders.iter().map(|n| *n as f64).filter(is_high);
+        let lines: Vec<Held> = orders.map(|order| (curve.joint, order)).collect();
+        let instead_of: Vec<Candidate> = members
+            .iter()
+            .filter(|m| m.is_within(std::slice::from_ref(curve)))
+            .filter_map(|m| match &m.what {
+                What::Effect(candidate) => Some(candidate),
+                What::Nameless(_) => None,
+            })
+            .filter(|c| !lines::of(std::slice::from_ref(*c)).is_empty())
+            .cloned()
+            .collect();
+        let were = lines::of(&instead_of);
+        let same = were.len() == lines.len() && lines.iter().all(|line| were.contains(line));
+        (!same).then_some(Self { instead_of, lines })
+    }
+
+    /// Its lines, coefficients zero.
+    pub fn candidates(&self) -> impl Iterator<Item = Candidate> {
+        let offer = |(joint, order): &Held| {
+            Offer::of_arm(Effect::JointPeriodicError, &[*joint], &[*order], 1)
+        };
+        self.lines.iter().map(offer).map(Candidate::from)
+    }
 }
 
 /// Which joints have a curve, beside what else was found, and their priors; and which
@@ -48,13 +93,19 @@ pub fn chosen(
     let curve = prior::log_odds(joints.len(), smooth::PRIORS);
     let orders = smooth::orders(length);
     // All curves are chosen together, beside what else was found but for waves that draw one.
-    let drawn = |k: usize| {
-        let own = waves(members, &all[k]);
+    let (mut out, mut few) = (Vec::new(), Vec::new());
+    for (k, all) in all.iter().enumerate() {
+        let own = waves(members, all);
+        if own.len() < 2 {
+            continue;
+        }
         let place = (columns_of(members), orders);
-        let is = own.len() > 1 && smooth::are_a_curve(&projected, place, k, &own, curve);
-        is.then(|| own.into_iter().flat_map(|wave| wave.columns).collect::<Vec<_>>())
-    };
-    let out: Vec<usize> = (0..joints.len()).filter_map(drawn).flatten().collect();
+        match drawn(&projected, place, k, &own, prior::log_odds(joints.len(), 1)) {
+            Drawn::Waves => {}
+            Drawn::Curve => out.extend(own.into_iter().flat_map(|wave| wave.columns)),
+            Drawn::Few(orders) => few.extend(Few::new(members, all, &orders)),
+        }
+    }
     let beside = columns_of(members) - out.len();
     let projected = projected.without(&out);
     let shapes = |line: Option<&dyn Fn(usize) -> f64>| {
@@ -67,7 +118,7 @@ pub fn chosen(
     });
     let curves: Vec<Curve> = smooth.collect();
     if curves.is_empty() {
-        return Chosen::default();
+        return Chosen { few, ..Chosen::default() };
     }
     let instead =
         joints.iter().zip(shapes(Some(&line))).filter_map(|(joint, shape)| match shape? {
@@ -75,7 +126,7 @@ pub fn chosen(
             Shape::Curve(_) => None,
         });
     let lines = instead.filter(|(joint, _)| curves.iter().any(|c| c.joint == *joint)).collect();
-    Chosen { curves, lines }
+    Chosen { curves, lines, few }
 }
 
 /// Members that a curve of their joint would take the place of.
