@@ -2,11 +2,8 @@
 //! is never weighed against the curve that all of them draw, and may stand where fewer waves do
 //! what they do.
 
-use nalgebra::{DMatrix, DVector};
-
 use super::gram::Projected;
-use super::noise::Noise;
-use super::smooth::{Odds, PRIORS, Rest, SIZES, SWEEPS, Shape, beside_precision, explained};
+use super::smooth::{Left, PRIORS, Prior, SIZES, SWEEPS};
 
 /// Columns that are in the model, and the log prior odds that they are.
 pub struct Wave {
@@ -40,11 +37,9 @@ pub fn drawn(
 ) -> Drawn {
     let is_wave = |column: &usize| waves.iter().any(|wave| wave.columns.contains(column));
     let others: Vec<usize> = (0..beside).filter(|column| !is_wave(column)).collect();
-    let precision = others.iter().map(|k| beside_precision(projected, *k)).collect();
-    let rest = Rest::of(projected, others, precision);
 
     let own: Vec<usize> = waves.iter().flat_map(|wave| wave.columns.clone()).collect();
-    let left = Left::new(projected, &rest, &own);
+    let left = Left::by(projected, others.clone(), &own);
     let price: f64 = waves.iter().map(|wave| wave.log_odds).sum();
     let of_sizes = |sizes: &[f64]| {
         let variances = waves.iter().zip(sizes).flat_map(|(w, d)| vec![d * d; w.columns.len()]);
@@ -54,16 +49,28 @@ pub fn drawn(
 
     let first = beside + 2 * orders * k;
     let own: Vec<usize> = (first..first + 2 * orders).collect();
-    let left = Left::new(projected, &rest, &own);
-    let odds = Odds { curve: function - (PRIORS as f64).ln(), line: None };
-    let shapes = Shape::all(orders, &odds).into_iter();
-    let curve = shapes.map(|(shape, odds)| odds + left.evidence(&shape.columns()));
-    let curve = curve.fold(f64::NEG_INFINITY, f64::max);
+    let left = Left::by(projected, others, &own);
+    let curve = function - (PRIORS as f64).ln() + left.best(orders).1;
     if curve <= themselves {
         return Drawn::Waves;
     }
     let (few, evidence) = few(&left, orders, function);
     if evidence > curve { Drawn::Few(few) } else { Drawn::Curve }
+}
+
+/// The few whole orders that are more probable than the curve that was chosen for function
+/// `k`, beside those of the others.
+#[must_use]
+pub fn few_instead(
+    projected: &Projected,
+    (beside, orders): (usize, usize),
+    chosen: &[Option<Prior>],
+    k: usize,
+    function: f64,
+) -> Option<Vec<usize>> {
+    let left = Left::by_others(projected, (beside, orders), chosen, k);
+    let (few, evidence) = few(&left, orders, function);
+    (evidence > function - (PRIORS as f64).ln() + left.best(orders).1).then_some(few)
 }
 
 /// Each wave is at the size that suits it, which is a price, as that of a curve is.
@@ -129,28 +136,6 @@ fn few(left: &Left, orders: usize, function: f64) -> (Vec<usize>, f64) {
         if best <= before {
             return (orders, best);
         }
-    }
-}
-
-/// What a model without the function leaves of its columns.
-struct Left {
-    s: DMatrix<f64>,
-    t: DVector<f64>,
-    noise: Noise,
-    /// Squares that it leaves of the residual.
-    squares: f64,
-}
-
-impl Left {
-    fn new(projected: &Projected, rest: &Rest, own: &[usize]) -> Self {
-        let (s, t) = rest.leave(projected, own);
-        Self { s, t, noise: projected.noise, squares: projected.s - rest.explained }
-    }
-
-    /// With these columns, each of such a variance.
-    fn evidence(&self, columns: &[(usize, f64)]) -> f64 {
-        let (det, more) = explained(&self.s, &self.t, columns);
-        self.noise.log_evidence(self.squares - more) - 0.5 * det
     }
 }
 

@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::gram::Projected;
+use super::noise::Noise;
 use super::triangular::{cholesky, solve_lower};
 
 /// Lengths of the covariance, rad: 2.5 degrees and longer. Shorter ones do not fit a table
@@ -68,85 +69,23 @@ pub fn basis(orders: usize, angle: f64) -> Vec<f64> {
     out
 }
 
-/// What a function of an angle turns out to be.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
-    /// A smooth one.
-    Curve(Prior),
-    /// One order alone says as much.
-    Line {
-        /// Cycles a turn.
-        order: usize,
-        /// Standard deviation of cosine and sine, rad.
-        size: f64,
-    },
-}
-
-impl Shape {
-    /// Its columns among cosine and sine of each order, with their variances.
-    pub(super) fn columns(&self) -> Vec<(usize, f64)> {
-        match *self {
-            Self::Curve(prior) => prior.variances().into_iter().enumerate().collect(),
-            Self::Line { order, size } => {
-                [2 * order - 2, 2 * order - 1].map(|k| (k, size * size)).to_vec()
-            }
-        }
-    }
-
-    /// All that a function may be.
-    pub(super) fn all(orders: usize, odds: &Odds) -> Vec<(Self, f64)> {
-        let lengths = LENGTHS.into_iter().filter(|length| self::orders(*length) <= orders);
-        let priors = lengths.flat_map(|length| SIZES.map(|size| Prior { length, size }));
-        let curves = priors.map(|prior| (Self::Curve(prior), odds.curve));
-        let Some(line) = &odds.line else { return curves.collect() };
-        let lines = (1..=orders)
-            .flat_map(|order| SIZES.map(|size| (Self::Line { order, size }, line(order))));
-        curves.chain(lines).collect()
-    }
-}
-
-/// Log prior odds of what a function may be.
-pub struct Odds<'o> {
-    /// Of a curve.
-    pub curve: f64,
-    /// Of a line of an order alone; none where lines are not asked for.
-    pub line: Option<&'o dyn Fn(usize) -> f64>,
-}
-
-/// Which of several functions the data hold, and what they are: columns of each
+/// Which of several functions the data hold, and how smooth and large: columns of each
 /// in turn, `orders` cosines and sines each, behind `beside` columns that are in
-/// the model whatever comes. `odds` is the price of a function.
+/// the model whatever comes. `odds` is the log prior odds of a function of one prior.
 #[must_use]
 pub fn choose(
     projected: &Projected,
-    beside: usize,
-    orders: usize,
-    odds: &Odds,
-) -> Vec<Option<Shape>> {
+    (beside, orders): (usize, usize),
+    odds: f64,
+) -> Vec<Option<Prior>> {
     let functions = (projected.b.len() - beside) / (2 * orders);
-    let noise = projected.noise;
-    let shapes = Shape::all(orders, odds);
-    let mut chosen: Vec<Option<Shape>> = vec![None; functions];
+    let mut chosen: Vec<Option<Prior>> = vec![None; functions];
     for _ in 0..SWEEPS {
         let before = chosen.clone();
         for k in 0..functions {
-            let first = beside + 2 * orders * k;
-            let rest = Rest::new(projected, beside, orders, &chosen, k);
-            let own: Vec<usize> = (first..first + 2 * orders).collect();
-            let (s, t) = rest.leave(projected, &own);
-            let known = rest.explained;
-            let evidence = |(shape, log_odds): &(Shape, f64)| {
-                let (det, more) = explained(&s, &t, &shape.columns());
-                log_odds - 0.5 * det + noise.log_evidence(projected.s - known - more)
-            };
-            let evidences: Vec<f64> = shapes.par_iter().map(evidence).collect();
-            let mut best = (noise.log_evidence(projected.s - known), None);
-            for ((shape, _), evidence) in shapes.iter().zip(evidences) {
-                if evidence > best.0 {
-                    best = (evidence, Some(*shape));
-                }
-            }
-            chosen[k] = best.1;
+            let left = Left::by_others(projected, (beside, orders), &chosen, k);
+            let (prior, evidence) = left.best(orders);
+            chosen[k] = (odds + evidence > left.evidence(&[])).then_some(prior);
         }
         if chosen == before {
             break;
@@ -155,12 +94,65 @@ pub fn choose(
     chosen
 }
 
+/// What a model without a function leaves of its columns.
+pub(super) struct Left {
+    s: DMatrix<f64>,
+    t: DVector<f64>,
+    noise: Noise,
+    /// Squares that it leaves of the residual.
+    squares: f64,
+}
+
+impl Left {
+    /// By a model of these columns, and no more.
+    pub fn by(projected: &Projected, columns: Vec<usize>, own: &[usize]) -> Self {
+        let precision = columns.iter().map(|k| beside_precision(projected, *k)).collect();
+        Self::new(projected, &Rest::of(projected, columns, precision), own)
+    }
+
+    /// By what stands beside, and all functions but this one.
+    pub fn by_others(
+        projected: &Projected,
+        (beside, orders): (usize, usize),
+        chosen: &[Option<Prior>],
+        k: usize,
+    ) -> Self {
+        let rest = Rest::new(projected, beside, orders, chosen, k);
+        let first = beside + 2 * orders * k;
+        Self::new(projected, &rest, &(first..first + 2 * orders).collect::<Vec<_>>())
+    }
+
+    fn new(projected: &Projected, rest: &Rest, own: &[usize]) -> Self {
+        let (s, t) = rest.leave(projected, own);
+        Self { s, t, noise: projected.noise, squares: projected.s - rest.explained }
+    }
+
+    /// Log evidence with these columns, each of such a variance.
+    #[must_use]
+    pub fn evidence(&self, columns: &[(usize, f64)]) -> f64 {
+        let (det, more) = explained(&self.s, &self.t, columns);
+        self.noise.log_evidence(self.squares - more) - 0.5 * det
+    }
+
+    /// The prior of up to so many orders with the highest evidence, and that.
+    #[must_use]
+    pub fn best(&self, orders: usize) -> (Prior, f64) {
+        let lengths = LENGTHS.into_iter().filter(|length| self::orders(*length) <= orders);
+        let priors: Vec<Prior> =
+            lengths.flat_map(|length| SIZES.map(|size| Prior { length, size })).collect();
+        let of = |prior: &Prior| {
+            let columns: Vec<_> = prior.variances().into_iter().enumerate().collect();
+            (*prior, self.evidence(&columns))
+        };
+        let all: Vec<(Prior, f64)> = priors.par_iter().map(of).collect();
+        let none =
+            (Prior { length: LENGTHS[LENGTHS.len() - 1], size: SIZES[0] }, f64::NEG_INFINITY);
+        all.into_iter().fold(none, |best, one| if one.1 > best.1 { one } else { best })
+    }
+}
+
 /// `log |B|` and what a function of these columns and variances explains.
-pub(super) fn explained(
-    s: &DMatrix<f64>,
-    t: &DVector<f64>,
-    columns: &[(usize, f64)],
-) -> (f64, f64) {
+fn explained(s: &DMatrix<f64>, t: &DVector<f64>, columns: &[(usize, f64)]) -> (f64, f64) {
     let columns: Vec<(usize, f64)> =
         columns.iter().filter(|(k, _)| *k < t.len()).map(|(k, v)| (*k, v.sqrt())).collect();
     let n = columns.len();
@@ -177,16 +169,16 @@ pub(super) fn explained(
 }
 
 /// Precision of a column that is only beside.
-pub(super) fn beside_precision(projected: &Projected, column: usize) -> f64 {
+fn beside_precision(projected: &Projected, column: usize) -> f64 {
     (BESIDE * projected.c[(column, column)]).max(f64::MIN_POSITIVE)
 }
 
 /// The model without one function.
-pub(super) struct Rest {
+struct Rest {
     columns: Vec<usize>,
     factor: Option<nalgebra::Cholesky<f64, nalgebra::Dyn>>,
     right: DVector<f64>,
-    pub explained: f64,
+    explained: f64,
 }
 
 impl Rest {
@@ -194,23 +186,23 @@ impl Rest {
         projected: &Projected,
         beside: usize,
         orders: usize,
-        chosen: &[Option<Shape>],
+        chosen: &[Option<Prior>],
         without: usize,
     ) -> Self {
         let mut columns: Vec<usize> = (0..beside).collect();
         let mut precision: Vec<f64> =
             columns.iter().map(|k| beside_precision(projected, *k)).collect();
-        for (k, shape) in chosen.iter().enumerate().filter(|(k, _)| *k != without) {
-            let own = shape.map_or(Vec::new(), |shape| shape.columns());
+        for (k, prior) in chosen.iter().enumerate().filter(|(k, _)| *k != without) {
+            let own = prior.map_or(Vec::new(), |prior| prior.variances());
             let first = beside + 2 * orders * k;
-            columns.extend(own.iter().map(|(column, _)| first + column));
-            precision.extend(own.iter().map(|(_, variance)| 1.0 / variance));
+            columns.extend(first..first + own.len());
+            precision.extend(own.iter().map(|variance| 1.0 / variance));
         }
         Self::of(projected, columns, precision)
     }
 
     /// Of these columns under such a prior.
-    pub fn of(projected: &Projected, columns: Vec<usize>, precision: Vec<f64>) -> Self {
+    fn of(projected: &Projected, columns: Vec<usize>, precision: Vec<f64>) -> Self {
         let c = &projected.c;
         let n = columns.len();
         let mut a = DMatrix::from_fn(n, n, |i, j| c[(columns[i], columns[j])]);
@@ -223,7 +215,7 @@ impl Rest {
     }
 
     /// What it leaves of some columns: S and t.
-    pub fn leave(&self, projected: &Projected, own: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+    fn leave(&self, projected: &Projected, own: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
         let count = own.len();
         let mut s = DMatrix::from_fn(count, count, |i, j| projected.c[(own[i], own[j])]);
         let mut t = DVector::from_fn(count, |i, _| projected.b[own[i]]);
@@ -257,11 +249,12 @@ pub(super) mod tests {
 
     /// What is chosen for two functions of two angles, the first of this prior and
     /// the second not there, seen in noise of 1e-4.
-    fn chosen(truth: Option<Shape>, seed: u64) -> Vec<Option<Shape>> {
+    fn chosen(truth: Option<Prior>, seed: u64) -> Vec<Option<Prior>> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let most = orders(LENGTHS[1]);
         let mut coefficients = vec![0.0; 2 * most];
-        for (k, variance) in truth.map_or(Vec::new(), |shape| shape.columns()) {
+        let variances = truth.map_or(Vec::new(), |prior| prior.variances());
+        for (k, variance) in variances.into_iter().enumerate() {
             coefficients[k] = variance.sqrt() * normal(&mut rng);
         }
         let (rows, noise) = (900, 1e-4);
@@ -274,7 +267,7 @@ pub(super) mod tests {
         let z = DMatrix::from_fn(rows, 4 * most, |i, j| z[i][j] / noise);
         gram.add(&DMatrix::from_element(rows, 1, 1.0), &z, &y);
         let projected = gram.project(&gram.geometry(&DVector::from_element(1, 1e-6), 1.0));
-        choose(&projected, 0, most, &Odds { curve: -4.0, line: Some(&|_| -6.0) })
+        choose(&projected, (0, most), -4.0)
     }
 
     #[test]
@@ -304,27 +297,14 @@ pub(super) mod tests {
         for seed in 0..10 {
             assert_eq!(chosen(None, seed), [None, None], "seed {seed}");
             let truth = Prior { length: LENGTHS[1 + seed as usize % 3], size: 1.6e-4 };
-            let found = chosen(Some(Shape::Curve(truth)), 100 + seed);
+            let found = chosen(Some(truth), 100 + seed);
             assert_eq!(found[1], None, "seed {seed}");
-            let Some(Shape::Curve(first)) = found[0] else {
+            let Some(first) = found[0] else {
                 panic!("a curve of 1.6 noise floors, seed {seed}: {found:?}")
             };
             assert!((first.size / truth.size).ln().abs() < 1.0, "seed {seed}: {first:?}");
             wrong += usize::from((first.length / truth.length).ln().abs() > 0.6);
         }
         assert!(wrong <= 1, "{wrong} of 10 lengths");
-    }
-
-    #[test]
-    fn a_line_is_no_curve() {
-        for seed in 0..10 {
-            let order = 5 + 2 * seed as usize;
-            let truth = Shape::Line { order, size: 1.6e-4 };
-            let found = chosen(Some(truth), 200 + seed);
-            assert!(
-                matches!(found[..], [Some(Shape::Line { order: own, .. }), None] if own == order),
-                "seed {seed}: {found:?}"
-            );
-        }
     }
 }

@@ -83,7 +83,7 @@ impl Searched {
         let members: Vec<Possible> = members.map(|m| self.possible[*m].clone()).collect();
         let (state, rows) = (&self.best.fit.fit.state, &self.best.fit.kept);
         let noise = (q.flags.lambda, self.found.scale);
-        choice::chosen(problem, state, rows, &members, &self.weights, noise, q.highest_order)
+        choice::chosen(problem, state, rows, &members, &self.weights, noise)
     }
 
     /// The answer.

@@ -8,10 +8,10 @@ use crate::diagnose::weigh::lines::{self, Held};
 use crate::diagnose::weigh::possible::{Possible, What, columns_of, columns_of_member, revolute};
 use crate::diagnose::weigh::sheet::{Sheet, Weights};
 use crate::effects::Offer;
-use crate::evidence::drawn::{Drawn, Wave, drawn};
+use crate::evidence::drawn::{Drawn, Wave, drawn, few_instead};
 use crate::evidence::lines::LOWEST;
 use crate::evidence::prior;
-use crate::evidence::smooth::{self, Odds, Prior, Shape};
+use crate::evidence::smooth::{self, Prior};
 use crate::identify::{Problem, State};
 
 /// Poses that an order needs.
@@ -67,7 +67,7 @@ impl Few {
 }
 
 /// Which joints have a curve, beside what else was found, and their priors; and which
-/// lines of up to `highest` cycles a turn would do instead.
+/// lines would do instead.
 #[must_use]
 pub fn chosen(
     problem: &Problem,
@@ -76,7 +76,6 @@ pub fn chosen(
     members: &[Possible],
     weights: &Weights,
     (lambda, scale): (f64, f64),
-    highest: f64,
 ) -> Chosen {
     let joints = revolute(problem);
     let most = problem.data.poses / POSES_AN_ORDER;
@@ -89,8 +88,7 @@ pub fn chosen(
     let sheet = Sheet::new(problem, state, members, weights, &all).with_curves_apart();
     let gram = sheet.gram(rows);
     let projected = gram.project(&gram.geometry(&sheet.precision(lambda), scale));
-    let line = |order: usize| line_odds(joints.len(), order, highest);
-    let curve = prior::log_odds(joints.len(), smooth::PRIORS);
+    let function = prior::log_odds(joints.len(), 1);
     let orders = smooth::orders(length);
     // All curves are chosen together, beside what else was found but for waves that draw one.
     let (mut out, mut few) = (Vec::new(), Vec::new());
@@ -100,7 +98,7 @@ pub fn chosen(
             continue;
         }
         let place = (columns_of(members), orders);
-        match drawn(&projected, place, k, &own, prior::log_odds(joints.len(), 1)) {
+        match drawn(&projected, place, k, &own, function) {
             Drawn::Waves => {}
             Drawn::Curve => out.extend(own.into_iter().flat_map(|wave| wave.columns)),
             Drawn::Few(orders) => few.extend(Few::new(members, all, &orders)),
@@ -108,24 +106,18 @@ pub fn chosen(
     }
     let beside = columns_of(members) - out.len();
     let projected = projected.without(&out);
-    let shapes = |line: Option<&dyn Fn(usize) -> f64>| {
-        let odds = Odds { curve, line };
-        smooth::choose(&projected, beside, orders, &odds)
+    let place = (beside, orders);
+    let chosen = smooth::choose(&projected, place, prior::log_odds(joints.len(), smooth::PRIORS));
+    let of = |(joint, prior): (&usize, &Option<Prior>)| {
+        prior.map(|prior| Curve { joint: *joint, prior })
     };
-    let smooth = joints.iter().zip(shapes(None)).filter_map(|(joint, shape)| match shape? {
-        Shape::Curve(prior) => Some(Curve { joint: *joint, prior }),
-        Shape::Line { .. } => None,
-    });
-    let curves: Vec<Curve> = smooth.collect();
-    if curves.is_empty() {
-        return Chosen { few, ..Chosen::default() };
+    let curves: Vec<Curve> = joints.iter().zip(&chosen).filter_map(of).collect();
+    let mut lines = Vec::new();
+    for (k, joint) in joints.iter().enumerate().filter(|(k, _)| chosen[*k].is_some()) {
+        let few = few_instead(&projected, place, &chosen, k, function).unwrap_or_default();
+        let few = few.into_iter().map(|n| n as f64).filter(|order| *order > LOWEST);
+        lines.extend(few.map(|order| (*joint, order)));
     }
-    let instead =
-        joints.iter().zip(shapes(Some(&line))).filter_map(|(joint, shape)| match shape? {
-            Shape::Line { order, .. } => Some((*joint, order as f64)),
-            Shape::Curve(_) => None,
-        });
-    let lines = instead.filter(|(joint, _)| curves.iter().any(|c| c.joint == *joint)).collect();
     Chosen { curves, lines, few }
 }
 
@@ -137,13 +129,4 @@ fn waves(members: &[Possible], curve: &Curve) -> Vec<Wave> {
         log_odds: members[m].entry.log_odds,
     };
     own.map(wave).collect()
-}
-
-/// Of a line, or of an eccentricity, which has the lowest two orders.
-fn line_odds(joints: usize, order: usize, highest: f64) -> f64 {
-    let sizes = smooth::SIZES.len();
-    match order as f64 > LOWEST {
-        true => prior::line_log_odds(joints, 1, sizes * highest as usize, true),
-        false => prior::log_odds(joints, 2 * sizes),
-    }
 }
