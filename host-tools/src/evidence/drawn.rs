@@ -2,8 +2,13 @@
 //! is never weighed against the curve that all of them draw, and may stand where fewer waves do
 //! what they do.
 
+use rayon::prelude::*;
+
 use super::gram::Projected;
 use super::smooth::{Left, PRIORS, Prior, SIZES, SWEEPS};
+
+/// Highest order of a few: a higher one is a line like any other.
+const HIGHEST: usize = 24;
 
 /// Columns that are in the model, and the log prior odds that they are.
 pub struct Wave {
@@ -93,9 +98,10 @@ fn suited(sizes: &mut [f64], evidence: impl Fn(&[f64]) -> f64) -> f64 {
     best
 }
 
-/// The few whole orders that the data hold most probably, and the evidence: one more, or one
-/// in the place of another, as long as that is better.
+/// The few whole orders that the data hold most probably, and the evidence. Over a part of a
+/// turn an order between two does what both do, and leads to no better: from each in turn.
 fn few(left: &Left, orders: usize, function: f64) -> (Vec<usize>, f64) {
+    let orders = orders.min(HIGHEST);
     let all: f64 = (1..=orders).map(|n| 1.0 / n as f64).sum();
     let evidence = |waves: &[(usize, f64)]| {
         let (orders, sizes): (Vec<usize>, Vec<f64>) = waves.iter().copied().unzip();
@@ -106,8 +112,20 @@ fn few(left: &Left, orders: usize, function: f64) -> (Vec<usize>, f64) {
             waves.iter().flat_map(|(n, d)| [2 * n - 2, 2 * n - 1].map(|k| (k, d * d))).collect();
         function + ways - price + of_each(&sizes) + left.evidence(&columns)
     };
-    let mut waves: Vec<(usize, f64)> = Vec::new();
-    let mut best = f64::NEG_INFINITY;
+    let starts = (1..=orders).into_par_iter().map(|order| climbed(order, orders, &evidence));
+    let best = |a: (Vec<usize>, f64), b: (Vec<usize>, f64)| if b.1 > a.1 { b } else { a };
+    starts.reduce(|| (Vec::new(), f64::NEG_INFINITY), best)
+}
+
+/// From a wave of one order: one more, or one in the place of another, as long as that has more
+/// evidence.
+fn climbed(
+    order: usize,
+    orders: usize,
+    evidence: &impl Fn(&[(usize, f64)]) -> f64,
+) -> (Vec<usize>, f64) {
+    let mut waves = vec![(order, SIZES[SIZES.len() / 2])];
+    let mut best = evidence(&waves);
     loop {
         let before = best;
         // The last place is a new one.
