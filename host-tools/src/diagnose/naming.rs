@@ -15,10 +15,10 @@ pub fn is_curve_named(curve: &Curved) -> bool {
     curve_probability(curve) >= POLICY.named && curve.half_gain.iter().all(|gain| *gain > 0.0)
 }
 
-/// That a joint has a curve, given the data.
+/// That a joint has a curve, and neither nothing nor a few waves, given the data.
 #[must_use]
 pub fn curve_probability(curve: &Curved) -> f64 {
-    1.0 / (1.0 + (-curve.log_odds).exp())
+    1.0 / (1.0 + (-curve.log_odds).exp() + curve.few.exp())
 }
 
 /// A probability in words: never said to be certain.

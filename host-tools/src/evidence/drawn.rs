@@ -63,8 +63,8 @@ pub fn drawn(
     if evidence > curve { Drawn::Few(few) } else { Drawn::Curve }
 }
 
-/// The few whole orders that are more probable than the curve that was chosen for function
-/// `k`, beside those of the others.
+/// The few whole orders that are most probable in the place of the curve that was chosen for
+/// function `k`, beside those of the others, and their log odds to it.
 #[must_use]
 pub fn few_instead(
     projected: &Projected,
@@ -72,10 +72,10 @@ pub fn few_instead(
     chosen: &[Option<Prior>],
     k: usize,
     function: f64,
-) -> Option<Vec<usize>> {
+) -> (Vec<usize>, f64) {
     let left = Left::by_others(projected, (beside, orders), chosen, k);
     let (few, evidence) = few(&left, orders, function);
-    (evidence > function - (PRIORS as f64).ln() + left.best(orders).1).then_some(few)
+    (few, evidence - (function - (PRIORS as f64).ln() + left.best(orders).1))
 }
 
 /// Each wave is at the size that suits it, which is a price, as that of a curve is.

@@ -111,6 +111,8 @@ pub struct Curved {
     pub length: f64,
     /// Log evidence lost without it, its prior odds included.
     pub log_odds: f64,
+    /// Log odds of a few waves of whole orders in its place.
+    pub few: f64,
     /// As of [`Named`].
     pub half_gain: [f64; 2],
 }

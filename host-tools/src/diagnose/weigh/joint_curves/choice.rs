@@ -83,8 +83,12 @@ pub fn chosen(
         return Chosen::default();
     };
     let size = smooth::SIZES[0];
-    let all: Vec<Curve> =
-        joints.iter().map(|joint| Curve { joint: *joint, prior: Prior { length, size } }).collect();
+    let whole = |joint: &usize| Curve {
+        joint: *joint,
+        prior: Prior { length, size },
+        few: f64::NEG_INFINITY,
+    };
+    let all: Vec<Curve> = joints.iter().map(whole).collect();
     let sheet = Sheet::new(problem, state, members, weights, &all).with_curves_apart();
     let gram = sheet.gram(rows);
     let projected = gram.project(&gram.geometry(&sheet.precision(lambda), scale));
@@ -108,15 +112,15 @@ pub fn chosen(
     let projected = projected.without(&out);
     let place = (beside, orders);
     let chosen = smooth::choose(&projected, place, prior::log_odds(joints.len(), smooth::PRIORS));
-    let of = |(joint, prior): (&usize, &Option<Prior>)| {
-        prior.map(|prior| Curve { joint: *joint, prior })
-    };
-    let curves: Vec<Curve> = joints.iter().zip(&chosen).filter_map(of).collect();
-    let mut lines = Vec::new();
-    for (k, joint) in joints.iter().enumerate().filter(|(k, _)| chosen[*k].is_some()) {
-        let few = few_instead(&projected, place, &chosen, k, function).unwrap_or_default();
-        let few = few.into_iter().map(|n| n as f64).filter(|order| *order > LOWEST);
-        lines.extend(few.map(|order| (*joint, order)));
+    let (mut curves, mut lines) = (Vec::new(), Vec::new());
+    for (k, joint) in joints.iter().copied().enumerate() {
+        let Some(prior) = chosen[k] else { continue };
+        let (orders, few) = few_instead(&projected, place, &chosen, k, function);
+        curves.push(Curve { joint, prior, few });
+        if few > 0.0 {
+            let orders = orders.into_iter().map(|n| n as f64).filter(|order| *order > LOWEST);
+            lines.extend(orders.map(|order| (joint, order)));
+        }
     }
     Chosen { curves, lines, few }
 }

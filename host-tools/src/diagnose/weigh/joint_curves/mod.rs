@@ -21,13 +21,15 @@ const KNOWN: f64 = 0.5;
 /// So many poses in a stretch and the two beside it tell it without being asked.
 const ENOUGH: usize = 8;
 
-/// A joint, counted from 0, and the prior of its curve.
+/// A joint that errs by a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curve {
     /// Counted from 0.
     pub joint: usize,
     /// Length and size.
     pub prior: Prior,
+    /// Log odds of a few waves of whole orders in its place.
+    pub few: f64,
 }
 
 impl Curve {

@@ -45,7 +45,8 @@ pub fn worth(from: &From, curves: &[Curve], tables: &[ErrorCurve]) -> Vec<Curved
         let half_gain = [0, 1].map(|h| 1.0 - with[h] / without(&halves[h]));
         let evidence = geometry.worth(all.precision, &solution.geometry, columns);
         let log_odds = evidence + prior::log_odds(all.q.problem.nominal.len(), smooth::PRIORS);
-        Some(Curved { table: table.clone(), length: curves[k].prior.length, log_odds, half_gain })
+        let Curve { prior, few, .. } = curves[k];
+        Some(Curved { table: table.clone(), length: prior.length, log_odds, few, half_gain })
     });
     out.collect()
 }
