@@ -7,6 +7,10 @@ use crate::statistics::robust_distance_scale;
 
 /// No file is judged finer than this, m: gross mistakes are not of this size.
 const FINEST: f64 = 5e-5;
+/// Rows agree to the last digit, as a share of how far points lie apart.
+const NOTHING: f64 = 1e-6;
+/// Fits as good as each other end within this ratio of how far off rows are.
+const SEEN: f64 = 1.25;
 /// Beyond so many scales a row is no part of the misfit.
 pub(super) const GROSS: f64 = 10.0;
 
@@ -19,6 +23,8 @@ pub(super) struct Fitted {
     pub state: State,
     /// Robust standard deviation of a coordinate, m.
     pub spread: f64,
+    /// The same as rows have it, in the file's own numbers.
+    pub robust: f64,
     /// Least standard deviation that is stated of a coordinate, m.
     pub sigma: f64,
     /// Root mean square of the distances without gross rows, m.
@@ -39,6 +45,14 @@ impl Fitted {
     /// Whether rows are as near as anything is judged.
     pub(super) fn is_finest(&self) -> bool {
         self.spread <= self.sigma.max(FINEST)
+    }
+
+    /// Nats by which another is better as far as rows tell it and not the floor of what is
+    /// judged, which is not of the same size in every unit.
+    pub(super) fn worse_than(&self, other: &Self) -> f64 {
+        let ratio = self.robust / other.robust;
+        let rows = if (1.0 / SEEN..SEEN).contains(&ratio) { 0.0 } else { ratio.ln() };
+        3.0 * self.far.len() as f64 * rows + self.prior - other.prior
     }
 }
 
@@ -99,6 +113,7 @@ impl Fitter<'_> {
             state: state.clone(),
             spread,
             sigma: self.sigma,
+            robust: robust_distance_scale(&far).max(NOTHING * self.extent) / self.scene.scale,
             extent: self.extent,
             rms: (squares / f64::max(count, 1.0)).sqrt(),
             misfit: if misfit.is_finite() { misfit } else { f64::INFINITY },

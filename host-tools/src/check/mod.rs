@@ -138,7 +138,7 @@ pub fn check(robot: &Robot, data: &Measurements) -> Finding {
         );
         return undecided(robot, data, Some(&nothing), why);
     }
-    let (best, ranked) = ranked(&search, &mut nothing);
+    let Ranked { best, all: ranked, unit_is_unseen } = ranked(&search, &mut nothing);
     // Rows of another arm are all far off.
     let stray =
         |of: &Found| (!senseless(of)).then(|| stray::rows(&search, robot, data, of)).flatten();
@@ -154,7 +154,10 @@ pub fn check(robot: &Robot, data: &Measurements) -> Finding {
         (_, true) => Verdict::Sound,
         _ => Verdict::Mendable,
     };
-    let absorbed = absorbed::by_base_or_tool(&search, &nothing, &ranked);
+    let mut absorbed = absorbed::by_base_or_tool(&search, &nothing, &ranked);
+    if unit_is_unseen {
+        absorbed.push("unit of the points".to_owned());
+    }
     let said = |changes: &[Mistake]| words::said(robot, &sample.kinds, changes);
     let understood = verdict == Verdict::Mendable;
     let others = if understood { others(&best, &ranked) } else { Others::default() };
@@ -176,17 +179,27 @@ pub fn check(robot: &Robot, data: &Measurements) -> Finding {
     }
 }
 
+/// Explanations by how probable they are.
+struct Ranked {
+    best: Found,
+    all: Vec<Found>,
+    /// Points in another unit fit as well.
+    unit_is_unseen: bool,
+}
+
 /// The best explanation, and all by how probable they are. One that changes a
 /// file wins over a fit of the files as they are only where that rests, begun from
 /// its own place as well.
-fn ranked(search: &Search, nothing: &mut Found) -> (Found, Vec<Found>) {
+fn ranked(search: &Search, nothing: &mut Found) -> Ranked {
     let mut ones = search.one();
-    // No unit of the points makes a fit better that is as fine as any: of an arm without
-    // lengths points in another unit are those of a larger tool.
-    let scales = |one: &Found| one.changes.iter().any(|c| matches!(c, Mistake::PointUnit(_)));
-    if nothing.fitted.is_finest() {
-        ones.retain(|one| !scales(one));
-    }
+    // Of an arm without lengths points in another unit are those of a larger tool.
+    let is_unseen = |one: &Found| {
+        nothing.fitted.is_finest()
+            && one.changes.iter().any(|c| matches!(c, Mistake::PointUnit(_)))
+            && nothing.fitted.worse_than(&one.fitted) < CLEARLY
+    };
+    let unit_is_unseen = ones.iter().any(is_unseen);
+    ones.retain(|one| !is_unseen(one));
     if let Some(one) = ones.first().filter(|one| nothing.cost - one.cost >= CLEARLY) {
         let again = search.nothing_from(one);
         if again.cost < nothing.cost {
@@ -202,7 +215,7 @@ fn ranked(search: &Search, nothing: &mut Found) -> (Found, Vec<Found>) {
     }
     ranked.push(nothing.clone());
     ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    (best, ranked)
+    Ranked { best, all: ranked, unit_is_unseen }
 }
 
 /// Of too few poses nothing can be said but how well they agree.

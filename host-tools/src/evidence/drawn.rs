@@ -10,6 +10,9 @@ use super::smooth::{Left, PRIORS, Prior, SIZES, SWEEPS};
 /// Highest order of a few: a higher one is a line like any other.
 const HIGHEST: usize = 24;
 
+/// More than these are a curve, however uneven.
+const FEW: usize = 5;
+
 /// Columns that are in the model, and the log prior odds that they are.
 pub struct Wave {
     /// Among those beside the functions.
@@ -129,7 +132,7 @@ fn climbed(
     loop {
         let before = best;
         // The last place is a new one.
-        for place in (0..=waves.len()).rev() {
+        for place in (0..=waves.len()).rev().filter(|place| *place < FEW) {
             let mut better = None;
             for order in (1..=orders).filter(|n| waves.iter().all(|wave| wave.0 != *n)) {
                 for size in SIZES {
