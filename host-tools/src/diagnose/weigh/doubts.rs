@@ -21,7 +21,7 @@ const BELIEVED: f64 = 0.5;
 const ONE_LEVEL: f64 = 0.01;
 /// ...and a wave's phase there by less than this.
 const ONE_PHASE: f64 = 0.3;
-/// Of so many poses at each of its angles a joint stood at few of them.
+/// Of so many poses at most of its angles a joint stood at few of them.
 const A_LEVEL: usize = 2;
 /// Levels next to each other over more than this share of what the joint covered are no few.
 const APART: f64 = 0.5;
@@ -91,13 +91,18 @@ pub fn level_of(angles: &[f64], order: f64) -> Vec<usize> {
 }
 
 /// Folds of the angles at which a joint stood, where those are few and apart: of every value
-/// its fold. Where many poses were measured all over a range every level has several, too.
+/// its fold. Where many poses were measured all over a range every level has several, too; where
+/// each joint was swept alone, one has nearly all and the others have one each: lines and gears
+/// of swept arms were lost.
 pub fn folds_of_levels(q: &[f64], highest: f64, count: usize) -> Option<Vec<usize>> {
     let levels = level_of(q, highest);
     let most = levels.iter().max()? + 1;
     let [low, high] = [f64::min, f64::max].map(|of| q.iter().copied().reduce(of));
     let apart = most as f64 * width(highest) < APART * (high? - low?);
-    if !apart || most * A_LEVEL > q.len() || most < count {
+    let mut poses = vec![0; most];
+    levels.iter().for_each(|level| poses[*level] += 1);
+    let often = poses.iter().filter(|poses| **poses >= A_LEVEL).count();
+    if !apart || 2 * often <= most || most < count {
         return None;
     }
     let mut fold: Vec<usize> = (0..most).map(|level| level % count).collect();
@@ -109,7 +114,7 @@ pub fn folds_of_levels(q: &[f64], highest: f64, count: usize) -> Option<Vec<usiz
 mod tests {
     use super::{folds_of_levels, level_of, levels};
 
-    /// Eight angles, each in two poses or more, are few; in one pose each, or all over the
+    /// Eight angles, most in two poses or more, are few; in one pose each, or all over the
     /// range however many poses there are, they are not.
     #[test]
     fn few_angles_are_apart_and_stood_at_twice() {
@@ -120,7 +125,10 @@ mod tests {
         // One angle is in one fold, and every fold has one.
         assert!((0..8).all(|k| folds[k] == folds[k + 8]));
         assert!((0..5).all(|fold| folds.contains(&fold)));
-        assert_eq!(folds_of_levels(&grid(15, 8), 10.0, 5), None);
+        assert_eq!(folds_of_levels(&grid(12, 8), 10.0, 5), None);
+        // Thirty angles once each, and a hundred poses at home.
+        let swept: Vec<f64> = grid(30, 30).into_iter().chain(vec![0.0; 100]).collect();
+        assert_eq!(folds_of_levels(&swept, 10.0, 5), None);
         assert_eq!(folds_of_levels(&grid(16, 4), 10.0, 5), None, "fewer angles than folds");
         let all: Vec<f64> = (0..20_000).map(|i| f64::from(i) * 3e-4).collect();
         assert_eq!(folds_of_levels(&all, 10.0, 5), None);
