@@ -48,6 +48,10 @@ impl Session<'_> {
     }
 
     fn diagnosed(&self, robot: &Robot) -> Outcome {
+        diagnosed(robot, &self.measured(robot))
+    }
+
+    fn measured(&self, robot: &Robot) -> Measurements {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let truth = Truth::draw(robot, 1, 1, &mut rng);
         let mut pose = || -> Vec<f64> {
@@ -77,9 +81,12 @@ impl Session<'_> {
             _ => format!("{line},{}\n", cells(k - 1, (k - 1) / self.poses)),
         });
         let text: String = lines.collect();
-        let data = Measurements::parse("m.csv".as_ref(), &text, robot).unwrap();
-        diagnose(robot, &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap().outcome
+        Measurements::parse("m.csv".as_ref(), &text, robot).unwrap()
     }
+}
+
+fn diagnosed(robot: &Robot, data: &Measurements) -> Outcome {
+    diagnose(robot, data, None, &DiagnoseOptions::default(), &|_| ()).unwrap().outcome
 }
 
 fn names(outcome: &Outcome) -> Vec<(&'static str, Vec<usize>)> {
@@ -194,4 +201,17 @@ fn an_eccentricity_of_a_loaded_joint_is_not_named_without_masses() {
         }
     }
     assert!(doubted > 0, "none was in a model");
+}
+
+/// A file that is there twice has its gross rows twice: no figure counts them.
+#[test]
+fn copies_of_a_gross_row_are_in_no_figure() {
+    let robot = arm();
+    let mut once = Session::new(40, 1, 91).measured(&robot);
+    once.rows[7].measured[0] += 8e-3;
+    let mut twice = once.clone();
+    twice.rows.extend(once.rows.clone());
+    let left = [once, twice].map(|data| diagnosed(&robot, &data).gap.last().unwrap().train_rms_mm);
+    assert!(left[0] < 3e3 * SIGMA, "{left:?}");
+    assert!((left[1] / left[0] - 1.0).abs() < 1e-9, "{left:?}");
 }

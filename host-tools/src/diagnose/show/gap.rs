@@ -155,7 +155,7 @@ pub fn stage_name(effect: &str) -> String {
 
 /// Which rows count in a gap table.
 struct Figures {
-    /// Rows of the training that are flagged.
+    /// Rows of the training that are flagged, and copies of those.
     flagged: Vec<usize>,
     /// Rows of the hold-out file that stand out from the final model.
     left_out: Vec<usize>,
@@ -163,7 +163,10 @@ struct Figures {
 
 impl Figures {
     fn of(show: &Show, last: &Node) -> Result<Self> {
-        let flagged = last.fit.outliers.iter().map(|o| o.row).collect();
+        let own: Vec<usize> = last.fit.outliers.iter().map(|o| o.row).collect();
+        // Copies of a row are what it is.
+        let first = show.rigid.data.first_of_copies();
+        let flagged = (0..first.len()).filter(|row| own.contains(&first[*row])).collect();
         let left_out = match show.holdout {
             Some(holdout) => {
                 let state = &last.fit.fit.state;
