@@ -21,6 +21,12 @@ pub fn curve_probability(curve: &Curved) -> f64 {
     1.0 / (1.0 + (-curve.log_odds).exp() + curve.few.exp())
 }
 
+/// Whether a few waves in its place are why a curve is not named.
+#[must_use]
+pub fn is_few(curve: &Curved) -> bool {
+    1.0 / (1.0 + curve.few.exp()) < POLICY.named
+}
+
 /// A probability in words: never said to be certain.
 #[must_use]
 pub fn said(probability: f64) -> String {

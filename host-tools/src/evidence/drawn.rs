@@ -10,6 +10,9 @@ use super::smooth::{Left, PRIORS, Prior, SIZES, SWEEPS};
 /// Highest order of a few: a higher one is a line like any other.
 const HIGHEST: usize = 24;
 
+/// Log odds from which on a few waves stand in a curve's place: between the angles at which a
+/// joint stood a curve errs by less where it is wrong.
+const SURELY: f64 = 5.0;
 /// More than these are a curve, however uneven.
 const FEW: usize = 5;
 
@@ -63,7 +66,7 @@ pub fn drawn(
         return Drawn::Waves;
     }
     let (few, evidence) = few(&left, orders, function);
-    if evidence > curve { Drawn::Few(few) } else { Drawn::Curve }
+    if evidence > curve + SURELY { Drawn::Few(few) } else { Drawn::Curve }
 }
 
 /// The few whole orders that are most probable in the place of the curve that was chosen for

@@ -149,9 +149,15 @@ fn surest(sets: &[&Judged]) {
 fn doubted(sets: &[&Judged]) {
     let claims = claims(sets);
     println!();
-    for doubt in
-        [Doubt::Halves, Doubt::Memory, Doubt::Levels, Doubt::Unweighed, Doubt::Knee, Doubt::HeldOut]
-    {
+    for doubt in [
+        Doubt::Halves,
+        Doubt::Memory,
+        Doubt::Levels,
+        Doubt::Unweighed,
+        Doubt::Knee,
+        Doubt::HeldOut,
+        Doubt::Waves,
+    ] {
         let own = claims.iter().filter(|c| c.doubt == Some(doubt) && c.probability >= 0.5);
         let own: Vec<_> = own.collect();
         let right = own.iter().filter(|c| c.worth == Worth::True).count();

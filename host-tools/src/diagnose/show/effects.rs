@@ -5,7 +5,7 @@ use super::certainty::certainty;
 use super::gap::stage_name;
 use crate::diagnose::crowd::crowded;
 use crate::diagnose::effect::{Coefficient, Effect};
-use crate::diagnose::naming::{curve_probability, is_curve_named, is_named};
+use crate::diagnose::naming::{curve_probability, is_curve_named, is_few, is_named};
 use crate::diagnose::node::Node;
 use crate::diagnose::outcome::GapRow;
 use crate::diagnose::policy::POLICY;
@@ -180,9 +180,11 @@ fn curves(weighed: &Weighed, gap: &[GapRow]) -> (Vec<Effect>, Vec<Effect>) {
             coefficients: own.iter().map(|c| curve_size(c)).collect(),
             probability: least(curve_probability),
             half_gain: [least(|c| c.half_gain[0]), least(|c| c.half_gain[1])],
-            doubt: (!which)
-                .then_some(Doubt::Halves)
-                .filter(|_| least(curve_probability) >= POLICY.named),
+            doubt: match least(curve_probability) >= POLICY.named {
+                _ if which => None,
+                true => Some(Doubt::Halves),
+                false => own.iter().any(|c| is_few(c)).then_some(Doubt::Waves),
+            },
             holdout_gain: row.map_or(0.0, |row| gain(gap, row)),
         };
         (!own.is_empty()).then_some(effect).into_iter().collect()

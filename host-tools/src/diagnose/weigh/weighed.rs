@@ -151,6 +151,8 @@ pub enum Doubt {
     /// The joint's spring stiffens, and the side of its gap is that of its load: what the two
     /// slopes of a harmonic drive are beside that of a spring that stiffens in proportion.
     Knee,
+    /// A few waves of the joint's angle are nearly as probable as its curve, or more so.
+    Waves,
 }
 
 impl Doubt {
@@ -163,6 +165,7 @@ impl Doubt {
             Self::Levels => "at so few angles of the joint any function of them fits",
             Self::Unweighed => "without [[links]] a spring of the joint does the same",
             Self::HeldOut => "poses held out are missed by more with it",
+            Self::Waves => "a few waves of the joint's angle do as well",
             Self::Knee => "its side is that of the load, and a spring of two slopes does the same",
         }
     }
