@@ -65,8 +65,13 @@ pub(super) fn fit(
 
 /// Fits a scene in full, base and tool starting from where another fit left them.
 pub(super) fn fit_from(scene: &Scene, other: &State, sigma: f64) -> Fitted {
+    finer_from(scene, other, sigma, 1.0)
+}
+
+/// The same, so many times finer than rows are judged.
+pub(super) fn finer_from(scene: &Scene, other: &State, sigma: f64, finer: f64) -> Fitted {
     let (stations, markers) = (other.bases.len(), other.markers.len());
-    let fitter = Fitter::new(scene, stations, markers, sigma, Effort::Full);
+    let fitter = Fitter { finer, ..Fitter::new(scene, stations, markers, sigma, Effort::Full) };
     let start = State { links: scene.links.clone(), ..other.clone() };
     fitter.fitted(&start, Effort::Full)
 }
@@ -94,7 +99,7 @@ impl<'a> Fitter<'a> {
     fn new(scene: &'a Scene, stations: usize, markers: usize, sigma: f64, effort: Effort) -> Self {
         let unknowns = Unknowns::new(stations, markers, 0, scene.links.len());
         let free = free(scene, &unknowns, effort);
-        Self { scene, free, unknowns, sigma, extent: extent(&scene.sights) }
+        Self { scene, free, unknowns, sigma, finer: 1.0, extent: extent(&scene.sights) }
     }
 
     /// The best state met on the way. In full no step is taken that raises what it

@@ -62,6 +62,8 @@ pub(super) struct Fitter<'a> {
     pub(super) unknowns: Unknowns,
     pub(super) free: Vec<(usize, f64)>,
     pub(super) sigma: f64,
+    /// How many times finer than usual rows are judged.
+    pub(super) finer: f64,
     pub(super) extent: f64,
 }
 
@@ -86,7 +88,7 @@ impl Fitter<'_> {
     }
 
     pub(super) fn spread(&self, far: &[f64]) -> f64 {
-        robust_distance_scale(far).max(self.sigma).max(FINEST)
+        robust_distance_scale(far).max(self.sigma.max(FINEST) / self.finer)
     }
 
     pub(super) fn judged(&self, state: &State) -> Fitted {

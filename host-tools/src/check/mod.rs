@@ -192,14 +192,19 @@ struct Ranked {
 /// its own place as well.
 fn ranked(search: &Search, nothing: &mut Found) -> Ranked {
     let mut ones = search.one();
-    // Of an arm without lengths points in another unit are those of a larger tool.
-    let is_unseen = |one: &Found| {
-        nothing.fitted.is_finest()
-            && one.changes.iter().any(|c| matches!(c, Mistake::PointUnit(_)))
-            && nothing.fitted.worse_than(&one.fitted) < CLEARLY
-    };
-    let unit_is_unseen = ones.iter().any(is_unseen);
-    ones.retain(|one| !is_unseen(one));
+    // Of an arm without lengths points in another unit are those of a larger tool: where one is
+    // no worse than the files as they are, and no better, none is believed.
+    let mut unit_is_unseen = false;
+    if nothing.fitted.is_finest() {
+        let is_unit = |one: &Found| one.changes.iter().any(|c| matches!(c, Mistake::PointUnit(_)));
+        let (units, others): (Vec<Found>, Vec<Found>) = ones.into_iter().partition(is_unit);
+        let gains: Vec<f64> = units.iter().map(|one| search.worse_by(nothing, one)).collect();
+        unit_is_unseen = gains.iter().any(|gain| gain.abs() < CLEARLY);
+        let better = units.into_iter().zip(gains).filter(|(_, gain)| *gain >= CLEARLY);
+        let better = better.map(|(one, _)| one).filter(|_| !unit_is_unseen);
+        ones = others.into_iter().chain(better).collect();
+        ones.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    }
     if let Some(one) = ones.first().filter(|one| nothing.cost - one.cost >= CLEARLY) {
         let again = search.nothing_from(one);
         if again.cost < nothing.cost {

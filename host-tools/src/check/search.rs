@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use truearm::{Link, LinkParameter};
 
-use super::fit::{Effort, Fitted, fit, fit_from};
+use super::fit::{Effort, Fitted, finer_from, fit, fit_from};
 use super::hypotheses::{all, plain};
 use super::mistake::{Convention, Mistake, New};
 use super::sample::Sample;
@@ -54,6 +54,16 @@ impl Search<'_> {
         let scene = Scene::new(self.links, self.tool, self.sample, &[]);
         let fitted = fit_from(&scene, &other.fitted.state, self.sample.sigma);
         Found { changes: Vec::new(), cost: self.cost(self.sample, &fitted), fitted }
+    }
+
+    /// By how many nats nothing changed is worse than another unit of the points, both fitted
+    /// as finely in the file's own numbers: the floor of what is judged is of one length, and a
+    /// fit that goes on below it is no better unit.
+    pub fn worse_by(&self, nothing: &Found, unit: &Found) -> f64 {
+        let scene = Scene::new(self.links, self.tool, self.sample, &[]);
+        let finer = unit.fitted.extent / nothing.fitted.extent;
+        let fitted = finer_from(&scene, &nothing.fitted.state, self.sample.sigma, finer);
+        fitted.worse_than(&unit.fitted)
     }
 
     /// Negative logarithm of how probable a fit is, nats, whatever was changed.

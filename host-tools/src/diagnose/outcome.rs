@@ -241,8 +241,8 @@ pub struct Outcome {
     /// What was found, most important first: a probability of 0.9 and more, and
     /// both halves of the poses agree.
     pub effects: Vec<Effect>,
-    /// What the model has besides, because it lowers the error of held-out
-    /// poses: less probable, or only one half of the poses speaks for it.
+    /// What the model has besides: less probable, or something speaks against the name
+    /// (`doubt`).
     pub suspected: Vec<Effect>,
     /// Structure without a name that is left, in words, strongest first.
     pub unnamed: Vec<String>,

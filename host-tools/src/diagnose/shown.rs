@@ -44,6 +44,8 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         false => show.beside_curves(&root, best, &nominal, &weighed.stages)?,
     };
     let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
+    let tables = weighed.stages.last().map_or(&[][..], |stage| &stage.tables);
+    let harmful = show.harmful(&best, &gap, tables)?;
     let lambda = show.question.flags.lambda;
     let with_terms = problem.with_terms(best.fit.fit.state.terms.len());
     // But for a slip, which is what is asked.
@@ -73,7 +75,8 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
     let highest_order = show.question.highest_order;
-    let (effects, suspected) = show::effects(&findings, &gap, &best, &weighed, highest_order);
+    let (effects, suspected) =
+        show::effects(&findings, &gap, &best, &weighed, &harmful, highest_order);
     identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
     let lines = effects.iter().chain(&suspected);
     identified.figures.warnings.extend(remarks::aliased(problem.data, lines));

@@ -10,8 +10,8 @@ use super::smooth::{Left, PRIORS, Prior, SIZES, SWEEPS};
 /// Highest order of a few: a higher one is a line like any other.
 const HIGHEST: usize = 24;
 
-/// Log odds from which on a few waves stand in a curve's place: between the angles at which a
-/// joint stood a curve errs by less where it is wrong.
+/// Log odds from which on a few waves stand in the place of others or of a curve: between the
+/// angles at which a joint stood a curve errs by less where it is wrong.
 const SURELY: f64 = 5.0;
 /// More than these are a curve, however uneven.
 const FEW: usize = 5;
@@ -62,11 +62,12 @@ pub fn drawn(
     let own: Vec<usize> = (first..first + 2 * orders).collect();
     let left = Left::by(projected, others, &own);
     let curve = function - (PRIORS as f64).ln() + left.best(orders).1;
-    if curve <= themselves {
-        return Drawn::Waves;
-    }
     let (few, evidence) = few(&left, orders, function);
-    if evidence > curve + SURELY { Drawn::Few(few) } else { Drawn::Curve }
+    match curve > themselves {
+        _ if evidence > curve.max(themselves) + SURELY => Drawn::Few(few),
+        true => Drawn::Curve,
+        false => Drawn::Waves,
+    }
 }
 
 /// The few whole orders that are most probable in the place of the curve that was chosen for

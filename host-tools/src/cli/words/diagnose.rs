@@ -1,6 +1,6 @@
 use truearm_host::diagnose::policy::POLICY;
 use truearm_host::diagnose::{
-    Alternative, Effect, GapUnit, Outcome, Verdict, late, otherwise, place, said,
+    Alternative, Doubt, Effect, GapUnit, Outcome, Verdict, late, otherwise, place, said,
 };
 use truearm_host::effects::OUTLIERS;
 use truearm_host::identify::KindFigures;
@@ -172,7 +172,9 @@ fn effect(e: &Effect, suspected: bool) -> String {
         out += &format!(": {}", values.join(", "));
     }
     out += &format!("; probability {}", said(e.probability));
-    if let Some(doubt) = e.doubt.filter(|_| suspected && e.probability >= SURE) {
+    // A few waves are why a curve is less probable.
+    let why = |doubt: &Doubt| e.probability >= SURE || *doubt == Doubt::Waves;
+    if let Some(doubt) = e.doubt.filter(|doubt| suspected && why(doubt)) {
         out += &format!(", but {}", doubt.words());
     }
     if e.holdout_gain != 0.0 {

@@ -2,7 +2,7 @@ use truearm::JointKind;
 use truearm::effects::ActsOn;
 
 use super::certainty::certainty;
-use super::gap::stage_name;
+use super::gap::{gain, stage_name};
 use crate::diagnose::crowd::crowded;
 use crate::diagnose::effect::{Coefficient, Effect};
 use crate::diagnose::naming::{curve_probability, is_curve_named, is_few, is_named};
@@ -25,6 +25,7 @@ pub fn effects(
     gap: &[GapRow],
     best: &Node,
     weighed: &Weighed,
+    harmful: &[&str],
     highest_order: f64,
 ) -> (Vec<Effect>, Vec<Effect>) {
     let certainty = certainty(findings, weighed.moments.as_ref());
@@ -49,7 +50,7 @@ pub fn effects(
             let whole = claim.map_or(0.0, |c| c.probability);
             let probability = if first { whole } else { own(i) };
             let holdout_gain = gain(gap, row);
-            let rises = (holdout_gain < -POLICY.rises).then_some(Doubt::HeldOut);
+            let rises = harmful.contains(&name).then_some(Doubt::HeldOut);
             let sure = claim.is_some_and(is_named) && probability >= POLICY.named;
             let sure = sure && rises.is_none();
             let known = claim.is_some_and(|c| c.orders.is_empty()) || own(i) >= POLICY.named;
@@ -201,16 +202,6 @@ fn curve_size(curve: &Curved) -> Coefficient {
         sigma: curve.table.band(),
         friction_nm: None,
         friction_n: None,
-    }
-}
-
-/// Fall of the error of held-out poses from the stage before a row to the row.
-fn gain(gap: &[GapRow], row: &GapRow) -> f64 {
-    let figure = |row: &GapRow| row.holdout_rms_sigmas.or(row.cross_validated_rms_sigmas);
-    let k = gap.iter().position(|r| r.model == row.model).unwrap_or(0);
-    match (k.checked_sub(1).and_then(|k| figure(&gap[k])), figure(row)) {
-        (Some(before), Some(after)) if before > 0.0 => 1.0 - after / before,
-        _ => 0.0,
     }
 }
 

@@ -4,6 +4,7 @@ use super::stages::{stages, without_each};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::outcome::{GapRow, Rms};
+use crate::diagnose::policy::POLICY;
 use crate::diagnose::question::Question;
 use crate::diagnose::weigh::{Stage, with_curves};
 use crate::error::Result;
@@ -144,6 +145,51 @@ impl Show<'_> {
         }
         let held_out = stages.last().map_or(HeldOut::new(), |stage| stage.held_out.clone());
         Ok(Shown { best, gap, held_out })
+    }
+}
+
+impl Show<'_> {
+    /// Names without which the hold-out file is missed by less, and by no little: of those with
+    /// which the table's error rises, as what stands after an effect may be what it needs.
+    ///
+    /// # Errors
+    /// A hold-out file of unknown stations, or a fit that does not converge.
+    pub fn harmful(
+        &self,
+        best: &Node,
+        gap: &[GapRow],
+        tables: &[ErrorCurve],
+    ) -> Result<Vec<&'static str>> {
+        let mut names: Vec<&'static str> = best.added.iter().map(Candidate::name).collect();
+        names.sort_unstable();
+        names.dedup();
+        let row = |name: &str| gap.iter().find(|row| row.model == stage_name(name));
+        names.retain(|name| row(name).is_some_and(|row| gain(gap, row) < -POLICY.rises));
+        let figures = Figures::of(self, best)?;
+        let problem = with_curves(self.rigid, tables);
+        let q = Question { problem: &problem, ..*self.question };
+        let missed = |node: &Node| {
+            let held = figures.held(self, tables, &node.fit.fit.state)?;
+            Ok(held.map(|rms| rms.sigmas))
+        };
+        let Some(own) = missed(best)? else { return Ok(Vec::new()) };
+        let harms = |name: &&'static str| {
+            let others = best.added.iter().filter(|c| c.name() != *name).cloned().collect();
+            let without = missed(&fitted(&q, others, &best.fit.fit.state)?)?;
+            Ok(without.is_some_and(|without| own > (1.0 + POLICY.rises) * without))
+        };
+        let each: Vec<bool> = names.iter().map(harms).collect::<Result<_>>()?;
+        Ok(names.into_iter().zip(each).filter_map(|(name, harms)| harms.then_some(name)).collect())
+    }
+}
+
+/// Fall of the error of held-out poses from the stage before a row to the row.
+pub(super) fn gain(gap: &[GapRow], row: &GapRow) -> f64 {
+    let figure = |row: &GapRow| row.holdout_rms_sigmas.or(row.cross_validated_rms_sigmas);
+    let k = gap.iter().position(|r| r.model == row.model).unwrap_or(0);
+    match (k.checked_sub(1).and_then(|k| figure(&gap[k])), figure(row)) {
+        (Some(before), Some(after)) if before > 0.0 => 1.0 - after / before,
+        _ => 0.0,
     }
 }
 

@@ -91,17 +91,25 @@ pub fn level_of(angles: &[f64], order: f64) -> Vec<usize> {
 }
 
 /// Folds of the angles at which a joint stood, where those are few and apart: of every value
-/// its fold. Where many poses were measured all over a range every level has several, too; where
-/// each joint was swept alone, one has nearly all and the others have one each: lines and gears
-/// of swept arms were lost.
-pub fn folds_of_levels(q: &[f64], highest: f64, count: usize) -> Option<Vec<usize>> {
+/// its fold; values with one of `poses` were read in the same. Where many poses were measured all
+/// over a range every level has several, too; where each joint was swept alone, one has nearly all
+/// and the others have one each: lines and gears of swept arms were lost.
+pub fn folds_of_levels(
+    q: &[f64],
+    poses: &[usize],
+    highest: f64,
+    count: usize,
+) -> Option<Vec<usize>> {
     let levels = level_of(q, highest);
     let most = levels.iter().max()? + 1;
     let [low, high] = [f64::min, f64::max].map(|of| q.iter().copied().reduce(of));
     let apart = most as f64 * width(highest) < APART * (high? - low?);
-    let mut poses = vec![0; most];
-    levels.iter().for_each(|level| poses[*level] += 1);
-    let often = poses.iter().filter(|poses| **poses >= A_LEVEL).count();
+    // A pose that was read again is the same pose.
+    let mut stood: Vec<(usize, usize)> =
+        levels.iter().copied().zip(poses.iter().copied()).collect();
+    stood.sort_unstable();
+    stood.dedup();
+    let often = stood.chunk_by(|a, b| a.0 == b.0).filter(|own| own.len() >= A_LEVEL).count();
     if !apart || 2 * often <= most || most < count {
         return None;
     }
@@ -121,18 +129,24 @@ mod tests {
         let grid = |count: u32, levels: u32| -> Vec<f64> {
             (0..count).map(|i| f64::from(i % levels) * 0.3).collect()
         };
-        let folds = folds_of_levels(&grid(16, 8), 10.0, 5).unwrap();
+        let folds_of = |q: &[f64]| {
+            let poses: Vec<usize> = (0..q.len()).collect();
+            folds_of_levels(q, &poses, 10.0, 5)
+        };
+        let folds = folds_of(&grid(16, 8)).unwrap();
         // One angle is in one fold, and every fold has one.
         assert!((0..8).all(|k| folds[k] == folds[k + 8]));
         assert!((0..5).all(|fold| folds.contains(&fold)));
-        assert_eq!(folds_of_levels(&grid(12, 8), 10.0, 5), None);
+        assert_eq!(folds_of(&grid(12, 8)), None);
+        let twice: Vec<usize> = (0..16).map(|i| i % 8).collect();
+        assert_eq!(folds_of_levels(&grid(16, 8), &twice, 10.0, 5), None, "read twice");
         // Thirty angles once each, and a hundred poses at home.
         let swept: Vec<f64> = grid(30, 30).into_iter().chain(vec![0.0; 100]).collect();
-        assert_eq!(folds_of_levels(&swept, 10.0, 5), None);
-        assert_eq!(folds_of_levels(&grid(16, 4), 10.0, 5), None, "fewer angles than folds");
+        assert_eq!(folds_of(&swept), None);
+        assert_eq!(folds_of(&grid(16, 4)), None, "fewer angles than folds");
         let all: Vec<f64> = (0..20_000).map(|i| f64::from(i) * 3e-4).collect();
-        assert_eq!(folds_of_levels(&all, 10.0, 5), None);
-        assert_eq!(folds_of_levels(&[], 10.0, 5), None);
+        assert_eq!(folds_of(&all), None);
+        assert_eq!(folds_of(&[]), None);
     }
 
     #[test]

@@ -143,8 +143,10 @@ pub fn of_levels(
     let order = |term: &Term<f64>| wave(term).then_some(term.order);
     let highest = terms.iter().filter_map(order).reduce(f64::max)?;
     let joint = usize::from(terms.first()?.joint);
-    let angles: Vec<f64> = rows.iter().map(|r| of.q.problem.data.rows[*r].q[joint]).collect();
-    let half = doubts::folds_of_levels(&angles, highest, 2)?;
+    let data = &of.q.problem.data.rows;
+    let angles: Vec<f64> = rows.iter().map(|r| data[*r].q[joint]).collect();
+    let poses: Vec<usize> = rows.iter().map(|r| data[*r].pose).collect();
+    let half = doubts::folds_of_levels(&angles, &poses, highest, 2)?;
     let half = |h: usize| {
         let rows = rows.iter().zip(&half).filter(|(_, own)| **own == h).map(|(row, _)| *row);
         let rows: Vec<usize> = rows.collect();

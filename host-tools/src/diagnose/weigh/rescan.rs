@@ -49,11 +49,12 @@ pub fn ghosts(q: &Question, found: &Searched) -> Vec<Candidate> {
     }
     let stood = postures(&problem.data.rows, rows);
     let folds: Vec<usize> = stood.iter().map(|row| fold_of[*row]).collect();
+    let poses: Vec<usize> = stood.iter().map(|row| problem.data.rows[*row].pose).collect();
     let of_joint = |joint: &usize| {
         let column = columns.joint(*joint);
         let own = waves.iter().filter(|c| c.joints() == [joint + 1]);
         let highest = own.clone().filter_map(|c| orders_of(c)).flatten().fold(0.0, f64::max);
-        let by_level = folds_of_levels(&column.q, highest, q.folds.len());
+        let by_level = folds_of_levels(&column.q, &poses, highest, q.folds.len());
         // Poses at many angles tell what has an order that is known by themselves.
         let asked = own.filter(|c| by_level.is_some() || is_line(c));
         let folds = by_level.as_ref().unwrap_or(&folds);

@@ -145,8 +145,7 @@ pub enum Doubt {
     /// Nobody stated the masses of the links: what hangs on the joint loads it by the cosine
     /// of its angle, and a spring does what an eccentricity does.
     Unweighed,
-    /// Poses held out, those of the hold-out file where there is one, are missed by more with it,
-    /// and by no little.
+    /// Poses of the hold-out file are missed by more with it than without it, and by no little.
     HeldOut,
     /// The joint's spring stiffens, and the side of its gap is that of its load: what the two
     /// slopes of a harmonic drive are beside that of a spring that stiffens in proportion.
@@ -164,7 +163,7 @@ impl Doubt {
             Self::Memory => "the joint depends on its last move in a way that has no name",
             Self::Levels => "at so few angles of the joint any function of them fits",
             Self::Unweighed => "without [[links]] a spring of the joint does the same",
-            Self::HeldOut => "poses held out are missed by more with it",
+            Self::HeldOut => "poses of the hold-out file are missed by less without it",
             Self::Waves => "a few waves of the joint's angle do as well",
             Self::Knee => "its side is that of the load, and a spring of two slopes does the same",
         }
