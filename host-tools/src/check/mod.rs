@@ -99,7 +99,7 @@ pub struct Finding {
     pub tool: Vector3<f64>,
     /// Poses of different joint values that the measurements have.
     pub poses: usize,
-    /// Why nothing can be decided, in words: poses or points are too few.
+    /// Why nothing can be decided, in words: poses or points are too few, or in one place.
     pub too_few: Option<String>,
 }
 
@@ -136,6 +136,12 @@ pub fn check(robot: &Robot, data: &Measurements) -> Finding {
             "{poses} of different joint values agree with nearly any arm; at least {LEAST_POSES} \
              are needed, better 50"
         );
+        return undecided(robot, data, Some(&nothing), why);
+    }
+    if sample.stands_still() {
+        let why = "all points are in one place, whatever the joints did: has the instrument lost \
+                   its target? Measure poses spread over the workspace"
+            .to_owned();
         return undecided(robot, data, Some(&nothing), why);
     }
     let Ranked { best, all: ranked, unit_is_unseen } = ranked(&search, &mut nothing);

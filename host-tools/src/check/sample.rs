@@ -13,6 +13,8 @@ const MOST_ROWS: usize = 100;
 const LEAST_OF_STATION: usize = 3;
 /// Fewer points agree with nearly any arm: base and tool alone are nine unknowns.
 const LEAST_ROWS: usize = 6;
+/// Standard deviations that the noise of two points hardly goes beyond: 4 of each.
+const STILL: f64 = 8.0;
 
 /// Some rows of a file that measured points.
 #[derive(Debug, Clone)]
@@ -106,6 +108,13 @@ impl Sample {
             marker: all[*i].marker,
         };
         (Self { rows: rows.iter().map(row).collect(), ..known.clone() }, rows)
+    }
+
+    /// Whether no point is off another by more than noise.
+    #[must_use]
+    pub fn stands_still(&self) -> bool {
+        let first = self.rows.first().map_or_else(Vector3::zeros, |row| row.point);
+        self.rows.iter().all(|row| (row.point - first).norm() <= STILL * self.sigma)
     }
 
     /// Some of the rows.

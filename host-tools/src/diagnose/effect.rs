@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::policy::POLICY;
 use super::weigh::Doubt;
 
 /// An effect that the model has.
@@ -47,6 +48,14 @@ pub struct Effect {
 const LEAST_DOUBT: f64 = 1.0 / 64.0;
 
 impl Effect {
+    /// What speaks against its name, in words: where it would be named otherwise, and where a few
+    /// waves are why a curve is no more probable.
+    #[must_use]
+    pub fn suspicion(&self) -> Option<&'static str> {
+        let why = |doubt: &Doubt| self.probability >= POLICY.named || *doubt == Doubt::Waves;
+        self.doubt.filter(why).map(Doubt::words)
+    }
+
     /// Its order where the data leave it open: `82 +- 2`, or `52 or 56, 160`.
     #[must_use]
     pub fn order_left_open(&self) -> Option<String> {

@@ -44,8 +44,7 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         false => show.beside_curves(&root, best, &nominal, &weighed.stages)?,
     };
     let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
-    let tables = weighed.stages.last().map_or(&[][..], |stage| &stage.tables);
-    let harmful = show.harmful(&best, &gap, tables)?;
+    let harmful = show.harmful(&best, &gap)?;
     let lambda = show.question.flags.lambda;
     let with_terms = problem.with_terms(best.fit.fit.state.terms.len());
     // But for a slip, which is what is asked.

@@ -158,7 +158,8 @@ fn climbed(
         };
         best = suited(&mut sizes, |sizes| evidence(&with(sizes)));
         waves = with(&sizes);
-        if best <= before {
+        // No number is no better.
+        if best.total_cmp(&before).is_le() || best.is_nan() {
             return (orders, best);
         }
     }

@@ -1,5 +1,6 @@
 //! Gross mistakes in files and set-up.
 
+mod few_lengths;
 mod found;
 #[path = "../mistakes/mod.rs"]
 mod mistakes;

@@ -1,6 +1,5 @@
-use truearm_host::diagnose::policy::POLICY;
 use truearm_host::diagnose::{
-    Alternative, Doubt, Effect, GapUnit, Outcome, Verdict, late, otherwise, place, said,
+    Alternative, Effect, GapUnit, Outcome, Verdict, late, otherwise, place, said,
 };
 use truearm_host::effects::OUTLIERS;
 use truearm_host::identify::KindFigures;
@@ -16,9 +15,6 @@ const EACH: usize = 3;
 const PLACES: usize = 6;
 /// RMS over the scale from which on tails are worth a word: normal noise has 1.
 const TAILS: f64 = 1.1;
-
-/// Probability from which on only a disagreement of halves keeps from naming.
-const SURE: f64 = POLICY.named;
 
 /// The summary of `diagnose`.
 pub fn diagnosis(r: &Outcome) -> String {
@@ -172,10 +168,8 @@ fn effect(e: &Effect, suspected: bool) -> String {
         out += &format!(": {}", values.join(", "));
     }
     out += &format!("; probability {}", said(e.probability));
-    // A few waves are why a curve is less probable.
-    let why = |doubt: &Doubt| e.probability >= SURE || *doubt == Doubt::Waves;
-    if let Some(doubt) = e.doubt.filter(|doubt| suspected && why(doubt)) {
-        out += &format!(", but {}", doubt.words());
+    if let Some(doubt) = e.suspicion().filter(|_| suspected) {
+        out += &format!(", but {doubt}");
     }
     if e.holdout_gain != 0.0 {
         out += &format!("; {}", gained(e.holdout_gain));

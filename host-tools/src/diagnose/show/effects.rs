@@ -170,6 +170,10 @@ fn curves(weighed: &Weighed, gap: &[GapRow]) -> (Vec<Effect>, Vec<Effect>) {
         let own = weighed.curves.iter().filter(|c| is_curve_named(c) == which);
         let own: Vec<&Curved> = own.collect();
         let least = |of: fn(&Curved) -> f64| own.iter().map(|c| of(c)).fold(1.0, f64::min);
+        let doubt = match least(curve_probability) >= POLICY.named {
+            true => Some(Doubt::Halves),
+            false => own.iter().any(|c| is_few(c)).then_some(Doubt::Waves),
+        };
         let effect = Effect {
             name: CURVE,
             joints: own.iter().map(|c| usize::from(c.table.joint()) + 1).collect(),
@@ -181,11 +185,7 @@ fn curves(weighed: &Weighed, gap: &[GapRow]) -> (Vec<Effect>, Vec<Effect>) {
             coefficients: own.iter().map(|c| curve_size(c)).collect(),
             probability: least(curve_probability),
             half_gain: [least(|c| c.half_gain[0]), least(|c| c.half_gain[1])],
-            doubt: match least(curve_probability) >= POLICY.named {
-                _ if which => None,
-                true => Some(Doubt::Halves),
-                false => own.iter().any(|c| is_few(c)).then_some(Doubt::Waves),
-            },
+            doubt: doubt.filter(|_| !which),
             holdout_gain: row.map_or(0.0, |row| gain(gap, row)),
         };
         (!own.is_empty()).then_some(effect).into_iter().collect()

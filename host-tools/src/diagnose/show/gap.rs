@@ -146,40 +146,27 @@ impl Show<'_> {
         let held_out = stages.last().map_or(HeldOut::new(), |stage| stage.held_out.clone());
         Ok(Shown { best, gap, held_out })
     }
-}
 
-impl Show<'_> {
     /// Names without which the hold-out file is missed by less, and by no little: of those with
     /// which the table's error rises, as what stands after an effect may be what it needs.
     ///
     /// # Errors
-    /// A hold-out file of unknown stations, or a fit that does not converge.
-    pub fn harmful(
-        &self,
-        best: &Node,
-        gap: &[GapRow],
-        tables: &[ErrorCurve],
-    ) -> Result<Vec<&'static str>> {
-        let mut names: Vec<&'static str> = best.added.iter().map(Candidate::name).collect();
-        names.sort_unstable();
-        names.dedup();
+    /// A hold-out file of unknown stations.
+    pub fn harmful(&self, best: &Node, gap: &[GapRow]) -> Result<Vec<&'static str>> {
         let row = |name: &str| gap.iter().find(|row| row.model == stage_name(name));
-        names.retain(|name| row(name).is_some_and(|row| gain(gap, row) < -POLICY.rises));
+        let rises = |name: &str| row(name).is_some_and(|row| gain(gap, row) < -POLICY.rises);
+        if self.holdout.is_none() || !best.added.iter().any(|c| rises(c.name())) {
+            return Ok(Vec::new());
+        }
         let figures = Figures::of(self, best)?;
-        let problem = with_curves(self.rigid, tables);
-        let q = Question { problem: &problem, ..*self.question };
         let missed = |node: &Node| {
-            let held = figures.held(self, tables, &node.fit.fit.state)?;
-            Ok(held.map(|rms| rms.sigmas))
+            let held = figures.held(self, self.tables, &node.fit.fit.state)?;
+            Ok(held.map_or(f64::INFINITY, |rms| rms.sigmas))
         };
-        let Some(own) = missed(best)? else { return Ok(Vec::new()) };
-        let harms = |name: &&'static str| {
-            let others = best.added.iter().filter(|c| c.name() != *name).cloned().collect();
-            let without = missed(&fitted(&q, others, &best.fit.fit.state)?)?;
-            Ok(without.is_some_and(|without| own > (1.0 + POLICY.rises) * without))
-        };
-        let each: Vec<bool> = names.iter().map(harms).collect::<Result<_>>()?;
-        Ok(names.into_iter().zip(each).filter_map(|(name, harms)| harms.then_some(name)).collect())
+        let most = missed(best)? / (1.0 + POLICY.rises);
+        let each = without_each(self.question, best, &missed);
+        let harmful = each.iter().filter(|without| rises(without.name) && without.left < most);
+        Ok(harmful.map(|without| without.name).collect())
     }
 }
 

@@ -83,6 +83,11 @@ fn sentence(e: &Effect) -> String {
     format!("{name}: {}.{late}", sizes.join(", "))
 }
 
+/// The same, and what speaks against its name.
+fn suspicion(e: &Effect) -> String {
+    e.suspicion().map_or_else(|| sentence(e), |doubt| format!("{} But {doubt}.", sentence(e)))
+}
+
 /// A coefficient in a unit that leaves one to three digits before the point.
 fn amount(value: f64, unit: &str) -> String {
     let small = value.abs() < 1e-4;
@@ -113,7 +118,7 @@ pub fn effects(named: &[Effect], suspected: &[Effect], parts: &[Part], clean: bo
                 "Suspected: in the model all the same, but less sure, or something speaks against \
                  the name.",
             )
-            .node(list(suspected.iter().map(sentence)));
+            .node(list(suspected.iter().map(suspicion)));
     }
     let all = table(
         &[
