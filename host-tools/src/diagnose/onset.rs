@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::node::Node;
 use super::weigh::along;
-use crate::identify::Problem;
+use crate::identify::{Problem, Scatterer};
 use crate::units::joint_micro;
 
 /// Rows on either side of a border, at least.
@@ -34,16 +34,17 @@ struct Told {
 /// Joints, counted from 0, that scatter beyond chance on one side of a row and hardly on the
 /// other, in words. `scattering` are all that scatter, with their standard deviations.
 #[must_use]
-pub fn all(problem: &Problem, best: &Node, scattering: &[(usize, f64)]) -> Vec<String> {
+pub fn all(problem: &Problem, best: &Node, scattering: &[(Scatterer, f64)]) -> Vec<String> {
     let at = problem.linearise(&best.fit.fit.state);
     let place = problem.data.places();
     let mut rows = best.fit.kept.clone();
     rows.sort_by(|a, b| place[*a].total_cmp(&place[*b]));
-    let of_joint = |(joint, _): &(usize, f64)| {
-        let others = scattering.iter().filter(|(other, _)| other != joint);
-        let others: Vec<(usize, f64)> = others.map(|(j, size)| (*j, size * size)).collect();
+    let of_joint = |(source, _): &(Scatterer, f64)| {
+        let joint = source.joint()?;
+        let others = scattering.iter().filter(|(other, _)| other != source);
+        let others: Vec<(Scatterer, f64)> = others.map(|(j, size)| (*j, size * size)).collect();
         let told = |row: &usize| {
-            let (ways, residual) = along(&at, problem, *row, *joint, &others);
+            let (ways, residual) = along(&at, problem, *row, *source, &others);
             let way = ways.column(0);
             let square = way.norm_squared();
             let off = way.dot(&DVector::from_column_slice(&residual)) / square;
@@ -53,7 +54,7 @@ pub fn all(problem: &Problem, best: &Node, scattering: &[(usize, f64)]) -> Vec<S
         let (rows, told): (Vec<usize>, Vec<Told>) =
             rows.par_iter().filter_map(told).collect::<Vec<_>>().into_iter().unzip();
         let (border, [before, after]) = border(&told)?;
-        let (row, unit) = (rows[border] + 1, joint_micro(problem.nominal[*joint].kind));
+        let (row, unit) = (rows[border] + 1, joint_micro(problem.nominal[joint].kind));
         let [before, after] = [before, after].map(|variance| variance.sqrt() * 1e6);
         Some(format!(
             "joint {} scatters by {after:.0} from row {row} on and by {before:.0} before it (one \

@@ -15,9 +15,10 @@ use super::tell::place;
 use super::weigh::{Doubt, Named, Weighed, scatter};
 use crate::error::listed;
 use crate::evidence::poses::Scatter;
-use crate::identify::Problem;
+use crate::identify::{Problem, Scatterer};
 use crate::model::{Measurements, ModelTerm};
 use crate::observations::kind;
+use crate::statistics::median;
 use crate::units::{joint_micro, to_mm};
 
 /// All of them.
@@ -35,12 +36,37 @@ pub fn all<'a>(
         few_angles(data, best, &weighed.names),
         weightless(best, weighed),
         balanced(problem, best),
-        rounding::remark(problem, best).filter(|_| weighed.scattering.is_empty()),
+        rounding::remark(problem, best).filter(|_| joints(weighed).next().is_none()),
     ]
     .into_iter()
     .flatten()
     .chain(wrong_holes(data, best))
-    .chain(weighed.scattering.iter().map(move |joint| scattering(problem, *joint)))
+    .chain(joints(weighed).map(move |joint| scattering(problem, joint)))
+    .chain(weighed.scattering.iter().filter_map(move |source| sight(problem, *source)))
+}
+
+/// Joints that scatter, counted from 0, and by how much, rad or m.
+pub fn joints(weighed: &Weighed) -> impl Iterator<Item = (usize, f64)> + '_ {
+    weighed.scattering.iter().filter_map(|(source, size)| Some((source.joint()?, *size)))
+}
+
+/// A remark on an instrument whose line of sight scatters.
+fn sight(problem: &Problem, (source, size): (Scatterer, f64)) -> Option<String> {
+    let data = problem.data;
+    let ranges: Vec<f64> =
+        data.rows.iter().filter_map(|row| kind(row).point(row)).map(|p| p.norm()).collect();
+    let range = median(&ranges);
+    (source == Scatterer::Sight).then(|| {
+        format!(
+            "{}: points scatter by {:.3} mm (one standard deviation, at {range:.1} m from the origin \
+             of their coordinates) beyond the noise along the line from there, across it and in \
+             proportion to the distance, {:.0} urad, as the angles of a laser tracker do: it is \
+             counted as noise of the measurement, and what is near tells more",
+            data.path.display(),
+            to_mm(size * range),
+            size * 1e6,
+        )
+    })
 }
 
 /// A joint that gives way under its load and errs once a turn: whoever balances it with a spring

@@ -4,7 +4,7 @@ use truearm::JointKind;
 
 use super::node::Node;
 use super::weigh::Scattered;
-use crate::identify::Problem;
+use crate::identify::{Problem, Scatterer};
 use crate::units::{joint_from_file, joint_micro, joint_unit};
 
 /// Distinct values that tell: a few of a plan are round by themselves.
@@ -83,7 +83,8 @@ pub fn remark(problem: &Problem, best: &Node) -> Option<String> {
         .filter_map(|joint| Some((joint, Last::of(problem, joint)?)))
         .collect();
     let words = &joints.iter().max_by(|a, b| a.1.step.total_cmp(&b.1.step))?.1.words;
-    let ratios: Vec<(usize, f64)> = joints.iter().map(|(j, l)| (*j, l.scatter().powi(2))).collect();
+    let ratio = |(joint, last): &(usize, Last)| (Scatterer::Joint(*joint), last.scatter().powi(2));
+    let ratios: Vec<(Scatterer, f64)> = joints.iter().map(ratio).collect();
     let fit = &best.fit;
     let every = fit.kept.len().div_ceil(LOOKS).max(1);
     let rows: Vec<usize> = fit.kept.iter().copied().step_by(every).collect();

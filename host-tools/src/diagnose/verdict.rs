@@ -43,7 +43,7 @@ pub fn verdict(
     }));
     left.extend(too_few(problem, gap, noise));
     if noise > POLICY.beyond_stated {
-        left.extend(weighed.scattering.iter().map(|joint| remarks::scatters(problem, *joint)));
+        left.extend(remarks::joints(weighed).map(|joint| remarks::scatters(problem, joint)));
     }
     left.extend(onset::all(problem, best, &weighed.scattering));
     // What geometry alone leaves, where nothing was added to it and nothing is described.

@@ -1,5 +1,5 @@
 //! Noise that is larger one way: beside the same variance along every axis of a row, some
-//! along a direction that the row knows (the way a joint moves the target). With `V = I + v a a'`
+//! along directions that the row knows (the way a joint moves the target). With `V = I + v a a'`
 //! rows are multiplied by `V^-1/2 = I - c a a'`, and the formulas for independent noise hold
 //! (Searle, Casella and McCulloch, Variance Components, 1992, 6.2: maximum likelihood).
 
@@ -11,6 +11,8 @@ use super::tails::{Rest, TAILS, Tails};
 const STEPS: usize = 8;
 const FROM: f64 = 1e-2;
 const TO: f64 = 1e4;
+/// Share of the noise of several directions below which there is none along one.
+const FLAT: f64 = 1e-9;
 
 /// A row, as this noise sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +35,29 @@ impl Seen {
         let along = if square > 0.0 { a.dot(residual).powi(2) / square } else { 0.0 };
         let across = (residual.norm_squared() - along).max(0.0);
         Self { square, along, across, equations: residual.len() }
+    }
+
+    /// Of a row that is as noisy along several directions: along the axes of what they make
+    /// together.
+    #[must_use]
+    pub fn each(ways: &DMatrix<f64>, residual: &DVector<f64>) -> Vec<Self> {
+        if ways.ncols() == 1 {
+            return vec![Self::of(&ways.column(0).into(), residual)];
+        }
+        let eigen = (ways.transpose() * ways).symmetric_eigen();
+        let least = FLAT * eigen.eigenvalues.sum();
+        let along = |k: usize| match eigen.eigenvalues[k] > least {
+            true => Self::of(&(ways * eigen.eigenvectors.column(k)), residual),
+            // Nothing but rounding.
+            false => Self { square: 0.0, along: 0.0, across: 0.0, equations: 0 },
+        };
+        let mut all: Vec<Self> = (0..ways.ncols()).map(along).collect();
+        let rest = residual.norm_squared() - all.iter().map(|seen| seen.along).sum::<f64>();
+        for (k, seen) in all.iter_mut().enumerate() {
+            seen.across = if k == 0 { rest.max(0.0) } else { 0.0 };
+            seen.equations = if k == 0 { residual.len() } else { 0 };
+        }
+        all
     }
 
     /// Log likelihood of rows, whose other variance is what fits best.

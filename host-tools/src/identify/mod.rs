@@ -22,9 +22,10 @@ pub use blame::blamed;
 pub use figures::{AllRows, Condition, Drawn, Figures, FlaggedRow, KindFigures};
 pub use fit::{LCurvePoint, LambdaChoice, LambdaRule, choose, l_curve};
 pub use problem::{
-    Beside, Conditions, Equations, Layout, Linearised, Noise, Predictor, Problem, Scaling, State,
-    Surroundings, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Target, Turns, Unit, Unknown, Unknowns, View,
-    firmness, in_deviations, link_corrections, measurement_column, spreads,
+    Beside, Conditions, Equations, Layout, Linearised, Noise, Predictor, Problem, Scaling,
+    Scatterer, State, Surroundings, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Target, Turns, Unit,
+    Unknown, Unknowns, View, firmness, in_deviations, link_corrections, measurement_column,
+    spreads,
 };
 pub(crate) use problem::{Group, groups};
 pub use start::rigid_transform;

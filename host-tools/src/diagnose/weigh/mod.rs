@@ -38,6 +38,7 @@ use super::policy::POLICY;
 use super::question::Question;
 use crate::error::Result;
 use crate::evidence::{Effort, Known, explain};
+use crate::identify::Scatterer;
 pub use follows::{Covariate, Follows};
 use given_back::given_back;
 use joint_curves::Curve;
@@ -185,7 +186,7 @@ fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Resu
         start;
     let lambda = q.flags.lambda;
     let mut held = [lines::of(&node.added), lines].concat();
-    let joints: Vec<usize> = scattered.iter().map(|s| s.0).collect();
+    let sources: Vec<Scatterer> = scattered.iter().map(|s| s.0).collect();
     let covered = q.problem.data.covered();
     let mut round = 0;
     loop {
@@ -195,7 +196,7 @@ fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Resu
         let asked = Question { problem: &problem, ..*q };
         let (state, rows) = (node.fit.fit.state.clone(), node.fit.kept.clone());
         let mut weights =
-            weights::after(&nameless::without(&problem, &state, &nameless), &node, &joints);
+            weights::after(&nameless::without(&problem, &state, &nameless), &node, &sources);
         if even && round == 1 {
             weights.rows.fill(1.0);
         }

@@ -1,5 +1,5 @@
-//! A joint that scatters by itself: its lines are then the best of thousands of orders, and
-//! noise the better explanation.
+//! What scatters by itself: a joint, whose lines are then the best of thousands of orders and
+//! noise the better explanation, or the instrument's line of sight.
 
 use rayon::prelude::*;
 use truearm::effects::Effect;
@@ -16,13 +16,14 @@ use crate::diagnose::policy::POLICY;
 use crate::diagnose::question::Question;
 use crate::error::Result;
 use crate::evidence::{Candidate, Subsets};
-use crate::identify::Problem;
+use crate::identify::{Problem, Scatterer};
 use crate::model::ModelTerm;
+use crate::observations::kind;
 
-/// Whether it is a function of the joint's angle (counted from 0) or of where that is read:
-/// what a search among many makes of its scatter.
+/// Whether it is a function of the angle of such a joint or of where that is read: what a search
+/// among many makes of its scatter.
 #[must_use]
-pub fn fits(candidate: &candidates::Candidate, joint: usize) -> bool {
+pub fn fits(candidate: &candidates::Candidate, source: Scatterer) -> bool {
     use Effect::{
         EncoderEccentricity, GearTransmissionError, JointCoupling, JointGain, JointPeriodicError,
     };
@@ -38,35 +39,35 @@ pub fn fits(candidate: &candidates::Candidate, joint: usize) -> bool {
         ModelTerm::Lag { .. } => true,
         ModelTerm::Drift { .. } | ModelTerm::Remount { .. } => false,
     });
-    kind && candidate.joints().last() == Some(&(joint + 1))
+    kind && source.joint().is_some_and(|joint| candidate.joints().last() == Some(&(joint + 1)))
 }
 
-/// What is next to be changed of the joints, counted from 0, that scatter.
+/// What is next to be changed of what scatters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
     /// This one does, too.
-    Add(usize),
+    Add(Scatterer),
     /// This one does not, beside those that were found after it.
-    Drop(usize),
+    Drop(Scatterer),
 }
 
 impl Change {
-    /// A joint that is not asked again.
+    /// What is not asked again.
     #[must_use]
-    pub fn dropped(self) -> Option<usize> {
+    pub fn dropped(self) -> Option<Scatterer> {
         match self {
             Self::Add(_) => None,
-            Self::Drop(joint) => Some(joint),
+            Self::Drop(source) => Some(source),
         }
     }
 }
 
-/// The joint whose scatter explains most, beside what stands for it or in its place, and enough
-/// more than nothing; or one that no longer explains enough beside others. What was `dropped` is
+/// That whose scatter explains most, beside what stands for it or in its place, and enough
+/// more than nothing; or what no longer explains enough beside others. What was `dropped` is
 /// not asked again.
 #[must_use]
-pub fn next(q: &Question, found: &Searched, dropped: &[usize]) -> Option<Change> {
-    let known: Vec<usize> = found.weights.scattering.iter().map(|s| s.0).collect();
+pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Change> {
+    let known: Vec<Scatterer> = found.weights.scattering.iter().map(|s| s.0).collect();
     let (problem, state) = (found.bent.problem(q.problem), &found.best.fit.fit.state);
     let nameless = found.nameless();
     // What has no name and is of no joint is set aside, or it is scatter.
@@ -80,13 +81,13 @@ pub fn next(q: &Question, found: &Searched, dropped: &[usize]) -> Option<Change>
     let members = asked(found);
     let plain = compared.noise(&known);
     let enough = -POLICY.odds.ln();
-    let scattered = |joint: usize| {
+    let scattered = |source: Scatterer| {
         let fitted = |m: &usize| match &found.possible[*m].what {
-            What::Effect(c) => fits(c, joint),
-            What::Nameless(what) => what.joint() == Some(joint),
+            What::Effect(c) => fits(c, source),
+            What::Nameless(what) => what.joint().is_some() && what.joint() == source.joint(),
         };
         let bare: Vec<usize> = members.iter().copied().filter(|m| !fitted(m)).collect();
-        let noise = compared.noise(&[&known[..], &[joint]].concat());
+        let noise = compared.noise(&[&known[..], &[source]].concat());
         // Nothing that it has may be its scatter: what is left has to say so by itself.
         let alone = bare.len() == members.len() && noise.whole() < plain.whole() + enough;
         let ratio = noise.weights.scattering.last().map_or(0.0, |s| s.1);
@@ -94,26 +95,30 @@ pub fn next(q: &Question, found: &Searched, dropped: &[usize]) -> Option<Change>
             let all = &noise.weights.scattering;
             weights::denied(compared.left, &found.best, all) > enough
         };
-        (ratio > 0.0 && !alone && !denied()).then_some((joint, bare, noise))
+        (ratio > 0.0 && !alone && !denied()).then_some((source, bare, noise))
     };
-    let joints = (0..problem.nominal.len()).into_par_iter();
-    let others = joints.filter(|joint| !known.contains(joint) && !dropped.contains(joint));
+    let joints = (0..problem.nominal.len()).map(Scatterer::Joint);
+    // Of other kinds of measurement their own noise was found beside that of points.
+    let rows = &problem.data.rows;
+    let sight = rows.iter().all(|row| kind(row).point(row).is_some()).then_some(Scatterer::Sight);
+    let all: Vec<Scatterer> = joints.chain(sight).collect();
+    let others = all.into_par_iter().filter(|s| !known.contains(s) && !dropped.contains(s));
     let asked: Vec<_> = others.filter_map(scattered).collect();
     if asked.is_empty() && known.is_empty() {
         return None;
     }
     let plain = compared.evidence(&plain, &[&members]);
-    let without = known.par_iter().map(|joint| {
-        let others: Vec<usize> = known.iter().copied().filter(|k| k != joint).collect();
-        (*joint, plain - compared.evidence(&compared.noise(&others), &[&members]))
+    let without = known.par_iter().map(|source| {
+        let others: Vec<Scatterer> = known.iter().copied().filter(|k| k != source).collect();
+        (*source, plain - compared.evidence(&compared.noise(&others), &[&members]))
     });
     let least = without.collect::<Vec<_>>().into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    if let Some((joint, _)) = least.filter(|least| least.1 < enough) {
-        return Some(Change::Drop(joint));
+    if let Some((source, _)) = least.filter(|least| least.1 < enough) {
+        return Some(Change::Drop(source));
     }
-    let rated: Vec<(usize, f64)> = asked
+    let rated: Vec<(Scatterer, f64)> = asked
         .par_iter()
-        .map(|(joint, bare, noise)| (*joint, compared.evidence(noise, &[&members, bare]) - plain))
+        .map(|(source, bare, noise)| (*source, compared.evidence(noise, &[&members, bare]) - plain))
         .collect();
     let best = rated.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     (best.1 > enough).then_some(Change::Add(best.0))
@@ -129,21 +134,21 @@ pub fn after(q: &Question, found: &Searched, change: Change) -> Result<Start> {
     let asked = Question { problem: &problem, ..*q };
     let mut start = found.again();
     match change {
-        Change::Add(joint) => {
-            start.node.added.retain(|c| !fits(c, joint));
-            start.nameless.retain(|held| held.0.joint() != Some(joint));
-            start.scattering.push((joint, 0.0));
+        Change::Add(source) => {
+            start.node.added.retain(|c| !fits(c, source));
+            let joint = source.joint();
+            start.nameless.retain(|held| joint.is_none() || held.0.joint() != joint);
+            start.scattering.push((source, 0.0));
         }
-        Change::Drop(joint) => start.scattering.retain(|s| s.0 != joint),
+        Change::Drop(source) => start.scattering.retain(|s| s.0 != source),
     }
     start.node = fitted(&asked, start.node.added, &found.best.fit.fit.state)?;
     Ok(start)
 }
 
-/// Whether what joints scatter, (joint, ratio of variance), is what it was a round ago: while
-/// it grows, what stood in its place is still taken for an effect.
+/// Whether what scatters, with its ratio of variance, is what it was a round ago: while it grows, what stood in its place is still taken for an effect.
 #[must_use]
-pub fn is_settled(before: &[(usize, f64)], now: &[(usize, f64)]) -> bool {
+pub fn is_settled(before: &[(Scatterer, f64)], now: &[(Scatterer, f64)]) -> bool {
     before.len() == now.len()
         && before.iter().zip(now).all(|(a, b)| (a.1 - b.1).abs() <= SETTLED * a.1.max(b.1))
 }
@@ -166,7 +171,7 @@ struct Compared<'a> {
     left: &'a Problem<'a>,
 }
 
-/// Noise of a fit some joints of which scatter.
+/// Noise of a fit beside what scatters.
 struct Noise {
     weights: Weights,
     scattered: Scattered,
@@ -180,10 +185,10 @@ impl Noise {
 }
 
 impl Compared<'_> {
-    /// That of these joints, as large as what is left says.
-    fn noise(&self, joints: &[usize]) -> Noise {
+    /// That of these, as large as what is left says.
+    fn noise(&self, sources: &[Scatterer]) -> Noise {
         let Self { found, left, .. } = self;
-        let weights = weights::after(left, &found.best, joints);
+        let weights = weights::after(left, &found.best, sources);
         let fit = &found.best.fit;
         let scattered = Scattered::of(left, &fit.fit.state, &fit.kept, &weights.scattering);
         Noise { weights, scattered }

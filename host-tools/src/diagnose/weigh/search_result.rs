@@ -114,7 +114,7 @@ impl Searched {
         let rad = |ratio: f64| self.found.scale * ratio.sqrt();
         // What was found since may leave none of it.
         let scattering = self.weights.scattering.iter().filter(|(_, ratio)| *ratio > 0.0);
-        answer.scattering = scattering.map(|(joint, ratio)| (*joint, rad(*ratio))).collect();
+        answer.scattering = scattering.map(|(source, ratio)| (*source, rad(*ratio))).collect();
         // What is said of the noise, and of what it makes of a model, is of all of it.
         let (state, rows) = (&answer.best.fit.fit.state, &self.rows);
         answer.scale *= Scattered::of(&problem, state, rows, &self.weights.scattering).together();

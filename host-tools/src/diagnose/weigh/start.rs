@@ -11,7 +11,7 @@ use crate::diagnose::moments::{Bending, Moments};
 use crate::diagnose::node::Node;
 use crate::diagnose::question::Question;
 use crate::evidence::Geometry;
-use crate::identify::{Problem, State};
+use crate::identify::{Problem, Scatterer, State};
 use crate::model::ErrorCurve;
 
 /// Where a search begins.
@@ -30,9 +30,8 @@ pub struct Start {
     pub lines: Vec<Held>,
     /// Joints, counted from 0, of which no scan is believed.
     pub closed: Vec<usize>,
-    /// Joints, counted from 0, that scatter by themselves, and the ratio of variance of each as
-    /// far as it is known.
-    pub scattering: Vec<(usize, f64)>,
+    /// What scatters by itself, and the ratio of variance of each as far as it is known.
+    pub scattering: Vec<(Scatterer, f64)>,
     /// Rows count alike in the first round, whatever tails the fit leaves.
     pub even: bool,
     /// What has no name, as far as it is known: rows that it moves far are no tails.

@@ -11,6 +11,7 @@ use super::weights;
 use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::question::Question;
 use crate::evidence::tails::{Rest, Tails};
+use crate::identify::Scatterer;
 use crate::identify::fit::robust::Flags;
 
 /// RMS over the scale of the core from which on tails are not believed: the heaviest that
@@ -49,8 +50,8 @@ fn is_heavy(q: &Question, found: &Searched) -> bool {
 }
 
 fn left(q: &Question, found: &Searched) -> Vec<Rest> {
-    let joints: Vec<usize> = found.weights.scattering.iter().map(|s| s.0).collect();
-    weights::left(&found.bent.problem(q.problem), &found.best, &joints)
+    let sources: Vec<Scatterer> = found.weights.scattering.iter().map(|s| s.0).collect();
+    weights::left(&found.bent.problem(q.problem), &found.best, &sources)
 }
 
 fn tails(found: &Searched, rests: &[Rest]) -> (Tails, f64) {

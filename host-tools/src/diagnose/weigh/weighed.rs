@@ -10,6 +10,7 @@ use super::sheet::ByCurves;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::Moments;
 use crate::diagnose::node::Node;
+use crate::identify::Scatterer;
 use crate::model::ErrorCurve;
 use crate::observations::Residual;
 use crate::statistics::Stats;
@@ -72,9 +73,8 @@ pub struct Weighed {
     pub refused: Vec<Candidate>,
     /// Of these, what would have been named.
     pub surely_refused: Vec<Candidate>,
-    /// Joints, counted from 0, that scatter by themselves, and by how much, rad (one
-    /// standard deviation).
-    pub scattering: Vec<(usize, f64)>,
+    /// What scatters by itself, and by how much, rad or m (one standard deviation).
+    pub scattering: Vec<(Scatterer, f64)>,
     /// Moments of the links that go with its springs.
     pub moments: Option<Moments>,
     /// Error curves of joints, and what each is worth.

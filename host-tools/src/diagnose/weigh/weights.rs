@@ -4,17 +4,17 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::sheet::{Weights, along, counted, turning};
+use super::sheet::{Weights, along, counted, seen, turning};
 use crate::diagnose::node::Node;
 use crate::evidence::directed::{self, Seen};
 use crate::evidence::poses::{self, Readings, Scatter, Used, common_share};
 use crate::evidence::tails::{Rest, Tails};
-use crate::identify::Problem;
+use crate::identify::{Problem, Scatterer};
 use crate::observations::{by_pose, by_target, equations_of, kind, repeat};
 
-/// What rows weigh after a fit, some joints of which scatter.
+/// What rows weigh after a fit beside what scatters.
 #[must_use]
-pub fn after(problem: &Problem, node: &Node, scattering: &[usize]) -> Weights {
+pub fn after(problem: &Problem, node: &Node, scattering: &[Scatterer]) -> Weights {
     let kept = &node.fit.kept;
     let (residuals, scattering) = scattered(problem, node, scattering);
     let used = node.fit.used;
@@ -39,7 +39,7 @@ pub fn after(problem: &Problem, node: &Node, scattering: &[usize]) -> Weights {
 
 /// What a fit leaves of each pose, in the mean of its readings.
 #[must_use]
-pub fn left(problem: &Problem, node: &Node, scattering: &[usize]) -> Vec<Rest> {
+pub fn left(problem: &Problem, node: &Node, scattering: &[Scatterer]) -> Vec<Rest> {
     let kept = &node.fit.kept;
     let (residuals, _) = scattered(problem, node, scattering);
     let of = |readings: &Readings| Rest {
@@ -50,28 +50,26 @@ pub fn left(problem: &Problem, node: &Node, scattering: &[usize]) -> Vec<Rest> {
     readings(&by_pose(&problem.data.rows, kept), &residuals).iter().map(of).collect()
 }
 
-/// Residuals without what joints scatter, and the ratio of variance of each.
+/// Residuals without what these scatter, and the ratio of variance of each.
 fn scattered(
     problem: &Problem,
     node: &Node,
-    joints: &[usize],
-) -> (Vec<Vec<f64>>, Vec<(usize, f64)>) {
+    sources: &[Scatterer],
+) -> (Vec<Vec<f64>>, Vec<(Scatterer, f64)>) {
     let at = problem.linearise(&node.fit.fit.state);
     let kept = &node.fit.kept;
-    let mut out: Vec<(usize, f64)> = Vec::new();
-    for joint in joints {
+    let mut out: Vec<(Scatterer, f64)> = Vec::new();
+    for source in sources {
         let of_row = |row: &usize| {
-            let (ways, residual) = along(&at, problem, *row, *joint, &out);
-            // What both ends of a pair scatter is not told apart.
-            let one = ways.ncols() == 1;
-            one.then(|| Seen::of(&ways.column(0).into(), &DVector::from_column_slice(&residual)))
+            let (ways, residual) = along(&at, problem, *row, *source, &out);
+            seen(*source, &ways, &residual)
         };
-        let seen: Vec<Seen> = kept.par_iter().filter_map(of_row).collect();
-        out.push((*joint, directed::ratio(&seen)));
+        let seen: Vec<Seen> = kept.par_iter().flat_map_iter(of_row).collect();
+        out.push((*source, directed::ratio(&seen)));
     }
     let residual = |row: &usize| match out.split_first() {
         Some((first, others)) => {
-            let all: Vec<(usize, f64)> = others.iter().chain([first]).copied().collect();
+            let all: Vec<(Scatterer, f64)> = others.iter().chain([first]).copied().collect();
             along(&at, problem, *row, first.0, &all).1.to_vec()
         }
         None => at.scaled_residual(*row).to_vec(),
@@ -80,23 +78,25 @@ fn scattered(
 }
 
 /// By how much, in nats, readings of a pose, the arm away in between, speak against the scatter
-/// of the last of these joints: what returns with the pose is no scatter.
+/// of the last of these: what returns with the pose is no scatter.
 #[must_use]
-pub fn denied(problem: &Problem, node: &Node, scattering: &[(usize, f64)]) -> f64 {
-    let Some(((joint, ratio), others)) = scattering.split_last() else { return 0.0 };
+pub fn denied(problem: &Problem, node: &Node, scattering: &[(Scatterer, f64)]) -> f64 {
+    let Some(((source, ratio), others)) = scattering.split_last() else { return 0.0 };
     let (at, kept) = (problem.linearise(&node.fit.fit.state), &node.fit.kept);
     let (mut all, mut apart) = (Vec::new(), Vec::new());
+    let mut contrasts = 0;
     for readings in by_pose(&problem.data.rows, kept) {
         let rows: Vec<usize> = readings.iter().map(|k| kept[*k]).collect();
         let mut mean = DVector::zeros(0);
         let mut visits = 0.0;
         for (k, row) in rows.iter().enumerate() {
-            let (ways, residual) = along(&at, problem, *row, *joint, others);
-            if ways.ncols() != 1 {
+            let (ways, residual) = along(&at, problem, *row, *source, others);
+            let own = seen(*source, &ways, &residual);
+            if own.is_empty() {
                 continue;
             }
-            let (way, residual) = (ways.column(0).into(), DVector::from_column_slice(&residual));
-            all.push(Seen::of(&way, &residual));
+            all.extend(own);
+            let residual = DVector::from_column_slice(&residual);
             let pose = |row: usize| problem.data.rows[row].pose;
             let stayed = |before: usize| (before..*row).all(|r| pose(r) == pose(*row));
             if k > 0 && (stayed(rows[k - 1]) || !repeat(&problem.data.rows, &rows)) {
@@ -105,7 +105,8 @@ pub fn denied(problem: &Problem, node: &Node, scattering: &[(usize, f64)]) -> f6
             if visits > 0.0 {
                 // Contrasts of Helmert are as independent as the readings, and scatter as they do.
                 let root = f64::sqrt(visits / (visits + 1.0));
-                apart.push(Seen::of(&way, &((&mean - &residual) * root)));
+                apart.extend(Seen::each(&ways, &((&mean - &residual) * root)));
+                contrasts += 1;
                 mean += (residual - &mean) / (visits + 1.0);
             } else {
                 mean = residual;
@@ -114,7 +115,7 @@ pub fn denied(problem: &Problem, node: &Node, scattering: &[(usize, f64)]) -> f6
         }
     }
     let variance = ratio * directed::other_variance(&all, *ratio);
-    if apart.len() < REPEATED { 0.0 } else { directed::less_likely(&apart, variance) }
+    if contrasts < REPEATED { 0.0 } else { directed::less_likely(&apart, variance) }
 }
 
 /// Fewer readings of poses read before tell nothing of what returns with the pose.

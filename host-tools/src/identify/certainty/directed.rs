@@ -1,20 +1,21 @@
-//! What estimates scatter where a part of the noise is along the way that some joint moves:
-//! the fit takes it for the same every way, its estimate scatters as the noise is (White,
+//! What scatters beside the noise that rows state, and what estimates scatter for it: the fit
+//! takes its noise for the same every way, its estimate scatters as the noise is (White,
 //! Econometrica 48 (1980) 817).
 
 use nalgebra::{DMatrix, Vector3};
 use rayon::prelude::*;
 
 use crate::identify::Linearised;
-use crate::identify::problem::Problem;
+use crate::identify::problem::{Problem, Scatterer};
 use crate::model::arm::Derivatives;
-use crate::observations::postures;
+use crate::observations::{kind, postures};
 
-/// How the target of a row moves with joints wherever the arm stood for it, joint by joint.
+/// How the target of a row moves with the joints among these wherever the arm stood for it, joint
+/// by joint.
 #[must_use]
 pub fn ways(
     problem: &Problem,
-    joints: impl Iterator<Item = usize>,
+    sources: impl Iterator<Item = Scatterer>,
     index: usize,
     (i, d): (usize, &Derivatives),
 ) -> Vec<Vector3<f64>> {
@@ -23,22 +24,65 @@ pub fn ways(
         let turned = *d.links[joint].joint(problem.nominal[joint].kind);
         ends.iter().map(move |end| if *end == i { turned } else { Vector3::zeros() })
     };
-    joints.flat_map(of_joint).collect()
+    sources.filter_map(Scatterer::joint).flat_map(of_joint).collect()
+}
+
+/// How equations of a row move with each of these, in stated sigmas a rad or m. The last columns
+/// of `block` are those of [`ways`]; what stands before them comes first.
+#[must_use]
+pub fn columns(
+    problem: &Problem,
+    sources: impl Iterator<Item = Scatterer>,
+    index: usize,
+    block: &DMatrix<f64>,
+) -> (DMatrix<f64>, Vec<DMatrix<f64>>) {
+    let sources: Vec<Scatterer> = sources.collect();
+    let ends = postures(&problem.data.rows, &[index]).len();
+    let joints = sources.iter().filter(|source| source.joint().is_some()).count();
+    let own = block.ncols() - joints * ends;
+    let mut at = own;
+    let of = |source: &Scatterer| match source {
+        Scatterer::Joint(_) => {
+            at += ends;
+            block.columns(at - ends, ends).into_owned()
+        }
+        Scatterer::Sight => sight(problem, index),
+    };
+    let all = sources.iter().map(of).collect();
+    (block.columns(0, own).into_owned(), all)
+}
+
+/// How turns of the line of sight about each axis move the equations of a row; no columns where
+/// no point was read. How a target is turned is read the worse, too, by as much in the mean: that
+/// poses are noisier in points than along their sights is no scatter of their turns.
+fn sight(problem: &Problem, index: usize) -> DMatrix<f64> {
+    let row = &problem.data.rows[index];
+    let scale = problem.scale(index);
+    let Some(point) = kind(row).point(row) else { return DMatrix::zeros(scale.len(), 0) };
+    let moved = point.cross_matrix();
+    let turned = (2.0_f64 / 3.0).sqrt() * point.norm() / scale[0];
+    let way = |component: usize, axis: usize| match (component < 3, axis < 3) {
+        (true, true) => moved[(component, axis)] / scale[component],
+        (false, false) if component == axis => turned,
+        _ => 0.0,
+    };
+    DMatrix::from_fn(scale.len(), scale.len(), way)
 }
 
 /// `A'VA` of rows whose stated noise is so distributed, V a row's covariance in units of it.
 #[must_use]
 pub fn information(problem: &Problem, at: &Linearised, rows: &[usize]) -> DMatrix<f64> {
     let unknowns = problem.unknowns.list().len();
-    let joints = || problem.scattering.iter().map(|joint| joint.0);
+    let sources = || problem.scattering.iter().map(|source| source.0);
     let of_row = |row: &usize| {
-        let e = at.equations_beside(*row, &|i, d| ways(problem, joints(), *row, (i, d)));
-        let mut ways = e.block.columns(unknowns, e.block.ncols() - unknowns).into_owned();
-        let ends = ways.ncols() / problem.scattering.len();
-        for (k, mut way) in ways.column_iter_mut().enumerate() {
-            way *= problem.scattering[k / ends].1;
+        let e = at.equations_beside(*row, &|i, d| ways(problem, sources(), *row, (i, d)));
+        let (block, each) = columns(problem, sources(), *row, &e.block);
+        let mut ways = DMatrix::zeros(block.nrows(), 0);
+        for (own, (_, size)) in each.iter().zip(&problem.scattering) {
+            let first = ways.ncols();
+            ways = ways.insert_columns(first, own.ncols(), 0.0);
+            ways.columns_mut(first, own.ncols()).copy_from(&(own * *size));
         }
-        let block = e.block.columns(0, unknowns).into_owned();
         let along = block.tr_mul(&ways);
         (block.tr_mul(&block), &along * along.transpose(), ways.norm_squared(), ways.nrows())
     };

@@ -7,6 +7,7 @@ mod linearised;
 mod motion;
 mod noise;
 mod predictor;
+mod scatterer;
 mod targets;
 mod unknowns;
 
@@ -22,6 +23,7 @@ pub use motion::{Beside, moving};
 pub(crate) use noise::{Group, groups};
 pub use noise::{Noise, in_deviations};
 pub use predictor::{Model as Predictor, View, measurement_column};
+pub use scatterer::Scatterer;
 pub use targets::{Target, Turns, firmness, spreads, spreads_of};
 pub use unknowns::{Layout, State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unknown, Unknowns};
 
@@ -56,9 +58,9 @@ pub struct Problem<'a> {
     pub scaling: Scaling,
     /// By how much each kind is noisier than stated.
     pub noise: Noise,
-    /// Joints, counted from 0, that scatter by themselves, and by how much, rad or m (one
-    /// standard deviation): a part of the stated noise that is along the way they move.
-    pub scattering: Vec<(usize, f64)>,
+    /// What scatters by itself, and by how much, rad or m (one standard deviation): a part of
+    /// the stated noise that is along the way it moves targets.
+    pub scattering: Vec<(Scatterer, f64)>,
     /// Where the targets sit by registration, and how firmly; empty where nothing holds them.
     pub targets: Vec<Target>,
     /// What each row is off by for a reason that no unknown stands for, SI; empty where there

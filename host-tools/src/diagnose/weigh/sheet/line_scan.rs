@@ -131,7 +131,7 @@ impl Sheet<'_> {
             let e = self.at.equations_beside(*index, &beside);
             let explained = e.block.columns(0, p) * mean;
             let residual = Values::from_fn(e.rhs.len(), |c| e.rhs[c] - explained[c]);
-            let (equations, residual) = self.beside_scatter(e.block, residual, ends.len());
+            let (equations, residual) = self.beside_scatter(e.block, residual, *index);
             let weight = (self.weights.rows[*index] * counts).sqrt();
             Row { ends: ends.len(), equations, residual, weight }
         };

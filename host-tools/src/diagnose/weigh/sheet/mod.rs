@@ -25,16 +25,16 @@ use crate::evidence::Gram;
 use crate::evidence::poses::{Repeats, whiten};
 use crate::evidence::tails::Tailed;
 use crate::identify::problem::accumulate::tree;
-use crate::identify::{Linearised, Problem, State, Unknown};
+use crate::identify::{Linearised, Problem, Scatterer, State, Unknown};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
-use crate::observations::{by_pose, postures, repeat};
+use crate::observations::{by_pose, repeat};
 use beside_springs::shares;
 use held::held;
 pub use line_scan::{Along, Way};
 pub use repeats::counted;
 use repeats::differs;
-pub use scattered::{Scattered, along};
+pub use scattered::{Scattered, along, seen};
 pub use tool_point::ByCurves;
 pub use turning::ratio as turning;
 
@@ -57,9 +57,9 @@ pub struct Weights {
     /// Variance of a turn of the flange, rad^2, that targets of a pose share, over that of what
     /// they do not.
     pub turning: f64,
-    /// Joints, counted from 0, that scatter by themselves, and the ratio of the variance of
-    /// their angle, rad^2, to that of the stated noise.
-    pub scattering: Vec<(usize, f64)>,
+    /// What scatters by itself, and the ratio of its variance, rad^2 or m^2, to that of the
+    /// stated noise.
+    pub scattering: Vec<(Scatterer, f64)>,
     /// Log likelihood of the tails that the weights of rows stand for.
     pub tailed: Tailed,
 }
@@ -337,7 +337,7 @@ impl<'a> Sheet<'a> {
         for component in 0..y.len() {
             part[(component, last)] = e.rhs[component] + y[component];
         }
-        self.beside_scatter(part, residual, postures(&self.problem.data.rows, &[index]).len())
+        self.beside_scatter(part, residual, index)
     }
 
     /// Unknowns of geometry, curves among them, and columns of candidates.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::{Sheet, Solution, TOGETHER, counted};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
-use crate::observations::{Residual, postures};
+use crate::observations::Residual;
 
 impl Sheet<'_> {
     /// Measured minus predicted of rows, SI.
@@ -44,8 +44,8 @@ impl Sheet<'_> {
     }
 
     /// Sum of squares of what is left of these rows, by the noise that the evidence has: tails
-    /// count for little, readings of a pose as little more than one, and what joints scatter
-    /// along its direction.
+    /// count for little, readings of a pose as little more than one, and what is
+    /// scattered along its direction.
     #[must_use]
     pub fn weighed(&self, rows: &[usize], left: &[Option<Residual>]) -> f64 {
         let p = self.problem.unknowns.list().len();
@@ -54,9 +54,8 @@ impl Sheet<'_> {
             let Some(left) = left[*index].as_ref() else { return 0.0 };
             let e = self.at.equations_beside(*index, &|i, d| self.scattered(*index, i, d));
             let directions = e.block.columns(p, e.block.ncols() - p).into_owned();
-            let ends = postures(&self.problem.data.rows, &[*index]).len();
             let scaled = left.values().zip_map(&e.scale, |r, scale| r / scale);
-            let (_, rest) = self.beside_scatter(directions, scaled, ends);
+            let (_, rest) = self.beside_scatter(directions, scaled, *index);
             self.weights.rows[*index] * count * rest.norm_squared()
         };
         let each: Vec<f64> = rows.par_iter().zip(&counts).map(one).collect();

@@ -1,76 +1,96 @@
-//! Joints that scatter by themselves: the noise of a row is larger the way they move its target.
+//! What scatters by itself: the noise of a row is larger the way that moves its target.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
 use super::Sheet;
-use crate::evidence::directed::whiten;
-use crate::identify::certainty::directed::ways;
-use crate::identify::{Linearised, Problem, State};
+use crate::evidence::directed::{Seen, whiten};
+use crate::identify::certainty::directed::{columns, ways};
+use crate::identify::{Linearised, Problem, Scatterer, State};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
 
-/// How a joint moves the target of a row, in stated sigmas a rad, a column for each place
-/// where the arm stood for it, and the row's residual: both without what others scatter.
+/// How this moves the target of a row, in stated sigmas a rad or m, a column for each place where
+/// the arm stood for it or each axis of a sight, and the row's residual: both without what others
+/// scatter.
 #[must_use]
 pub fn along(
     at: &Linearised,
     problem: &Problem,
     index: usize,
-    joint: usize,
-    others: &[(usize, f64)],
+    source: Scatterer,
+    others: &[(Scatterer, f64)],
 ) -> (DMatrix<f64>, Values) {
-    let joints = || std::iter::once(joint).chain(others.iter().map(|other| other.0));
-    let e = at.equations_beside(index, &|i, d| ways(problem, joints(), index, (i, d)));
-    let residual = e.scaled_residual();
-    let unknowns = problem.unknowns.list().len();
-    let block = e.block.columns(unknowns, e.block.ncols() - unknowns).into_owned();
-    let ends = block.ncols() / (1 + others.len());
-    apart(block, residual, &ratios(others, ends))
+    let all = || std::iter::once(source).chain(others.iter().map(|other| other.0));
+    let e = at.equations_beside(index, &|i, d| ways(problem, all(), index, (i, d)));
+    let (_, mut each) = columns(problem, all(), index, &e.block);
+    let own = each.remove(0);
+    apart(own, e.scaled_residual(), each.into_iter().zip(others.iter().map(|other| other.1)))
 }
 
-/// The ratio of every column.
-fn ratios(scattering: &[(usize, f64)], ends: usize) -> Vec<f64> {
-    scattering.iter().flat_map(|(_, ratio)| std::iter::repeat_n(*ratio, ends)).collect()
+/// A row, as noise sees it that is larger the way of such a source; nothing of a row that does
+/// not tell it.
+#[must_use]
+pub fn seen(source: Scatterer, ways: &DMatrix<f64>, residual: &Values) -> Vec<Seen> {
+    let tells = match source {
+        // What both ends of a pair scatter is not told apart.
+        Scatterer::Joint(_) => ways.ncols() == 1,
+        Scatterer::Sight => ways.ncols() > 0,
+    };
+    let seen = || Seen::each(ways, &DVector::from_column_slice(residual));
+    if tells { seen() } else { Vec::new() }
 }
 
 impl Sheet<'_> {
     /// Columns of the joints that scatter, behind all others of a row.
     pub(super) fn scattered(&self, index: usize, i: usize, d: &Derivatives) -> Vec<Vector3<f64>> {
-        let joints = self.weights.scattering.iter().map(|scattering| scattering.0);
-        ways(self.problem, joints, index, (i, d))
+        let sources = self.weights.scattering.iter().map(|scattering| scattering.0);
+        ways(self.problem, sources, index, (i, d))
     }
 
     /// A row's equations and its residual without those columns, multiplied by the root of
-    /// the inverse covariance that they make.
+    /// the inverse covariance that all which scatters makes.
     pub(super) fn beside_scatter(
         &self,
         block: DMatrix<f64>,
         residual: Values,
-        ends: usize,
+        index: usize,
     ) -> (DMatrix<f64>, Values) {
-        apart(block, residual, &ratios(&self.weights.scattering, ends))
+        let scattering = &self.weights.scattering;
+        if scattering.is_empty() {
+            return (block, residual);
+        }
+        let (own, each) = columns(self.problem, scattering.iter().map(|s| s.0), index, &block);
+        apart(own, residual, each.into_iter().zip(scattering.iter().map(|s| s.1)))
     }
 }
 
-/// Equations whose last columns are directions of these ratios of variance, and a residual:
-/// both without them, the noise the same every way.
-fn apart(block: DMatrix<f64>, residual: Values, ratios: &[f64]) -> (DMatrix<f64>, Values) {
-    if ratios.is_empty() {
-        return (block, residual);
+/// Equations and a residual without noise along directions, each a group of columns and the ratio
+/// of their variance: what is left is the same every way.
+fn apart(
+    block: DMatrix<f64>,
+    residual: Values,
+    groups: impl Iterator<Item = (DMatrix<f64>, f64)>,
+) -> (DMatrix<f64>, Values) {
+    let own = block.ncols();
+    let mut wide = block.insert_column(own, 0.0);
+    residual.iter().enumerate().for_each(|(i, r)| wide[(i, own)] = *r);
+    let mut ratios = Vec::new();
+    for (ways, ratio) in groups {
+        let at = wide.ncols();
+        wide = wide.insert_columns(at, ways.ncols(), 0.0);
+        wide.columns_mut(at, ways.ncols()).copy_from(&ways);
+        ratios.extend(std::iter::repeat_n(ratio, ways.ncols()));
     }
-    let (own, all) = (block.ncols() - ratios.len(), block.ncols());
-    let mut wide = block.insert_column(all, 0.0);
-    residual.iter().enumerate().for_each(|(i, r)| wide[(i, all)] = *r);
     for (k, ratio) in ratios.iter().enumerate() {
-        let way: DVector<f64> = wide.column(own + k).into_owned();
+        let way: DVector<f64> = wide.column(own + 1 + k).into_owned();
         whiten(&mut wide, &way, *ratio);
     }
-    let residual = Values::from_fn(wide.nrows(), |i| wide[(i, all)]);
+    let residual = Values::from_fn(wide.nrows(), |i| wide[(i, own)]);
     (wide.remove_columns(own, ratios.len() + 1), residual)
 }
 
-/// What joints that scatter make of the noise of rows.
+/// What scatters by itself makes of the noise of rows.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Scattered {
     /// `log |V|`.
@@ -82,21 +102,24 @@ pub struct Scattered {
 }
 
 impl Scattered {
-    /// Of rows whose joints scatter so.
+    /// Of rows that this scatters.
     #[must_use]
-    pub fn of(problem: &Problem, state: &State, rows: &[usize], joints: &[(usize, f64)]) -> Self {
+    pub fn of(problem: &Problem, state: &State, rows: &[usize], all: &[(Scatterer, f64)]) -> Self {
         let at = problem.linearise(state);
-        let of_joint = |row: usize, k: usize| {
-            let (joint, ratio) = joints[k];
-            let (ways, _) = along(&at, problem, row, joint, &[]);
-            let (beside, _) = along(&at, problem, row, joint, &joints[..k]);
-            let of_way = |way: usize| (1.0 + ratio * beside.column(way).norm_squared()).ln();
-            let log_det = (0..beside.ncols()).map(of_way).sum();
+        let of_source = |row: usize, k: usize| {
+            let (source, ratio) = all[k];
+            let (ways, _) = along(&at, problem, row, source, &[]);
+            let (beside, _) = along(&at, problem, row, source, &all[..k]);
+            let more = beside.tr_mul(&beside) * ratio;
+            let log_det = (DMatrix::identity(more.nrows(), more.nrows()) + more).determinant().ln();
             Self { log_det, more: ratio * ways.norm_squared(), equations: ways.nrows() }
         };
         let of_row = |row: &usize| {
-            let all = (0..joints.len()).map(|k| of_joint(*row, k));
-            all.fold(Self::default(), |sum, own| Self { equations: own.equations, ..sum.plus(own) })
+            let each = (0..all.len()).map(|k| of_source(*row, k));
+            each.fold(Self::default(), |sum, own| Self {
+                equations: own.equations,
+                ..sum.plus(own)
+            })
         };
         let each: Vec<Self> = rows.par_iter().map(of_row).collect();
         each.into_iter().fold(Self::default(), Self::plus)

@@ -72,25 +72,9 @@ pub fn ratio(problem: &Problem, rows: &[usize], residuals: &[Vec<f64>], common: 
         let mut all = ways.insert_column(3, 0.0);
         all.column_mut(3).copy_from(&residual);
         poses::whiten(&mut all, readings.len(), common);
-        seen.extend(apart(&all.columns(0, 3).into(), &all.column(3).into()));
+        seen.extend(Seen::each(&all.columns(0, 3).into(), &all.column(3).into()));
     }
     if count < ENOUGH { 0.0 } else { directed::ratio(&seen) }
-}
-
-/// A pose, as noise sees it that is larger along the axes of these ways.
-fn apart(ways: &DMatrix<f64>, residual: &DVector<f64>) -> Vec<Seen> {
-    let eigen = (ways.transpose() * ways).symmetric_eigen();
-    let along = |k: usize| {
-        let way = ways * eigen.eigenvectors.column(k);
-        Seen::of(&way, residual)
-    };
-    let mut all: Vec<Seen> = (0..3).map(along).collect();
-    let rest = residual.norm_squared() - all.iter().map(|s| s.along).sum::<f64>();
-    for (k, seen) in all.iter_mut().enumerate() {
-        seen.across = if k == 0 { rest.max(0.0) } else { 0.0 };
-        seen.equations = if k == 0 { residual.len() } else { 0 };
-    }
-    all
 }
 
 /// Equations of one pose, whose last three columns are [`ways`]: without them, the noise the
@@ -141,7 +125,7 @@ mod tests {
                 let ways = DMatrix::from_fn(9, 3, |_, _| normal(1.0));
                 let turn = DVector::from_fn(3, |_, _| normal(f64::sqrt(truth)));
                 let residual = &ways * turn + DVector::from_fn(9, |_, _| normal(1.0));
-                seen.extend(apart(&ways, &residual));
+                seen.extend(Seen::each(&ways, &residual));
             }
             let found = directed::ratio(&seen);
             assert!((found - truth).abs() < 0.02 + 0.2 * truth, "{truth}: {found}");
