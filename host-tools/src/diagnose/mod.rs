@@ -15,6 +15,7 @@ pub mod moments;
 mod mounting;
 mod naming;
 mod node;
+mod noise_remarks;
 mod onset;
 mod orders;
 mod outcome;

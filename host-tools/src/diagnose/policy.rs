@@ -59,6 +59,9 @@ pub struct Policy {
 
     /// Probability from which on an effect is named, if both halves agree.
     pub named: f64,
+    /// Rows that stand out are gross errors, or suspected to be, where that is as probable as
+    /// tails of the noise.
+    pub suspected: f64,
     /// A name with which the error of the hold-out file rises by more than this share, at its stage
     /// of the gap table and in the whole model, is suspected. At its stage, of 595 sure names of
     /// some 1,100 sessions that somebody else made 20 did so by a tenth: ten were false.
@@ -140,6 +143,7 @@ pub const POLICY: Policy = Policy {
     beyond_stated: 3.0,
     beyond_fitted: 4.0,
     named: 0.9,
+    suspected: 0.5,
     rises: 0.1,
     worth_saying: 0.5,
     shares: 0.05,

@@ -8,6 +8,7 @@ use super::candidates::{self, Candidate};
 use super::effect::Effect as Shown;
 use super::moments::{Moments, bends};
 use super::node::Node;
+use super::noise_remarks as noise;
 use super::outcome::{GapRow, HoldOut, Worse, worse};
 use super::policy::POLICY;
 use super::rounding;
@@ -15,11 +16,10 @@ use super::tell::place;
 use super::weigh::{Doubt, Named, Weighed, scatter};
 use crate::error::listed;
 use crate::evidence::poses::Scatter;
-use crate::identify::{Problem, Scatterer};
+use crate::identify::Problem;
 use crate::model::{Measurements, ModelTerm};
 use crate::observations::kind;
-use crate::statistics::median;
-use crate::units::{joint_micro, to_mm};
+use crate::units::to_mm;
 
 /// All of them.
 pub fn all<'a>(
@@ -36,37 +36,12 @@ pub fn all<'a>(
         few_angles(data, best, &weighed.names),
         weightless(best, weighed),
         balanced(problem, best),
-        rounding::remark(problem, best).filter(|_| joints(weighed).next().is_none()),
+        rounding::remark(problem, best).filter(|_| noise::joints(weighed).next().is_none()),
     ]
     .into_iter()
     .flatten()
     .chain(wrong_holes(data, best))
-    .chain(joints(weighed).map(move |joint| scattering(problem, joint)))
-    .chain(weighed.scattering.iter().filter_map(move |source| sight(problem, *source)))
-}
-
-/// Joints that scatter, counted from 0, and by how much, rad or m.
-pub fn joints(weighed: &Weighed) -> impl Iterator<Item = (usize, f64)> + '_ {
-    weighed.scattering.iter().filter_map(|(source, size)| Some((source.joint()?, *size)))
-}
-
-/// A remark on an instrument whose line of sight scatters.
-fn sight(problem: &Problem, (source, size): (Scatterer, f64)) -> Option<String> {
-    let data = problem.data;
-    let ranges: Vec<f64> =
-        data.rows.iter().filter_map(|row| kind(row).point(row)).map(|p| p.norm()).collect();
-    let range = median(&ranges);
-    (source == Scatterer::Sight).then(|| {
-        format!(
-            "{}: points scatter by {:.3} mm (one standard deviation, at {range:.1} m from the origin \
-             of their coordinates) beyond the noise along the line from there, across it and in \
-             proportion to the distance, {:.0} urad, as the angles of a laser tracker do: it is \
-             counted as noise of the measurement, and what is near tells more",
-            data.path.display(),
-            to_mm(size * range),
-            size * 1e6,
-        )
-    })
+    .chain(noise::all(problem, weighed))
 }
 
 /// A joint that gives way under its load and errs once a turn: whoever balances it with a spring
@@ -207,31 +182,6 @@ fn beyond_repeats(problem: &Problem, best: &Node) -> Option<String> {
             problem.data.path.display()
         )
     })
-}
-
-/// What a joint scatters by itself.
-pub fn scatters(problem: &Problem, (joint, size): (usize, f64)) -> String {
-    let unit = joint_micro(problem.nominal[joint].kind);
-    let by = format!(
-        "joint {} scatters by {:.0} {unit} (one standard deviation) beyond the noise of the \
-         measurement",
-        joint + 1,
-        size * 1e6
-    );
-    match rounding::explains(problem, joint, size) {
-        Some(rounded) => format!("{by}: {rounded}"),
-        None => format!("{by}, by nothing that a column says"),
-    }
-}
-
-/// A remark on such a joint.
-fn scattering(problem: &Problem, (joint, size): (usize, f64)) -> String {
-    let remedy = match rounding::explains(problem, joint, size) {
-        Some(_) => "write more digits",
-        None => "look at its brake, servo and encoder",
-    };
-    let path = problem.data.path.display();
-    format!("{path}: {}: {remedy}", scatters(problem, (joint, size)))
 }
 
 /// A remark where springs give way against the torques of the file.

@@ -5,8 +5,8 @@ use super::node::Node;
 use super::outcome::Outcome;
 use super::policy::POLICY;
 use super::show::{self, HeldOut, Show};
-use super::weigh::{Nameless, Weighed, without};
-use super::{Diagnosis, described, moments, remarks, tell, verdict};
+use super::weigh::{Nameless, Weighed, gross, without};
+use super::{Diagnosis, described, moments, noise_remarks, remarks, tell, verdict};
 use crate::error::Result;
 use crate::identify::fit::estimate::Estimate;
 use crate::identify::fit::folds;
@@ -57,7 +57,9 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let goes_with = least.filter(|(p, _)| *p < POLICY.beyond_chance).map(|(_, words)| words);
     let described = described::described(problem, &weighed);
     let judged = (&weighed, &described[..]);
-    let (verdict, unnamed) = verdict::verdict(problem, judged, &best, &gap, goes_with);
+    let sources: Vec<_> = weighed.scattering.iter().map(|source| source.0).collect();
+    let gross = gross(&apart, &best, &sources);
+    let (verdict, unnamed) = verdict::verdict(problem, judged, (&best, gross), &gap, goes_with);
     let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
     let (alternatives, rivals): (_, Vec<State>) = alternatives.into_iter().unzip();
     // Masses that were assumed, or found, and move nothing are in no model.
@@ -73,10 +75,11 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let mut identified = findings.summarise();
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
-    let highest_order = show.question.highest_order;
+    let order = show.question.highest_order;
     let (effects, suspected) =
-        show::effects(&findings, &gap, &best, &weighed, &harmful, highest_order);
+        show::effects(&findings, &gap, &best, &weighed, &harmful, (order, gross));
     identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
+    identified.figures.warnings.extend(noise_remarks::tails(problem, &best, gross));
     let lines = effects.iter().chain(&suspected);
     identified.figures.warnings.extend(remarks::aliased(problem.data, lines));
     let worse = remarks::worse_elsewhere(problem.data, show.holdout, &gap);

@@ -3,10 +3,11 @@
 use super::crowd::crowded;
 use super::described::Described;
 use super::node::Node;
+use super::noise_remarks;
 use super::onset;
 use super::outcome::{GapRow, Verdict};
 use super::policy::POLICY;
-use super::remarks::{self, over_repeats};
+use super::remarks::over_repeats;
 use super::weigh::Weighed;
 use super::white;
 use crate::identify::Problem;
@@ -20,7 +21,7 @@ use crate::identify::Problem;
 pub fn verdict(
     problem: &Problem,
     (weighed, described): (&Weighed, &[Described]),
-    best: &Node,
+    (best, gross): (&Node, f64),
     gap: &[GapRow],
     goes_with: Option<String>,
 ) -> (Verdict, Vec<String>) {
@@ -43,7 +44,9 @@ pub fn verdict(
     }));
     left.extend(too_few(problem, gap, noise));
     if noise > POLICY.beyond_stated {
-        left.extend(remarks::joints(weighed).map(|joint| remarks::scatters(problem, joint)));
+        left.extend(
+            noise_remarks::joints(weighed).map(|joint| noise_remarks::scatters(problem, joint)),
+        );
     }
     left.extend(onset::all(problem, best, &weighed.scattering));
     // What geometry alone leaves, where nothing was added to it and nothing is described.
@@ -57,7 +60,7 @@ pub fn verdict(
     }
     let verdict = if !left.is_empty() {
         Verdict::Unexplained
-    } else if best.added.is_empty() && best.fit.outliers.is_empty() && weighed.curves.is_empty() {
+    } else if best.added.is_empty() && gross < POLICY.named && weighed.curves.is_empty() {
         Verdict::Clean
     } else {
         Verdict::Explained

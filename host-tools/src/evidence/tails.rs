@@ -70,6 +70,14 @@ impl Tails {
         if best.1 > normal.1 + WORTH { best } else { normal }
     }
 
+    /// Logarithm of the likelihood of rows, less what tails that are heavier than normal must be
+    /// likelier by.
+    #[must_use]
+    pub fn log_evidence(rows: &[Rest], used: f64) -> f64 {
+        let (tails, likelihood) = Self::with_likelihood(rows, used);
+        if tails.nu.is_finite() { likelihood - WORTH } else { likelihood }
+    }
+
     /// What these rows are worth by these tails.
     #[must_use]
     pub fn tailed(&self, rows: &[Rest]) -> Tailed {

@@ -10,6 +10,7 @@ mod hold_out;
 mod judged;
 mod late;
 mod lines;
+mod noise;
 mod other_arms;
 mod other_cells;
 mod repeats;

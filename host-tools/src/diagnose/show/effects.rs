@@ -26,7 +26,7 @@ pub fn effects(
     best: &Node,
     weighed: &Weighed,
     harmful: &[&str],
-    highest_order: f64,
+    (highest_order, gross): (f64, f64),
 ) -> (Vec<Effect>, Vec<Effect>) {
     let certainty = certainty(findings, weighed.moments.as_ref());
     let kinds: Vec<JointKind> = findings.problem.nominal.iter().map(|link| link.kind).collect();
@@ -75,10 +75,11 @@ pub fn effects(
             add(if sure { &mut named } else { &mut suspected }, term, effect);
         }
     }
-    let gross = best.fit.outliers.iter().any(|o| !other_side(findings, best, o));
+    let any = best.fit.outliers.iter().any(|o| !other_side(findings, best, o));
     // Where more rows stand out than can be wrong, no row can be called so.
-    if gross && !crowded(findings.problem, best) {
-        named.push(gross_rows(findings));
+    if any && gross >= POLICY.suspected && !crowded(findings.problem, best) {
+        let rows = gross_rows(findings, gross);
+        if rows.probability >= POLICY.named { &mut named } else { &mut suspected }.push(rows);
     }
     (named, suspected)
 }
@@ -205,8 +206,8 @@ fn curve_size(curve: &Curved) -> Coefficient {
     }
 }
 
-/// Rows that stand out by more than chance does in so many equations.
-fn gross_rows(findings: &Findings) -> Effect {
+/// Rows that stand out by more than chance does in so many equations, and are probably no tails.
+fn gross_rows(findings: &Findings, gross: f64) -> Effect {
     let problem = findings.problem;
     let all: Vec<usize> = (0..problem.data.rows.len()).collect();
     let equations = problem.equations(&all) as f64;
@@ -220,7 +221,7 @@ fn gross_rows(findings: &Findings) -> Effect {
         time_constant_s: None,
         time_constant_sigma_s: None,
         coefficients: Vec::new(),
-        probability: 1.0 - chance.min(1.0),
+        probability: gross.min(1.0 - chance.min(1.0)),
         half_gain: [0.0; 2],
         doubt: None,
         holdout_gain: 0.0,

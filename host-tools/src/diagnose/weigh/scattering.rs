@@ -16,9 +16,10 @@ use crate::diagnose::policy::POLICY;
 use crate::diagnose::question::Question;
 use crate::error::Result;
 use crate::evidence::{Candidate, Subsets};
-use crate::identify::{Problem, Scatterer};
-use crate::model::ModelTerm;
+use crate::identify::{Problem, Scatterer, State};
+use crate::model::{ModelTerm, Row};
 use crate::observations::kind;
+use crate::statistics::median;
 
 /// Whether it is a function of the angle of such a joint or of where that is read: what a search
 /// among many makes of its scatter.
@@ -98,9 +99,7 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
         (ratio > 0.0 && !alone && !denied()).then_some((source, bare, noise))
     };
     let joints = (0..problem.nominal.len()).map(Scatterer::Joint);
-    // Of other kinds of measurement their own noise was found beside that of points.
-    let rows = &problem.data.rows;
-    let sight = rows.iter().all(|row| kind(row).point(row).is_some()).then_some(Scatterer::Sight);
+    let sight = has_sight(&problem, state).then_some(Scatterer::Sight);
     let all: Vec<Scatterer> = joints.chain(sight).collect();
     let others = all.into_par_iter().filter(|s| !known.contains(s) && !dropped.contains(s));
     let asked: Vec<_> = others.filter_map(scattered).collect();
@@ -123,6 +122,23 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
     let best = rated.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     (best.1 > enough).then_some(Change::Add(best.0))
 }
+
+/// Whether an instrument may stand at the origins of the coordinates: an arm does not let one
+/// stand so near its base, whose frame these are then. There joints 1 and 2 together turn a target
+/// across the line from the origin, as a sight does. Of other kinds of measurement their own noise
+/// was found beside that of points.
+fn has_sight(problem: &Problem, state: &State) -> bool {
+    let rows = &problem.data.rows;
+    let far = |row: &Row| {
+        let base = &state.bases[row.station].translation;
+        kind(row).point(row).map(|point| base.norm() / (point - base).norm())
+    };
+    let far: Option<Vec<f64>> = rows.iter().map(far).collect();
+    far.is_some_and(|far| median(&far) > APART)
+}
+
+/// Distance of an origin from the base, as a share of that of targets. No study set it.
+const APART: f64 = 0.5;
 
 /// Where a search begins after this change. What fitted the scatter of a joint has to be found
 /// again beside it: with it in, the scatter is taken for smaller than it is.

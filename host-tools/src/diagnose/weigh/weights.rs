@@ -9,7 +9,7 @@ use crate::diagnose::node::Node;
 use crate::evidence::directed::{self, Seen};
 use crate::evidence::poses::{self, Readings, Scatter, Used, common_share};
 use crate::evidence::tails::{Rest, Tails};
-use crate::identify::{Problem, Scatterer};
+use crate::identify::{Linearised, Problem, Scatterer};
 use crate::observations::{by_pose, by_target, equations_of, kind, repeat};
 
 /// What rows weigh after a fit beside what scatters.
@@ -58,23 +58,69 @@ fn scattered(
 ) -> (Vec<Vec<f64>>, Vec<(Scatterer, f64)>) {
     let at = problem.linearise(&node.fit.fit.state);
     let kept = &node.fit.kept;
-    let mut out: Vec<(Scatterer, f64)> = Vec::new();
-    for source in sources {
+    let beside = |source: Scatterer, others: &[(Scatterer, f64)]| {
         let of_row = |row: &usize| {
-            let (ways, residual) = along(&at, problem, *row, *source, &out);
-            seen(*source, &ways, &residual)
+            let (ways, residual) = along(&at, problem, *row, source, others);
+            seen(source, &ways, &residual)
         };
         let seen: Vec<Seen> = kept.par_iter().flat_map_iter(of_row).collect();
-        out.push((*source, directed::ratio(&seen)));
-    }
-    let residual = |row: &usize| match out.split_first() {
-        Some((first, others)) => {
-            let all: Vec<(Scatterer, f64)> = others.iter().chain([first]).copied().collect();
-            along(&at, problem, *row, first.0, &all).1.to_vec()
-        }
-        None => at.scaled_residual(*row).to_vec(),
+        (source, directed::ratio(&seen))
     };
-    (kept.iter().map(residual).collect(), out)
+    let mut out: Vec<(Scatterer, f64)> = Vec::new();
+    for source in sources {
+        out.push(beside(*source, &out));
+    }
+    // A sight takes what several joints scatter before they are asked: each anew beside all others.
+    let turns = if out.len() > 1 && sources.contains(&Scatterer::Sight) { TURNS } else { 0 };
+    for _ in 0..turns {
+        let before = out.clone();
+        for k in 0..out.len() {
+            let (source, _) = out.remove(k);
+            out.insert(k, beside(source, &out));
+        }
+        if out == before {
+            break;
+        }
+    }
+    (kept.iter().map(|row| without(&at, problem, *row, &out)).collect(), out)
+}
+
+/// Times that ratios are found anew, each beside the others.
+const TURNS: usize = 8;
+
+/// Residual of a row without what these scatter.
+fn without(
+    at: &Linearised,
+    problem: &Problem,
+    row: usize,
+    scattering: &[(Scatterer, f64)],
+) -> Vec<f64> {
+    match scattering.first() {
+        Some((first, _)) => along(at, problem, row, *first, scattering).1.to_vec(),
+        None => at.scaled_residual(row).to_vec(),
+    }
+}
+
+/// What a fit leaves of the rows that it kept, and of those that it flagged, beside what scatters.
+#[must_use]
+pub fn kept_and_flagged(
+    problem: &Problem,
+    node: &Node,
+    scattering: &[Scatterer],
+) -> [Vec<Rest>; 2] {
+    let Weights { common, scattering, .. } = after(problem, node, scattering);
+    let at = problem.linearise(&node.fit.fit.state);
+    let flagged: Vec<usize> = node.fit.outliers.iter().map(|outlier| outlier.row).collect();
+    let rows = [&node.fit.kept[..], &flagged].concat();
+    let rest = |(row, count): (&usize, f64)| {
+        let residual = without(&at, problem, *row, &scattering);
+        let square = residual.iter().map(|x| x * x).sum();
+        Rest { square, equations: residual.len(), count }
+    };
+    let counts = counted(problem, &rows, common);
+    let mut kept: Vec<Rest> = rows.iter().zip(counts).map(rest).collect();
+    let flagged = kept.split_off(node.fit.kept.len());
+    [kept, flagged]
 }
 
 /// By how much, in nats, readings of a pose, the arm away in between, speak against the scatter

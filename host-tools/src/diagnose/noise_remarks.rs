@@ -1,0 +1,82 @@
+//! Remarks on noise that is not the same every way, or has tails.
+
+use super::crowd::crowded;
+use super::node::Node;
+use super::policy::POLICY;
+use super::rounding;
+use super::weigh::Weighed;
+use crate::error::count;
+use crate::identify::{Problem, Scatterer};
+use crate::observations::kind;
+use crate::statistics::median;
+use crate::units::{joint_micro, to_mm};
+
+/// Of what scatters by itself.
+pub fn all<'a>(problem: &'a Problem, weighed: &'a Weighed) -> impl Iterator<Item = String> + 'a {
+    let sight = |source: &(Scatterer, f64)| sight(problem, *source);
+    joints(weighed)
+        .map(|joint| scattering(problem, joint))
+        .chain(weighed.scattering.iter().filter_map(sight))
+}
+
+/// Joints that scatter, counted from 0, and by how much, rad or m.
+pub fn joints(weighed: &Weighed) -> impl Iterator<Item = (usize, f64)> + '_ {
+    weighed.scattering.iter().filter_map(|(source, size)| Some((source.joint()?, *size)))
+}
+
+/// What a joint scatters by itself.
+pub fn scatters(problem: &Problem, (joint, size): (usize, f64)) -> String {
+    let unit = joint_micro(problem.nominal[joint].kind);
+    let by = format!(
+        "joint {} scatters by {:.0} {unit} (one standard deviation) beyond the noise of the \
+         measurement",
+        joint + 1,
+        size * 1e6
+    );
+    match rounding::explains(problem, joint, size) {
+        Some(rounded) => format!("{by}: {rounded}"),
+        None => format!("{by}, by nothing that a column says"),
+    }
+}
+
+/// A remark on such a joint.
+fn scattering(problem: &Problem, (joint, size): (usize, f64)) -> String {
+    let remedy = match rounding::explains(problem, joint, size) {
+        Some(_) => "write more digits",
+        None => "look at its brake, servo and encoder",
+    };
+    let path = problem.data.path.display();
+    format!("{path}: {}: {remedy}", scatters(problem, (joint, size)))
+}
+
+/// A remark on an instrument whose line of sight scatters.
+fn sight(problem: &Problem, (source, size): (Scatterer, f64)) -> Option<String> {
+    let data = problem.data;
+    let ranges: Vec<f64> =
+        data.rows.iter().filter_map(|row| kind(row).point(row)).map(|p| p.norm()).collect();
+    let range = median(&ranges);
+    (source == Scatterer::Sight).then(|| {
+        format!(
+            "{}: points scatter by {:.3} mm (one standard deviation, at {range:.1} m from the origin \
+             of their coordinates) beyond the noise along the line from there, across it and in \
+             proportion to the distance, {:.0} urad, as where an instrument there reads angles: it is \
+             counted as noise of the measurement, and what is near tells more",
+            data.path.display(),
+            to_mm(size * range),
+            size * 1e6,
+        )
+    })
+}
+
+/// A remark on rows that stand out as the ends of tails do.
+pub fn tails(problem: &Problem, best: &Node, gross: f64) -> Option<String> {
+    let rows = best.fit.outliers.len();
+    (rows > 0 && gross < POLICY.suspected && !crowded(problem, best)).then(|| {
+        format!(
+            "{}: {rows} left out for standing out by no more than tails of this noise do: nothing \
+             says that any is wrong",
+            problem.data.path.display(),
+            rows = count(rows, "row"),
+        )
+    })
+}

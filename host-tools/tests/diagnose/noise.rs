@@ -1,0 +1,99 @@
+//! Noise of the instrument that is not the same every way, or has tails.
+
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use truearm_host::diagnose::{Outcome, Verdict};
+use truearm_host::effects::OUTLIERS;
+
+use super::session::{Real, SIGMA, arm, diagnosed, session, still, with};
+use super::simulated::vector;
+
+const TRACKER: Vector3<f64> = Vector3::new(2.5, -1.5, 0.4);
+
+/// What is said of a session whose base is seen there, m, with more noise at each point.
+fn seen(
+    (rows, seed): (usize, u64),
+    base: Vector3<f64>,
+    real: &Real,
+    more: &dyn Fn(&Vector3<f64>, &mut ChaCha8Rng) -> Vector3<f64>,
+) -> Outcome {
+    let mut session = session(rows, seed, real, &still);
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let own = session.truth.state().bases[0].translation;
+    for point in &mut session.points {
+        *point += base - own;
+        *point += more(point, &mut rng);
+    }
+    diagnosed(&arm(), &with(&session, "", |_| String::new()))
+}
+
+fn said(outcome: &Outcome, words: &str) -> bool {
+    outcome.figures.warnings.iter().any(|warning| warning.contains(words))
+}
+
+/// A laser tracker reads angles worse than distances: two joints scattered for it.
+#[test]
+fn a_sight_scatters_and_no_joint_for_it() {
+    let unmoved = |q: &[f64], _: &[f64]| q.to_vec();
+    let sight = |point: &Vector3<f64>, rng: &mut ChaCha8Rng| (vector(rng) * 25e-6).cross(point);
+    for seed in 80..84 {
+        let outcome = seen((250, seed), TRACKER, &unmoved, &sight);
+        assert!(said(&outcome, "points scatter by "), "{:?}", outcome.figures.warnings);
+        assert!(!said(&outcome, "joint "), "{:?}", outcome.figures.warnings);
+        assert_eq!(outcome.verdict, Verdict::Clean, "{:?}", outcome.unnamed);
+    }
+}
+
+/// Joints that scatter are no sight: not where an instrument stands, and not at the base, round
+/// which joints 1 and 2 turn targets as a sight there would.
+#[test]
+fn joints_that_scatter_are_no_sight() {
+    let nothing = |_: &Vector3<f64>, _: &mut ChaCha8Rng| Vector3::zeros();
+    let loose = |q: &[f64], _: &[f64]| {
+        // Of bits that nothing recorded goes with.
+        let side = |q: f64| if (q * 1e9) as i64 % 2 == 0 { 2.5e-4 } else { -2.5e-4 };
+        let mut out = q.to_vec();
+        (0..2).for_each(|k| out[k] += side(q[k]));
+        out
+    };
+    for (seed, base) in
+        [(90, TRACKER), (91, TRACKER), (90, Vector3::zeros()), (91, Vector3::zeros())]
+    {
+        let outcome = seen((200, seed), base, &loose, &nothing);
+        let warnings = &outcome.figures.warnings;
+        assert!(!said(&outcome, "points scatter by "), "{seed}: {warnings:?}");
+        for joint in 1..7 {
+            let told = said(&outcome, &format!("joint {joint} scatters by "));
+            assert_eq!(told, joint < 3, "{seed}: {warnings:?}");
+        }
+    }
+}
+
+/// Student's t of four degrees of freedom: rows beyond eight standard deviations of the core were
+/// gross errors at a probability of 1, and the verdict `explained`. One that is far beyond these
+/// is.
+#[test]
+fn ends_of_tails_are_left_out_and_are_no_gross_errors() {
+    let unmoved = |q: &[f64], _: &[f64]| q.to_vec();
+    let tails = |_: &Vector3<f64>, rng: &mut ChaCha8Rng| {
+        let core: f64 = (0..4).map(|_| vector(rng)[0].powi(2)).sum::<f64>() / 4.0;
+        vector(rng) * 3.0 * SIGMA / core.sqrt()
+    };
+    let named = |outcome: &Outcome| outcome.effects.iter().any(|e| e.name == OUTLIERS);
+    let mut left_out = 0;
+    for seed in 60..68 {
+        let outcome = seen((250, seed), TRACKER, &unmoved, &tails);
+        assert!(!named(&outcome), "{seed}: {:?}", outcome.figures.outlier_rows);
+        assert_eq!(outcome.verdict, Verdict::Clean, "{seed}: {:?}", outcome.unnamed);
+        left_out += outcome.figures.outlier_rows.len();
+        let once = std::cell::Cell::new(true);
+        let far = |point: &Vector3<f64>, rng: &mut ChaCha8Rng| {
+            let off = if once.replace(false) { 0.02 } else { 0.0 };
+            tails(point, rng) + Vector3::new(0.0, off, 0.0)
+        };
+        let outcome = seen((250, seed), TRACKER, &unmoved, &far);
+        assert!(named(&outcome), "{seed}: {:?}", outcome.figures.outlier_rows);
+    }
+    assert!(left_out > 0);
+}
