@@ -70,9 +70,9 @@ fn scattered(
     for source in sources {
         out.push(beside(*source, &out));
     }
-    // A sight takes what several joints scatter before they are asked: each anew beside all others.
-    let turns = if out.len() > 1 && sources.contains(&Scatterer::Sight) { TURNS } else { 0 };
-    for _ in 0..turns {
+    // The first takes what others scatter, too: each anew beside all others. So for joints and
+    // a sight alike, as their evidence is compared.
+    for _ in 0..if out.len() > 1 { TURNS } else { 0 } {
         let before = out.clone();
         for k in 0..out.len() {
             let (source, _) = out.remove(k);
