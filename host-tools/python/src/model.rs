@@ -47,7 +47,8 @@ impl Model {
 
     /// Writes a model.toml.
     fn save(&self, path: PathBuf) -> PyResult<()> {
-        files::write(&path, self.inner.to_toml().as_bytes()).map_err(refused)
+        let text = self.inner.to_sound_toml().map_err(refused)?;
+        files::write(&path, text.as_bytes()).map_err(refused)
     }
 
     /// The text of its model.toml.
@@ -55,16 +56,21 @@ impl Model {
         self.inner.to_toml()
     }
 
-    /// The parameter blob that a controller loads.
-    #[pyo3(signature = (sequence=None, covariance=false))]
+    /// The parameter blob that a controller loads. `marker` is the one that is the tool; needed
+    /// where the points of several were measured, and none is without a label.
+    #[pyo3(signature = (sequence=None, covariance=false, marker=None))]
     fn pack<'py>(
         &self,
         py: Python<'py>,
         sequence: Option<u32>,
         covariance: bool,
+        marker: Option<&str>,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let options = PackOptions { sequence, covariance, ..PackOptions::default() };
-        Ok(PyBytes::new(py, &pack_with(&self.inner, &options).map_err(refused)?))
+        let of_tool = marker.map(|marker| self.inner.clone().with_tool(marker));
+        let of_tool = of_tool.transpose().map_err(refused)?;
+        let model = of_tool.as_ref().unwrap_or(&self.inner);
+        Ok(PyBytes::new(py, &pack_with(model, &options).map_err(refused)?))
     }
 
     /// Where the real tool is at joint values (n x joints, rad or m): n x 4 x 4, m.

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use truearm_host::check as gross;
+use truearm_host::check::{self as gross, Ended, explained, remark};
 use truearm_host::diagnose::{self as diagnosis, DiagnoseOptions};
 use truearm_host::evaluate::{self as evaluation, Reregister};
 use truearm_host::files::Gathered;
@@ -13,7 +13,7 @@ use truearm_host::plan::{self as planning, PlanOptions};
 use truearm_host::report::{
     CheckReport, DiagnoseReport, EvaluateReport, IdentifyReport, PlanReport, VerifyReport, to_json,
 };
-use truearm_host::verify as verification;
+use truearm_host::verify::{self as verification, Tolerances};
 
 use crate::arrays::matrix;
 use crate::measurements::Measurements;
@@ -47,9 +47,14 @@ pub fn identify(
     allow_few_poses: bool,
 ) -> PyResult<Found> {
     let options = Options { allow_few_poses, ..Options::default() };
-    let found = py
-        .detach(|| identification::identify(&robot.inner, &data.inner, &options, &|_, _| ()))
-        .map_err(refused)?;
+    let (robot, data) = (&robot.inner, &data.inner);
+    let found = py.detach(|| {
+        let found = identification::identify(robot, data, &options, &|_, _| ());
+        let mut found = found.map_err(|error| explained(error, robot, data))?;
+        found.figures.warnings.extend(remark(Ended::of(&found.figures), robot, data));
+        Ok(found)
+    });
+    let found = found.map_err(refused)?;
     let json = to_json(&IdentifyReport::new(found.figures, None));
     Found::new(py, found.model, json)
 }
@@ -68,14 +73,19 @@ pub fn diagnose(
 ) -> PyResult<Found> {
     let usual = DiagnoseOptions::default();
     let options = DiagnoseOptions {
-        highest_order: highest_order.unwrap_or(usual.highest_order).clamp(3.0, 2000.0),
+        highest_order: highest_order.unwrap_or(usual.highest_order),
         most_terms: most_terms.unwrap_or(usual.most_terms),
         allow_few_poses,
     };
-    let holdout = holdout.map(|h| &h.inner);
-    let found = py
-        .detach(|| diagnosis::diagnose(&robot.inner, &data.inner, holdout, &options, &|_| ()))
-        .map_err(refused)?;
+    let (robot, data, holdout) = (&robot.inner, &data.inner, holdout.map(|h| &h.inner));
+    let found = py.detach(|| {
+        let found = diagnosis::diagnose(robot, data, holdout, &options, &|_| ());
+        let mut found = found.map_err(|error| explained(error, robot, data))?;
+        let figures = &mut found.outcome.figures;
+        figures.warnings.extend(remark(Ended::of(figures), robot, data));
+        Ok(found)
+    });
+    let found = found.map_err(refused)?;
     let json = to_json(&DiagnoseReport::new(found.outcome));
     Found::new(py, found.model, json)
 }
@@ -129,15 +139,16 @@ pub fn verify(
     let after = after.map_err(refused)?;
     let file = model.inner.robot.path.display().to_string();
     let warnings = [data.data.warnings.clone(), after.warnings.clone()].concat();
-    let tolerances = [tolerance_mm, tolerance_deg];
-    Ok(to_json(&VerifyReport::new(file, None, after, tolerances, warnings)))
+    let tolerances = Tolerances { mm: tolerance_mm, deg: tolerance_deg };
+    let report = VerifyReport::new(file, None, after, tolerances, warnings).map_err(refused)?;
+    Ok(to_json(&report))
 }
 
 /// Poses to measure, of which measurements of a kind determine the arm best, with the
 /// instruments.toml beside the robot's file: joint values (n x joints, rad or m) and the
 /// report as JSON.
 #[pyfunction]
-#[pyo3(signature = (robot, poses=20, candidates=2000, target_um=None, seed=1, kind="point"))]
+#[pyo3(signature = (robot, poses=20, candidates=3000, target_um=None, seed=1, kind="point"))]
 pub fn plan<'py>(
     py: Python<'py>,
     robot: &Robot,

@@ -32,10 +32,13 @@ pub fn pack(model: &Model, sequence: Option<u32>) -> Result<Vec<u8>> {
 /// The blob of a model.
 ///
 /// # Errors
-/// More terms than a controller takes, a creation time that cannot be read, a
+/// A tool that is one of several markers or that the measurements left open, more terms than a
+/// controller takes, a creation time that cannot be read, a
 /// covariance that is missing or of another model, or a value that a controller
 /// would refuse, by name.
 pub fn pack_with(model: &Model, options: &PackOptions) -> Result<Vec<u8>> {
+    model.clear_tool()?;
+    model.told_tool()?;
     let (sequence, created) = match (options.sequence.or(model.provenance.sequence), created(model))
     {
         (Some(number), created) => (number, created.unwrap_or(0)),

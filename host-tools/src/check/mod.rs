@@ -19,11 +19,13 @@ mod sample;
 mod scene;
 mod search;
 mod stray;
+mod suspect;
 mod words;
 
 pub use mistake::{AngleUnit, Convention, LengthUnit, Mistake, New};
 pub use stray::Stray;
-pub use words::Said;
+pub use suspect::{Ended, explained, remark};
+pub use words::{Said, together};
 
 use nalgebra::Vector3;
 

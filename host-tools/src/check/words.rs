@@ -25,6 +25,12 @@ pub struct Said {
     pub rows: Option<String>,
 }
 
+/// Several changes in a sentence.
+#[must_use]
+pub fn together(changes: &[Said]) -> String {
+    changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", and ")
+}
+
 impl std::fmt::Display for Said {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { from, to, .. } = self;

@@ -4,12 +4,9 @@ use clap::Args;
 use truearm_host::check::mend::{MENDED, mend};
 use truearm_host::check::{Finding, Verdict, check};
 use truearm_host::files::{foreign, read_text, write_all};
-use truearm_host::identify::Figures;
-use truearm_host::methods::Comparison;
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::report::{CheckReport, to_json};
-use truearm_host::units::to_mm;
-use truearm_host::{Error, ErrorKind, Result};
+use truearm_host::{Error, Result};
 
 use super::{End, Said, overwrite, warn, words};
 
@@ -106,117 +103,4 @@ impl Check {
         let alike = first.is_some_and(|line| stood.starts_with(line.as_bytes()));
         if alike || stood == text.as_bytes() { Ok(()) } else { Err(foreign(path)) }
     }
-}
-
-/// Corrections beyond are no arm's own, tolerances: the norm of all of them.
-const MANY_TOLERANCES: f64 = 100.0;
-/// From here on it is worth a look whether a mistake is behind them: poorly made
-/// arms of seven joints have 20.
-const SUSPICIOUS_TOLERANCES: f64 = 40.0;
-/// A single correction beyond is of the size of gross mistakes, tolerances: 2 cm, or
-/// 1.1 degrees.
-const LARGE_TOLERANCES: f64 = 20.0;
-/// A misfit beyond makes no sense, mm.
-const SENSELESS_MM: f64 = 20.0;
-
-/// An error of a fit, with what `check` has to say of the files. Their warnings
-/// come first: what looked wrong there may be why.
-pub fn explained(error: Error, robot: &Robot, data: &Measurements) -> Error {
-    warn(&[robot.warnings.as_slice(), &data.warnings].concat());
-    let kinds = [ErrorKind::NotConverged, ErrorKind::Contradiction, ErrorKind::Singular];
-    if !kinds.contains(&error.kind()) {
-        return error;
-    }
-    match found(robot, data) {
-        Some(found) => {
-            let help = format!("{found}\n{}", error.help());
-            Error::data(error.kind(), error.to_string(), help)
-        }
-        None => error,
-    }
-}
-
-/// Where a fit ended.
-#[derive(Clone, Copy)]
-pub struct Ended {
-    /// Norm of the corrections, tolerances.
-    norm: f64,
-    /// The largest of them.
-    largest: f64,
-    /// Misfit, mm.
-    rms: f64,
-}
-
-impl Ended {
-    pub fn of(figures: &Figures) -> Self {
-        Self {
-            norm: figures.correction_norm,
-            largest: figures.largest_correction,
-            rms: figures.identified.map_or(0.0, |stats| stats.rms_mm),
-        }
-    }
-
-    /// Of the method that `identify` has; none where it broke down.
-    pub fn of_methods(compared: &Comparison) -> Option<Self> {
-        let method = compared.methods.iter().find(|method| method.name == "RPIM")?;
-        Some(Self {
-            norm: method.correction_norm?,
-            largest: method.largest_correction?,
-            rms: method.fitted?.rms_mm,
-        })
-    }
-}
-
-/// A remark where a fit ended at figures that make no sense.
-pub fn remark(ended: Ended, robot: &Robot, data: &Measurements) -> Option<String> {
-    let Ended { norm, largest, rms } = ended;
-    if norm <= SUSPICIOUS_TOLERANCES && largest <= LARGE_TOLERANCES && rms <= SENSELESS_MM {
-        return None;
-    }
-    let what = if rms > SENSELESS_MM {
-        format!("a misfit of {rms:.0} mm RMS is left")
-    } else if largest > LARGE_TOLERANCES && norm <= MANY_TOLERANCES {
-        format!("the largest correction is {largest:.0} tolerances")
-    } else {
-        format!("the corrections are {norm:.0} tolerances")
-    };
-    let few = norm <= MANY_TOLERANCES && largest <= LARGE_TOLERANCES && rms <= SENSELESS_MM;
-    let why = match found(robot, data) {
-        Some(why) => why,
-        None if few => return None,
-        None => "no gross mistake explains it".to_owned(),
-    };
-    Some(format!("{}: {what}, more than a sound arm has: {why}", data.path.display()))
-}
-
-/// What `check` finds, in a sentence; `None` where it finds nothing.
-fn found(robot: &Robot, data: &Measurements) -> Option<String> {
-    let finding = check(robot, data);
-    if finding.too_few.is_some() {
-        return None;
-    }
-    let many = finding.stray.as_ref().filter(|stray| stray.many);
-    let words = match finding.verdict {
-        // A few rows may be wrong in a sound file.
-        Verdict::Sound => {
-            let stray = finding.stray.as_ref()?;
-            format!("{stray}: correct what was written there, or leave it out")
-        }
-        Verdict::NotUnderstood if many.is_some() => {
-            many.map(ToString::to_string).unwrap_or_default()
-        }
-        Verdict::Mendable => format!(
-            "{}; with that mended {:.2} mm RMS are left: `truearm check {} {} --fix DIR` mends it",
-            words::together(&finding.said),
-            to_mm(finding.rms_after),
-            robot.path.display(),
-            data.path.display(),
-        ),
-        Verdict::NotUnderstood => format!(
-            "robot and measurements disagree by {:.0} mm RMS and no one or two mistakes explain it: \
-             are they of the same arm?",
-            to_mm(finding.rms_before),
-        ),
-    };
-    Some(words)
 }

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use truearm_host::Result;
+use truearm_host::check::{Ended, remark};
 use truearm_host::files::write_all;
 use truearm_host::methods::{self, Frames};
 use truearm_host::model::Measurements;
@@ -9,10 +10,9 @@ use truearm_host::observations::points_only;
 use truearm_host::page::compared;
 use truearm_host::report::{CompareReport, to_json};
 
-use super::check::{Ended, explained, remark};
 use super::evaluate::Frames as Anew;
 use super::page::page_files;
-use super::{Said, overwrite, read_both, warn, words};
+use super::{Said, failed, overwrite, read_both, warn, words};
 
 /// The paper's methods side by side: errors, reduction, time, size of the corrections.
 #[derive(Args)]
@@ -57,7 +57,7 @@ impl Compare {
         let frames = if self.hold_frames { Frames::Held } else { Frames::Fitted };
         let judge = other.as_ref().map(|o| (o, anew));
         let mut found = methods::compare(&robot, &data, judge, frames, &methods::all())
-            .map_err(|error| explained(error, &robot, &data))?;
+            .map_err(|error| failed(error, &robot, &data))?;
         let ended = Ended::of_methods(&found);
         found.warnings.extend(ended.and_then(|ended| remark(ended, &robot, &data)));
         warn(&found.warnings);

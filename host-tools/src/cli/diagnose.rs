@@ -1,19 +1,18 @@
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::Args;
+use truearm_host::check::{Ended, remark};
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::evaluate::not_covered;
 use truearm_host::model::{Measurements, ModelTerm};
 use truearm_host::page::{Measured, Next, diagnosed};
 use truearm_host::report::DiagnoseReport;
-use truearm_host::{Error, Result};
+use truearm_host::Result;
 
-use super::check::{Ended, explained, remark};
 use super::page::next_line;
 use super::progress::Bar;
-use super::rows::{apart, residuals};
-use super::{Said, deliver, overwrite, read_all, warn, words};
+use super::rows::residuals;
+use super::{Said, deliver, failed, overwrite, read_all, warn, words};
 
 /// Find where model and measurement disagree, name the missing effect, add it,
 /// and show the gap shrink on poses that were not fitted.
@@ -59,46 +58,23 @@ pub struct Diagnose {
     allow_few_poses: bool,
 }
 
-/// Orders that a gear or an encoder may have, cycles a turn.
-const ORDERS: RangeInclusive<f64> = 3.0..=2000.0;
-
 impl Diagnose {
-    fn options(&self) -> Result<DiagnoseOptions> {
-        // NaN is in no range.
-        if !ORDERS.contains(&self.highest_order) {
-            let (low, high) = (ORDERS.start(), ORDERS.end());
-            return Err(Error::usage(
-                format!("--highest-order {}", self.highest_order),
-                format!("give {low} to {high} cycles a turn"),
-            ));
-        }
-        if self.most_terms == 0 {
-            return Err(Error::usage(
-                "--most-terms 0",
-                "give 1 or more; `truearm identify` finds the geometry alone",
-            ));
-        }
-        Ok(DiagnoseOptions {
+    pub fn run(self) -> Result<Said> {
+        let options = DiagnoseOptions {
             highest_order: self.highest_order,
             most_terms: self.most_terms,
             allow_few_poses: self.allow_few_poses,
-        })
-    }
-
-    pub fn run(self) -> Result<Said> {
-        let options = self.options()?;
+        };
+        options.sensible()?;
         let files: Vec<&PathBuf> = self.data.iter().chain(&self.more).collect();
         let inputs = std::iter::once(&self.robot).chain(files.iter().copied()).chain(&self.holdout);
         overwrite::folder_apart(self.out.as_deref(), &overwrite::MODEL_FOLDER, inputs)?;
         let (robot, data) = read_all(&self.robot, &files)?;
         let holdout = self.holdout.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
-        if let Some(holdout) = &holdout {
-            apart("--holdout", &data, holdout)?;
-        }
         let bar = Bar::new("diagnosing");
         let found = diagnose(&robot, &data, holdout.as_ref(), &options, &|stage| bar.stage(stage));
         bar.finish();
-        let mut found = found.map_err(|error| explained(error, &robot, &data))?;
+        let mut found = found.map_err(|error| failed(error, &robot, &data))?;
         let figures = &mut found.outcome.figures;
         figures.warnings.extend(remark(Ended::of(figures), &robot, &data));
         if let Some(holdout) = &holdout {

@@ -96,8 +96,11 @@ impl Fleet {
         let hidden = |path: &Path| {
             path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
         };
-        let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+        let paths = entries.map(|entry| entry.map(|entry| entry.path()));
+        let paths: Vec<PathBuf> =
+            paths.collect::<std::io::Result<_>>().map_err(|e| Error::io(&self.dir, e))?;
         let mut folders: Vec<PathBuf> = paths
+            .into_iter()
             .filter(|p| p.is_dir() && !hidden(p) && (out.is_none() || real(p) != out))
             .collect();
         folders.sort();

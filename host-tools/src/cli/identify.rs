@@ -1,7 +1,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use truearm_host::evaluate::evaluate;
+use truearm_host::check::{Ended, remark};
+use truearm_host::evaluate::{evaluate, not_fitted};
 use truearm_host::files::{Pieces, Sample};
 use truearm_host::gram::{DRAWN, LARGE, identify_in_pieces, sums_tell};
 use truearm_host::identify::{Identification, LambdaRule, Options, Scaling, identify};
@@ -11,11 +12,10 @@ use truearm_host::report::IdentifyReport;
 
 use truearm_host::{Error, ErrorKind, Result};
 
-use super::check::{Ended, explained, remark};
 use super::evaluate::Frames;
 use super::progress::Bar;
-use super::rows::{apart, not_fitted, residuals};
-use super::{Said, all_of, deliver, overwrite, warn, words};
+use super::rows::residuals;
+use super::{Said, all_of, deliver, failed, overwrite, warn, words};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
 #[derive(Args)]
@@ -127,7 +127,7 @@ impl Identify {
         let bar = Bar::new("identifying");
         if let Some((rows, sample)) = self.pieces(robot, files, options)? {
             if let Some(other) = other {
-                not_fitted("--validate", &rows.names(), rows.shared(other)?, other)?;
+                not_fitted(&rows.names(), rows.shared(other)?, other)?;
             }
             let progress = |_, read| bar.update(read, rows.rows());
             let found = identify_in_pieces(&rows, &sample, options, &progress);
@@ -136,7 +136,7 @@ impl Identify {
         }
         let data = all_of(files, robot)?;
         if let Some(other) = other {
-            apart("--validate", &data, other)?;
+            not_fitted(&data.path.display().to_string(), data.shared(other), other)?;
         }
         let found = identify(robot, &data, options, &|done, total| bar.update(done, total));
         bar.finish();
@@ -211,7 +211,7 @@ fn remarked(
     robot: &Robot,
     data: Measurements,
 ) -> Result<(Measurements, Identification)> {
-    let mut found = found.map_err(|error| explained(error, robot, &data))?;
+    let mut found = found.map_err(|error| failed(error, robot, &data))?;
     found.figures.warnings.extend(remark(Ended::of(&found.figures), robot, &data));
     Ok((data, found))
 }

@@ -40,6 +40,7 @@ use std::time::Instant;
 use clap::{CommandFactory, Parser, Subcommand};
 use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::blob::explain;
+use truearm_host::check::explained;
 use truearm_host::files::write_all;
 use truearm_host::model::{Measurements, Model, Robot};
 use truearm_host::page::Page;
@@ -154,6 +155,13 @@ fn read_all(robot: &Path, data: &[&PathBuf]) -> Result<(Robot, Measurements)> {
     Ok((robot, data))
 }
 
+/// The error of a fit, with what explains it. The warnings of the files come first: what looked
+/// wrong there may be why.
+fn failed(error: Error, robot: &Robot, data: &Measurements) -> Error {
+    warn(&[robot.warnings.as_slice(), &data.warnings].concat());
+    explained(error, robot, data)
+}
+
 /// Files of what was measured of an arm that is read.
 fn all_of(data: &[&PathBuf], robot: &Robot) -> Result<Measurements> {
     let data = session(data.iter().copied(), robot).inspect_err(|_| warn(&robot.warnings))?;
@@ -170,7 +178,7 @@ fn session<'p>(
     files.into_iter().try_fold(None, |all: Option<Measurements>, file| {
         let read = Measurements::read(file, robot)?;
         Ok(Some(match all {
-            Some(all) => all.joined(read, robot),
+            Some(all) => all.joined(read, robot)?,
             None => read,
         }))
     })

@@ -10,6 +10,8 @@ use truearm_host::model::Model;
 use truearm_host::page::BEGIN;
 use truearm_host::{Error, Result};
 
+use super::rows::RESIDUALS;
+
 /// Whether none of the outputs is a file that is read, by whatever name.
 ///
 /// # Errors
@@ -108,12 +110,13 @@ pub fn in_folder(folder: &Path, model: &Model, force: bool) -> Result<()> {
         return Ok(());
     }
     page_file(&folder.join("report.html"), force)?;
-    for (name, begin) in
-        [("report.json", "{\n  \"schema\": \"truearm-"), ("residuals.csv", "row,line,")]
+    for (name, begins) in
+        [("report.json", &["{\n  \"schema\": \"truearm-"][..]), ("residuals.csv", &RESIDUALS)]
     {
         let path = folder.join(name);
+        let own = |bytes: &[u8]| begins.iter().any(|begin| bytes.starts_with(begin.as_bytes()));
         match std::fs::read(&path) {
-            Ok(bytes) if !bytes.starts_with(begin.as_bytes()) => return Err(foreign(&path)),
+            Ok(bytes) if !own(&bytes) => return Err(foreign(&path)),
             _ => {}
         }
     }

@@ -104,7 +104,6 @@ impl Pack {
         let inputs = [&self.model, &self.memory].into_iter().chain(&self.key);
         overwrite::apart([self.out.as_path()], inputs.map(PathBuf::as_path))?;
         let model = self.of_tool(Model::read(&self.model)?)?;
-        told(&model, &self.model)?;
         let key = self.key.as_deref().map(read_key).transpose()?;
         let options = PackOptions { sequence: self.sequence, covariance: self.covariance, key };
         let bytes = pack_with(&model, &options)?;
@@ -146,7 +145,6 @@ impl Pack {
                 false => Ok(own),
             };
         }
-        model.clear_tool()?;
         Ok(model)
     }
 
@@ -191,29 +189,6 @@ impl Pack {
             Format::Elf => image::elf(bytes, slot?),
         })
     }
-}
-
-/// Half width of the 95 % interval of the tool point beyond which a model is not packed, mm.
-/// An arm of which nothing but its tolerances of 1 mm and 1 mrad is known has 2 to 4.
-const UNTOLD: f64 = 20.0;
-
-/// That the tool is known better than it was before anything was measured.
-fn told(model: &Model, path: &Path) -> Result<()> {
-    let known = model.provenance.tool_point_mm.unwrap_or(0.0);
-    if known <= UNTOLD {
-        return Ok(());
-    }
-    Err(Error::data(
-        ErrorKind::Refused,
-        format!(
-            "{}: the measurements leave the tool point unknown to +-{known:.0} mm (95 %), more than \
-             no calibration would: {}",
-            path.display(),
-            model.unidentifiable.first().map_or("poses too alike", String::as_str)
-        ),
-        "turn the wrist about every axis while measuring, add rows that see the tool from other \
-         sides, or a kind that fixes what is open (docs/instruments.md)",
-    ))
 }
 
 /// Whose point the tool of the blob is, where that is not plain.

@@ -15,7 +15,7 @@ use truearm_host::{Error, ErrorKind, Result};
 use super::page::page_files;
 use super::progress::Bar;
 use super::workspace::Where;
-use super::{End, Said, overwrite, warn, words};
+use super::{End, Said, count, overwrite, warn, words};
 
 /// Choose the poses to measure before an identification, or to tell two
 /// explanations of `diagnose` apart.
@@ -25,7 +25,7 @@ pub struct Plan {
     robot: PathBuf,
     /// How many poses (of pairs how many pairs, of images how many images); with --target-um,
     /// at most so many
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count, allow_hyphen_values = true)]
     poses: usize,
     /// What will be measured at each: a kind of measurements.csv, such as point, pose (its
     /// orientation as well), touch or plate
@@ -56,7 +56,13 @@ pub struct Plan {
     #[arg(long, value_name = "DATA")]
     discriminate: Option<PathBuf>,
     /// Poses drawn at random to choose from
-    #[arg(long, default_value_t = 3000, value_name = "COUNT")]
+    #[arg(
+        long,
+        default_value_t = 3000,
+        value_name = "COUNT",
+        value_parser = count,
+        allow_hyphen_values = true
+    )]
     candidates: usize,
     /// Other random candidates
     #[arg(long, default_value_t = 1)]
@@ -71,12 +77,6 @@ pub struct Plan {
 
 impl Plan {
     pub fn run(self) -> Result<Said> {
-        if let Some(um) = self.target_um.filter(|um| !(*um > 0.0 && um.is_finite())) {
-            return Err(Error::usage(
-                format!("--target-um {um}"),
-                "give a positive standard deviation in micrometres, such as 20",
-            ));
-        }
         let robot = Robot::read(&self.robot)?;
         let workspace = self.workspace.of(&robot)?;
         if let Some(data) = &self.discriminate {

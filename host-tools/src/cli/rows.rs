@@ -4,24 +4,9 @@ use truearm_host::files::csv_text;
 use truearm_host::identify::RowResult;
 use truearm_host::model::{Measurements, Row};
 use truearm_host::observations::Residual;
-use truearm_host::{Error, Result};
 
-/// Poses that were fitted are no hold-out, whichever flag gives them.
-pub fn apart(flag: &str, data: &Measurements, holdout: &Measurements) -> Result<()> {
-    not_fitted(flag, &data.path.display().to_string(), data.shared(holdout), holdout)
-}
-
-/// The same of so many rows that are fitted in what `training` names.
-pub fn not_fitted(flag: &str, training: &str, shared: usize, holdout: &Measurements) -> Result<()> {
-    if shared == 0 {
-        return Ok(());
-    }
-    let file = holdout.path.display();
-    Err(Error::usage(
-        format!("{flag} {file}: {shared} of {} rows are fitted in {training}", holdout.rows.len()),
-        format!("give poses that were not fitted; without {flag} cross-validation judges"),
-    ))
-}
+/// What [`residuals`] begin with: of one file, and of several.
+pub const RESIDUALS: [&str; 2] = ["row,line,", "row,file,line,"];
 
 /// One line a data row: residuals in mm with nominal geometry, identified, and
 /// held out.

@@ -7,8 +7,10 @@ use truearm_host::observations::kind;
 use truearm_host::page::verified;
 use truearm_host::report::{VerifyReport, to_json};
 use truearm_host::units::to_mm;
-use truearm_host::verify::{Conformity, STANDARD_REPEATS, Verification, test_poses, verify};
-use truearm_host::{Error, Result};
+use truearm_host::Result;
+use truearm_host::verify::{
+    Conformity, STANDARD_REPEATS, Tolerances, Verification, test_poses, verify,
+};
 
 use super::page::page_files;
 use super::workspace::Where;
@@ -84,7 +86,8 @@ const FILES: [&str; 3] = ["report.json", "errors.csv", "report.html"];
 
 impl Verify {
     pub fn run(self) -> Result<Said> {
-        let tolerances = self.tolerances()?;
+        let tolerances = Tolerances { mm: self.tolerance_mm, deg: self.tolerance_deg };
+        tolerances.sensible()?;
         overwrite::folder_apart(self.out.as_deref(), &FILES, self.inputs())?;
         let model = Model::read(&self.model)?;
         let mut text = match &self.test_poses {
@@ -108,17 +111,7 @@ impl Verify {
             ));
         }
         let name = self.model.display().to_string();
-        let report = VerifyReport::new(name, before, after, tolerances.map(|t| t.1), warnings);
-        for (option, tolerance, unit) in tolerances.map(|(o, t)| (o, t, o.rsplit('-').next())) {
-            let judged = report.judged.iter().any(|j| Some(j.unit) == unit);
-            if tolerance.is_some() && !judged {
-                return Err(Error::usage(
-                    format!("{option}: no row of {} is measured in that unit", path.display()),
-                    "give a tolerance of what was measured: mm of points and lengths, deg of turns \
-                     and inclinations",
-                ));
-            }
-        }
+        let report = VerifyReport::new(name, before, after, tolerances, warnings)?;
         warn(&report.warnings);
         let json = to_json(&report);
         text += &if self.json { json.clone() } else { words::verification(&report) };
@@ -139,20 +132,6 @@ impl Verify {
             Some(Conformity::NotProven) => End::Undecided,
         };
         Ok(Said { text, end })
-    }
-
-    /// Each with its option.
-    fn tolerances(&self) -> Result<[(&'static str, Option<f64>); 2]> {
-        let all = [("--tolerance-mm", self.tolerance_mm), ("--tolerance-deg", self.tolerance_deg)];
-        for (option, value) in all {
-            if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
-                return Err(Error::usage(
-                    format!("{option} {value}"),
-                    "give the largest error allowed in this unit, such as 0.3",
-                ));
-            }
-        }
-        Ok(all)
     }
 
     fn inputs(&self) -> impl Iterator<Item = &PathBuf> {

@@ -7,7 +7,7 @@ use truearm_host::{Error, Result};
 /// No joint goes farther, degrees or mm, as in robot.toml.
 const FARTHEST: f64 = 1e5;
 
-/// Where poses may be. Lengths in mm, in the nominal robot's base frame.
+/// Where poses may be. Lengths in mm, in the frame that `[base]` of robot.toml is stated in.
 #[derive(Args)]
 pub struct Where {
     /// Keep the target between two corners

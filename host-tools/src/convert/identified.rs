@@ -25,12 +25,13 @@ impl Identified {
     /// Of a model and one of its markers; the one that stands for the tool if none is named.
     ///
     /// # Errors
-    /// A marker that the model does not have, or several of which none is named; numbers that
-    /// are none.
+    /// A marker that the model does not have, or several of which none is named; a tool that the
+    /// measurements left open; numbers that are none.
     pub fn of(model: &Model, marker: Option<&str>) -> Result<Self> {
         if marker.is_none() {
             model.clear_tool()?;
         }
+        model.told_tool()?;
         let found = match marker {
             None => model.tool_marker().or(model.markers.first()),
             Some(name) => model.markers.iter().find(|(label, _)| label == name),

@@ -40,7 +40,10 @@ pub use outcome::{Alternative, GapRow, GapUnit, Outcome, Verdict};
 pub use tell::{instead, late, otherwise, place};
 pub use weigh::Doubt;
 
-use crate::error::{ErrorKind, Result};
+use std::ops::RangeInclusive;
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::evaluate::not_fitted;
 use crate::identify::fit::folds;
 use crate::identify::fit::robust::{Crowd, Flags};
 use crate::identify::start::registration::register;
@@ -104,12 +107,40 @@ impl Default for DiagnoseOptions {
     }
 }
 
+/// Orders that a gear or an encoder may have, cycles a turn.
+const ORDERS: RangeInclusive<f64> = 3.0..=2000.0;
+
+impl DiagnoseOptions {
+    /// Whether there is anything to look for.
+    ///
+    /// # Errors
+    /// An order that no gear or encoder has, or no terms.
+    pub fn sensible(&self) -> Result<()> {
+        // NaN is in no range.
+        if !ORDERS.contains(&self.highest_order) {
+            let (low, high) = (ORDERS.start(), ORDERS.end());
+            return Err(Error::usage(
+                format!("a highest order of {}", self.highest_order),
+                format!("give {low} to {high} cycles a turn"),
+            ));
+        }
+        if self.most_terms == 0 {
+            return Err(Error::usage(
+                "a model of 0 terms",
+                "give 1 or more; `identify` finds the geometry alone",
+            ));
+        }
+        Ok(())
+    }
+}
+
 /// Names what is missing in the geometry of `robot`. `holdout` poses are never
 /// fitted; they only show.
 ///
 /// # Errors
-/// As for `identify`, and a hold-out file of unknown stations; but rows that
-/// contradict each other are no error here, they are what is shown.
+/// As for `identify` and [`DiagnoseOptions::sensible`], and a hold-out file of unknown stations
+/// or of rows that are fitted; but rows that contradict each other are no error here, they are
+/// what is shown.
 pub fn diagnose(
     robot: &Robot,
     data: &Measurements,
@@ -117,7 +148,9 @@ pub fn diagnose(
     options: &DiagnoseOptions,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
+    options.sensible()?;
     if let Some(held) = holdout {
+        not_fitted(&data.path.display().to_string(), data.shared(held), held)?;
         same_torques(robot, data, held)?;
     }
     // An effect of the arm and a wrong zero of an instrument look like each other.

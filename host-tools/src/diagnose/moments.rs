@@ -232,6 +232,10 @@ pub(super) fn within_reach(mut robot: Robot, links: &[Link<f64>]) -> Robot {
     for k in (0..robot.links.len()).rev() {
         let link = &mut robot.links[k];
         let mass = (link.mass * link.com.norm() / FARTHEST).max(link.mass);
+        // What weighs nothing has no moment to keep.
+        if mass <= 0.0 {
+            continue;
+        }
         let more = mass - link.mass;
         link.com *= link.mass / mass;
         link.mass = mass;
@@ -239,7 +243,9 @@ pub(super) fn within_reach(mut robot: Robot, links: &[Link<f64>]) -> Robot {
             let p = &links[i].parameters;
             let origin = Vector3::new(p.a, -p.d * p.alpha.sin(), p.d * p.alpha.cos());
             let before = &mut robot.links[i - 1];
-            before.com -= origin * (more / before.mass);
+            if before.mass > 0.0 {
+                before.com -= origin * (more / before.mass);
+            }
         }
     }
     robot

@@ -48,6 +48,22 @@ pub struct Validation {
     pub joints_not_covered: Vec<usize>,
 }
 
+/// Whether none of its rows is fitted in what `training` names, where so many are: poses that
+/// were fitted are no hold-out.
+///
+/// # Errors
+/// How many are.
+pub fn not_fitted(training: &str, shared: usize, holdout: &Measurements) -> Result<()> {
+    if shared == 0 {
+        return Ok(());
+    }
+    let (file, rows) = (holdout.path.display(), holdout.rows.len());
+    Err(Error::usage(
+        format!("{file}: {shared} of {rows} rows are fitted in {training}"),
+        "judge by poses that were not fitted; without them cross-validation judges",
+    ))
+}
+
 /// What may be fitted on the scored file itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reregister {

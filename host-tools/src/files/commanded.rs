@@ -3,6 +3,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use super::instruments::Gathered;
+use super::reading::cells;
 use super::source::Source;
 use crate::error::Result;
 use crate::model::near::Reach;
@@ -72,23 +73,25 @@ impl Commanded {
 fn points_of(source: &Source, header: &[&str], data: &Measurements) -> Result<Vec<Vector3<f64>>> {
     let mut at = [0; 3];
     for (slot, name) in at.iter_mut().zip(POINT) {
-        *slot = data.extra_columns.iter().position(|c| c == name).ok_or_else(|| {
+        *slot = header.iter().position(|c| *c == name).ok_or_else(|| {
             let help = "a commanded point needs cmd_x_mm, cmd_y_mm, cmd_z_mm";
             source.in_headings(format!("missing column {name}"), help)
         })?;
     }
-    let cell = |row: &Row, axis: usize| match row.extra[at[axis]].parse::<f64>() {
+    let cell = |(row, cells): (&Row, &[String]), axis: usize| match cells[at[axis]].parse::<f64>() {
         Ok(mm) if mm.is_finite() && mm.abs() <= 1e6 => Ok(from_mm(mm)),
         _ => {
-            let column = header.iter().position(|name| *name == POINT[axis]).unwrap_or(0);
-            let span = source.cell(source.start_of(row.line), column);
-            let message = format!("\"{}\" is not a coordinate", row.extra[at[axis]]);
+            let span = source.cell(source.start_of(row.line), at[axis]);
+            let message = format!("\"{}\" is not a coordinate", cells[at[axis]]);
             let help = "give the commanded point in mm, in the robot's frame";
             Err(source.in_cell(row.line, (POINT[axis], span), message, help))
         }
     };
+    let cells = cells(source, &data.rows);
     data.rows
         .iter()
+        .zip(&cells)
+        .map(|(row, cells)| (row, cells.as_slice()))
         .map(|row| Ok(Vector3::new(cell(row, 0)?, cell(row, 1)?, cell(row, 2)?)))
         .collect()
 }

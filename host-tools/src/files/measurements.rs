@@ -2,6 +2,7 @@ use std::path::Path;
 
 use truearm::JointKind;
 
+use super::columns::{label, refuse_twins};
 use super::instruments::Gathered;
 use super::pieces::{Columnar, is_columnar};
 use crate::error::{Result, listed};
@@ -87,18 +88,15 @@ impl Measurements {
 
     /// With the rows of another file behind these: stations, markers and what rows
     /// refer to are the same where their labels are.
-    #[must_use]
-    pub fn joined(mut self, other: Self, robot: &Robot) -> Self {
-        let place = |own: &mut Vec<String>, label: &String| {
-            own.iter().position(|l| l == label).unwrap_or_else(|| {
-                own.push(label.clone());
-                own.len() - 1
-            })
-        };
+    ///
+    /// # Errors
+    /// Labels that differ in case only.
+    pub fn joined(mut self, other: Self, robot: &Robot) -> Result<Self> {
         let stations: Vec<usize> =
-            other.stations.iter().map(|label| place(&mut self.stations, label)).collect();
+            other.stations.iter().map(|text| label(&mut self.stations, text)).collect();
         let markers: Vec<usize> =
-            other.markers.iter().map(|label| place(&mut self.markers, label)).collect();
+            other.markers.iter().map(|text| label(&mut self.markers, text)).collect();
+        refuse_twins(&other.path, &self.stations, &self.markers)?;
         for (own, others) in [
             (&mut self.known_markers, &other.known_markers),
             (&mut self.guessed_markers, &other.guessed_markers),
@@ -137,7 +135,6 @@ impl Measurements {
             row.marker = markers[row.marker];
             row.refers.iter_mut().for_each(|i| *i = instruments[*i]);
             row.partner = row.partner.map(|partner| partner + before);
-            row.extra.clear();
             self.rows.push(row);
         }
         let files: Vec<usize> = self.behind.iter().map(|(_, first)| *first).collect();
@@ -149,7 +146,7 @@ impl Measurements {
         let new: Vec<String> = new.collect();
         self.warnings.extend(new);
         self.number(robot);
-        self
+        Ok(self)
     }
 
     /// Numbers the poses by their joint values.
@@ -162,11 +159,9 @@ impl Measurements {
 
     /// Things that look wrong but may be meant.
     pub(super) fn remark(&mut self, robot: &Robot) {
+        self.remark_unused();
         let mut warn =
             |text: String| self.warnings.push(format!("{}: {text}", self.path.display()));
-        if !self.extra_columns.is_empty() {
-            warn(format!("columns kept without use: {}", listed(&self.extra_columns)));
-        }
         let unread = self.rows.iter().filter(|row| row.temperature.is_none());
         let lines: Vec<usize> = unread.map(|row| row.line).collect();
         if let Some(first) = lines.first().filter(|_| lines.len() < self.rows.len()) {
@@ -178,6 +173,14 @@ impl Measurements {
             ));
         }
         self.remark_joints(robot);
+    }
+
+    /// Columns without a meaning.
+    pub(super) fn remark_unused(&mut self) {
+        if !self.extra_columns.is_empty() {
+            let (path, names) = (self.path.display(), listed(&self.extra_columns));
+            self.warnings.push(format!("{path}: columns not used: {names}"));
+        }
     }
 
     /// Joint values that look wrong.

@@ -5,6 +5,7 @@ use std::path::Path as FilePath;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 
 use super::instruments::Gathered;
+use super::reading::cells;
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::headings::{Heading, Named, Role};
@@ -146,22 +147,6 @@ fn joints_wanted(source: &Source, header: &[&str], wanted: Wanted) -> Result<boo
             )),
         Wanted::Either => Ok(!point),
     }
-}
-
-/// The cells of the rows that were read, as they stand in the file.
-fn cells(source: &Source, rows: &[Row]) -> Vec<Vec<String>> {
-    let mut reader = super::csv_reader(source.text, true);
-    // What could not be read was an error before; a row of units is no row.
-    let mut rows = rows.iter().peekable();
-    let records = reader.records().filter_map(std::result::Result::ok);
-    let read = records.filter(|record| {
-        let line = record.position().map_or(0, |p| {
-            // As the rows have it: behind empty lines and remarks.
-            source.begin(p.line() as usize, p.byte() as usize).0
-        });
-        rows.next_if(|row| row.line == line).is_some()
-    });
-    read.map(|record| record.iter().map(str::to_owned).collect()).collect()
 }
 
 /// Where the columns of the poses stand.

@@ -61,19 +61,10 @@ impl<'a> Reading<'a> {
         &self.columns.extra
     }
 
-    /// Of some rows of many: columns without a meaning are not read, nor rows joined in pairs.
+    /// Of some rows of many: none is joined with another in a pair.
     #[must_use]
-    pub fn each_by_itself(mut self) -> Self {
-        self.columns.extra.clear();
+    pub fn each_by_itself(self) -> Self {
         Self { apart: true, ..self }
-    }
-
-    /// Columns without a meaning that are not read, in words.
-    pub fn not_read(&self) -> Option<String> {
-        let names: Vec<&str> =
-            self.columns.extra.iter().map(|column| self.names[*column].as_str()).collect();
-        let path = self.source.path.display();
-        (!names.is_empty()).then(|| format!("{path}: columns not read: {}", names.join(", ")))
     }
 
     /// Rows so far.
@@ -100,7 +91,7 @@ impl<'a> Reading<'a> {
         if rows.is_empty() {
             return Err(source.whole("no data rows", "add measurements"));
         }
-        labels.refuse_twins(&source)?;
+        labels.refuse_twins(source.path)?;
         let extra = columns.extra.iter().map(|c| names[*c].clone()).collect();
         let mut data =
             Measurements { extra_columns: extra, ..Measurements::bare(source.path, rows, robot) };
@@ -182,7 +173,7 @@ impl Measurements {
             ..row
         };
         let rows = rows.map(labelled).collect();
-        labels.refuse_twins(&Source { path, text: "" })?;
+        labels.refuse_twins(path)?;
         let Labels { stations, markers, .. } = labels;
         let mut data = Self { stations, markers, ..Self::bare(path, rows, robot) };
         book.clone().hand_over(&mut data, robot);
@@ -211,6 +202,22 @@ impl Measurements {
             warnings: Vec::new(),
         }
     }
+}
+
+/// The cells of the rows that were read, as they stand in the file.
+pub(super) fn cells(source: &Source, rows: &[Row]) -> Vec<Vec<String>> {
+    let mut reader = super::csv_reader(source.text, true);
+    // What could not be read was an error before; a row of units is no row.
+    let mut rows = rows.iter().peekable();
+    let records = reader.records().filter_map(std::result::Result::ok);
+    let read = records.filter(|record| {
+        let line = record.position().map_or(0, |p| {
+            // As the rows have it: behind empty lines and remarks.
+            source.begin(p.line() as usize, p.byte() as usize).0
+        });
+        rows.next_if(|row| row.line == line).is_some()
+    });
+    read.map(|record| record.iter().map(str::to_owned).collect()).collect()
 }
 
 /// The headings of a table.

@@ -70,12 +70,17 @@ pub(super) fn named(problem: &Problem, rows: &[usize], start: &State, error: Err
             break;
         }
     }
-    let Some((_, kind)) = best else { return error };
+    let Some((scale, kind)) = best else { return error };
     let known = KINDS[usize::from(kind.0)];
+    let others = if scale < AGREE {
+        "which agree without them".to_owned()
+    } else {
+        format!("which fit best without them, to {scale:.0} standard deviations")
+    };
     Error::data(
         error.kind(),
         format!(
-            "{}: the rows of kind {} contradict all others, which agree without them",
+            "{}: the rows of kind {} contradict all others, {others}",
             data.path.display(),
             known.name()
         ),

@@ -84,6 +84,10 @@ pub struct Provenance {
     pub tool_point_mm: Option<f64>,
 }
 
+/// Half width of the 95 % interval of the tool point beyond which nothing is made of a model,
+/// mm. An arm of which nothing but its tolerances of 1 mm and 1 mrad is known has 2 to 4.
+const UNTOLD: f64 = 20.0;
+
 impl Model {
     /// Whether its springs and gaps follow torques that are read: it has no masses.
     #[must_use]
@@ -201,6 +205,28 @@ impl Model {
             ));
         }
         Ok(())
+    }
+
+    /// Whether the tool is known better than it was before anything was measured.
+    ///
+    /// # Errors
+    /// The measurements leave it open by more than [`UNTOLD`].
+    pub fn told_tool(&self) -> Result<()> {
+        let known = self.provenance.tool_point_mm.unwrap_or(0.0);
+        if known <= UNTOLD {
+            return Ok(());
+        }
+        Err(Error::data(
+            ErrorKind::Refused,
+            format!(
+                "{}: the measurements leave the tool point unknown to +-{known:.0} mm (95 %), more \
+                 than no calibration would: {}",
+                self.robot.path.display(),
+                self.unidentifiable.first().map_or("poses too alike", String::as_str)
+            ),
+            "turn the wrist about every axis while measuring, add rows that see the tool from \
+             other sides, or a kind that fixes what is open (docs/instruments.md)",
+        ))
     }
 
     /// Where the tool is in the last frame, m: its marker, or else as robot.toml has it.

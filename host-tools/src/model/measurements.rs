@@ -32,7 +32,7 @@ pub struct Measurements {
     pub base: Pose<f64>,
     /// Number of distinct poses.
     pub poses: usize,
-    /// Names of columns without a meaning to truearm; their cells are in [`Row::extra`].
+    /// Names of columns without a meaning to truearm.
     pub extra_columns: Vec<String>,
     /// Whether approach sides are those of the order of the rows: no column says them.
     pub directions_from_order: bool,
@@ -95,8 +95,6 @@ pub struct Row {
     /// What each joint was read to hold the arm with, N m or N, positive in +q;
     /// empty where nothing reads it.
     pub torques: Vec<f64>,
-    /// Cells of [`Measurements::extra_columns`].
-    pub extra: Vec<String>,
 }
 
 impl Row {
@@ -126,7 +124,6 @@ impl Row {
             refers: Vec::new(),
             sigma_angle: 0.0,
             sigma_px: 0.0,
-            extra: Vec::new(),
         }
     }
 

@@ -114,7 +114,7 @@ impl Workspace {
         rng: &mut ChaCha8Rng,
     ) -> Result<Vec<Vec<f64>>> {
         let target = robot.nominal_target();
-        let mut out = Vec::with_capacity(count);
+        let mut out = Vec::new();
         let mut tries = 0;
         while out.len() < count {
             let q = self.draw(robot, rng);
@@ -129,8 +129,8 @@ impl Workspace {
                         "of {MOST_TRIES} random poses within the joint limits none is in the box \
                          and in the tracker's sight"
                     ),
-                    "the box, the tracker and the target's axis are in the nominal robot's base \
-                     frame and in mm; widen them or --cone-deg",
+                    "the box and the tracker are in mm in the frame that [base] of robot.toml is \
+                     stated in, the target's axis in that of [tool]; widen them or --cone-deg",
                 ));
             }
         }

@@ -121,6 +121,7 @@ pub fn plan(
     progress: &dyn Fn(usize, usize),
 ) -> Result<PosePlan> {
     enough_candidates(options)?;
+    sensible_target(options)?;
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let (candidates, warnings) = candidates(robot, options, &mut rng)?;
     let judged = options.workspace.sample(robot, JUDGED, &mut rng)?;
@@ -176,7 +177,7 @@ fn candidates(
     let cell = Cell::new(robot, &options.workspace, &options.instruments);
     let kind = name(options.kind);
     let (found, closed) = kinds::candidates(kind, &cell, options.candidates, options.seed)?;
-    if found.len() < 2 * options.poses {
+    if found.len() < options.poses.saturating_mul(2) {
         return Err(Error::data(
             ErrorKind::NoPoses,
             format!("only {} of {} draws lead to a {kind}", found.len(), options.candidates),
@@ -227,9 +228,20 @@ fn judged_by(sigmas: &[[f64; 2]]) -> [(f64, f64); 2] {
     })
 }
 
+/// A standard deviation that can be reached?
+fn sensible_target(options: &PlanOptions) -> Result<()> {
+    match options.target.filter(|target| !(*target > 0.0 && target.is_finite())) {
+        None => Ok(()),
+        Some(target) => Err(Error::usage(
+            format!("a target of {} um", target * 1e6),
+            "give a positive standard deviation in micrometres, such as 20",
+        )),
+    }
+}
+
 /// Candidates to choose from?
 fn enough_candidates(options: &PlanOptions) -> Result<()> {
-    if options.candidates >= 2 * options.poses && options.poses > 0 {
+    if options.candidates >= options.poses.saturating_mul(2) && options.poses > 0 {
         return Ok(());
     }
     Err(Error::data(

@@ -1,7 +1,8 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::verify::{COVERAGE_FACTOR, Conformity, KindVerified, Verification};
+use crate::error::Result;
+use crate::verify::{COVERAGE_FACTOR, Conformity, KindVerified, Tolerances, Verification};
 
 /// What `verify --json` prints, and its `report.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -51,33 +52,31 @@ impl VerifyReport {
     /// Name of the schema.
     pub const SCHEMA: &'static str = "truearm-verify-1";
 
-    /// Of a model file and its verified measurements, judged by tolerances of lengths, mm,
-    /// and of angles, degrees.
-    #[must_use]
+    /// Of a model file and its verified measurements, judged by tolerances.
+    ///
+    /// # Errors
+    /// As for [`Tolerances::tell`].
     pub fn new(
         model: String,
         before: Option<Verification>,
         after: Verification,
-        [tolerance_mm, tolerance_deg]: [Option<f64>; 2],
+        tolerances: Tolerances,
         warnings: Vec<String>,
-    ) -> Self {
+    ) -> Result<Self> {
+        tolerances.tell(&after)?;
         let judge = |own: &KindVerified| {
-            let tolerance = match own.unit {
-                "mm" => tolerance_mm,
-                "deg" => tolerance_deg,
-                _ => None,
-            }?;
+            let tolerance = tolerances.of(own.unit)?;
             let conformity = own.conformity(tolerance);
             Some(Judged { kind: own.kind, unit: own.unit, tolerance, conformity })
         };
         let judged: Vec<Judged> = after.kinds.iter().filter_map(judge).collect();
-        Self {
+        Ok(Self {
             schema: Self::SCHEMA,
             command: "verify",
             model,
             coverage_factor: COVERAGE_FACTOR,
-            tolerance_mm,
-            tolerance_deg,
+            tolerance_mm: tolerances.mm,
+            tolerance_deg: tolerances.deg,
             decision_rule: "ISO 14253-1, conformity to be proven, guard band U (k = 2); a fail needs that of the \
                             largest of all rows",
             conformity: judged.iter().map(|j| j.conformity).max(),
@@ -85,6 +84,6 @@ impl VerifyReport {
             before,
             after,
             warnings,
-        }
+        })
     }
 }

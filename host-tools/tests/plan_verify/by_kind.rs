@@ -170,8 +170,10 @@ fn tolerances_of_lengths_and_angles() {
     let found = trained.verified(&[("touch", 20), ("inclination", 10)], false).unwrap();
     let [touch, level] = &found.kinds[..] else { panic!("{:?}", found.kinds) };
     let [mm, deg] = [touch, level].map(|k| k.max + 1.01 * k.expanded_uncertainty);
-    let report = |tolerances| {
+    let report = |[mm, deg]: [Option<f64>; 2]| {
+        let tolerances = Tolerances { mm, deg };
         let report = VerifyReport::new(String::new(), None, found.clone(), tolerances, Vec::new());
+        let report = report.unwrap();
         (report.conformity, report.judged.len())
     };
     assert!(found.points.is_none());

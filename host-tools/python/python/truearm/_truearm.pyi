@@ -45,7 +45,9 @@ class Model:
     def robot(self) -> Robot: ...
     def save(self, path: str | PathLike[str]) -> None: ...
     def to_toml(self) -> str: ...
-    def pack(self, sequence: int | None = None, covariance: bool = False) -> bytes: ...
+    def pack(
+        self, sequence: int | None = None, covariance: bool = False, marker: str | None = None
+    ) -> bytes: ...
     def forward(
         self,
         joint_values: ArrayLike,
@@ -105,7 +107,7 @@ def verify(
 def plan(
     robot: Robot,
     poses: int = 20,
-    candidates: int = 2000,
+    candidates: int = 3000,
     target_um: float | None = None,
     seed: int = 1,
     kind: str = "point",

@@ -1,4 +1,4 @@
-use truearm_host::check::{Said, Verdict};
+use truearm_host::check::{Verdict, together};
 use truearm_host::report::CheckReport;
 
 /// What is wrong between a robot file and its measurements.
@@ -59,11 +59,6 @@ pub fn checked(report: &CheckReport) -> String {
         out += &format!("not testable here, as base or tool would absorb it: {list}\n");
     }
     out
-}
-
-/// Several changes in a sentence.
-pub fn together(changes: &[Said]) -> String {
-    changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", and ")
 }
 
 /// Misfits whose ratio is below this are alike.

@@ -12,7 +12,7 @@ mod import;
 mod plan;
 mod verify;
 
-pub use check::{checked, together};
+pub use check::checked;
 pub use compare::compare;
 pub use compensate::{compensation, not_reached};
 pub use diagnose::diagnosis;

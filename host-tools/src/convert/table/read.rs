@@ -2,7 +2,7 @@ use std::path::Path;
 
 use truearm::{JointKind, Link, MdhParameters, Pose};
 
-use super::units::{Quantity, Units, column, value};
+use super::units::{Quantity, Units, column, in_turns, value};
 use crate::convert::frames::{about_y, screw, twist};
 use crate::convert::verified;
 use crate::error::{Error, Place, Result};
@@ -57,7 +57,8 @@ impl Table {
             Error::file(path, line, e.to_string(), help)
         };
         let header = reader.headers().map_err(fail)?.clone();
-        let columns = Columns::new(path, &header, units, convention)?;
+        let line = header.position().map_or(1, |p| p.line() as usize);
+        let columns = Columns::new((path, line), &header, units, convention)?;
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(fail)?;
@@ -144,13 +145,13 @@ struct Columns<'a> {
 
 impl<'a> Columns<'a> {
     fn new(
-        path: &'a Path,
+        (path, line): (&'a Path, usize),
         header: &csv::StringRecord,
         units: &Units,
         convention: Convention,
     ) -> Result<Self> {
         let fail =
-            |message: String, help: &str| Err(Error::file(path, Place::line(1), message, help));
+            |message: String, help: &str| Err(Error::file(path, Place::line(line), message, help));
         let titles: Vec<String> = header.iter().map(str::to_owned).collect();
         let mut known: Vec<(Quantity, f64)> = Vec::new();
         for title in &titles {
@@ -214,6 +215,11 @@ impl<'a> Columns<'a> {
                                     variable only its constant offset, 0 if there is none";
                         return fail(format!("\"{cell}\" is not a number"), help);
                     };
+                    if in_turns(&point) && (quantity.is_length() || *unit != 1.0) {
+                        let help = "pi is an angle in radians: write the number in the unit of \
+                                    the column, or the column in radians";
+                        return fail(format!("\"{cell}\" where the column is not in radians"), help);
+                    }
                     numbers.push((*quantity, value * unit));
                 }
             }

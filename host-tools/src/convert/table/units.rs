@@ -94,10 +94,19 @@ pub(super) fn column(title: &str) -> Option<(Quantity, Option<f64>)> {
     Quantity::of(&words.join("_")).map(|quantity| (quantity, None))
 }
 
+/// With the minus and the pi of typesetters as a keyboard has them.
+fn plain(cell: &str) -> String {
+    cell.trim().to_lowercase().replace('−', "-").replace('π', "pi")
+}
+
+/// Whether a cell has its number in parts of pi.
+pub(super) fn in_turns(cell: &str) -> bool {
+    plain(cell).contains("pi")
+}
+
 /// A cell: a number, or pi, pi/2, -pi/2 and the like as data sheets have them.
 pub(super) fn value(cell: &str) -> Option<f64> {
-    // The minus of typesetters.
-    let cell = cell.trim().to_lowercase().replace('−', "-").replace('π', "pi");
+    let cell = plain(cell);
     if let Ok(value) = cell.parse::<f64>() {
         return Some(value).filter(|v| v.is_finite());
     }

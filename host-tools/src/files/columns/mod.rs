@@ -5,11 +5,13 @@ mod header;
 mod measured;
 mod plausible;
 
+use std::path::Path;
+
 use truearm::JointKind;
 
 use super::instruments::Gathered;
 use super::source::Source;
-use crate::error::Result;
+use crate::error::{Error, Place, Result};
 use crate::model::{Robot, Row};
 use crate::units::{from_mm, joint_from_file};
 #[cfg(feature = "parquet")]
@@ -84,18 +86,23 @@ pub(super) struct Labels {
 
 impl Labels {
     /// Labels that differ in case only would be two stations.
-    pub fn refuse_twins(&self, source: &Source) -> Result<()> {
-        for (what, labels) in [("station", &self.stations), ("marker", &self.markers)] {
-            for (i, label) in labels.iter().enumerate() {
-                let like = |l: &&String| l.to_lowercase() == label.to_lowercase();
-                let Some(twin) = labels[..i].iter().find(like) else { continue };
-                let help = format!("write a {what} alike everywhere, or give two other names");
-                let message = format!("{what} \"{twin}\" and \"{label}\" differ in case only");
-                return Err(source.whole(message, help));
-            }
-        }
-        Ok(())
+    pub fn refuse_twins(&self, path: &Path) -> Result<()> {
+        refuse_twins(path, &self.stations, &self.markers)
     }
+}
+
+/// The same of the labels that files have together.
+pub(super) fn refuse_twins(path: &Path, stations: &[String], markers: &[String]) -> Result<()> {
+    for (what, labels) in [("station", stations), ("marker", markers)] {
+        for (i, label) in labels.iter().enumerate() {
+            let like = |l: &&String| l.to_lowercase() == label.to_lowercase();
+            let Some(twin) = labels[..i].iter().find(like) else { continue };
+            let help = format!("write a {what} alike everywhere, or give two other names");
+            let message = format!("{what} \"{twin}\" and \"{label}\" differ in case only");
+            return Err(Error::file(path, Place::default(), message, help));
+        }
+    }
+    Ok(())
 }
 
 /// Index of a label in a growing list.
@@ -183,7 +190,6 @@ impl Columns {
             orientation,
             directions: self.directions(cells)?,
             torques: plausible::torques(cells, self.torques.as_deref())?,
-            extra: self.extra.iter().map(|c| cells.text(*c).to_owned()).collect(),
         })
     }
 
@@ -234,12 +240,13 @@ impl Columns {
 
     fn orientation(&self, cells: &Cells) -> Result<Option<[f64; 4]>> {
         let Some(columns) = self.orientation else { return Ok(None) };
+        // A row without any is of a point; a part of one is a slip.
+        if columns.iter().all(|column| cells.text(*column).is_empty()) {
+            return Ok(None);
+        }
         let mut quaternion = [0.0; 4];
         for (slot, column) in quaternion.iter_mut().zip(columns) {
-            match cells.optional(Some(column))? {
-                Some(value) => *slot = value,
-                None => return Ok(None),
-            }
+            *slot = cells.number(column)?;
         }
         let norm = quaternion.iter().map(|v| v * v).sum::<f64>().sqrt();
         if (norm - 1.0).abs() > 1e-2 {

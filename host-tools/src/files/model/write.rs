@@ -35,7 +35,8 @@ impl Model {
     /// The key of a number that is infinite or none.
     pub fn to_sound_toml(&self) -> Result<String> {
         let text = self.to_toml();
-        match unlike_a_number(&text.parse().unwrap_or_default()) {
+        let table = text.parse().unwrap_or_else(|e| unreachable!("TOML that was written: {e}"));
+        match unlike_a_number(&table) {
             None => Ok(text),
             Some((key, value)) => Err(Error::not_finite(&format!("{key} of the model"), value)),
         }

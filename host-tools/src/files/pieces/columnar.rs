@@ -72,9 +72,7 @@ impl Columnar {
         let source = Source { path: &self.path, text: &header };
         let mut reading = Reading::begin(source, &self.names, robot, (Some("q"), true), book)?;
         reading.expect(self.rows);
-        // What nobody asks for may be anything.
-        let mut unread = reading.unread().to_vec();
-        unread.retain(|column| self.refused(*column).is_some());
+        let unread = reading.unread().to_vec();
         for group in 0..self.pieces() {
             let mut batches = Batches::of(self, group, &unread)?;
             while let Some(batch) = batches.next()? {
@@ -96,15 +94,14 @@ impl Columnar {
         let source = Source { path, text: &header };
         let asked = (Some("q"), true);
         let begin = || Reading::begin(source, &self.names, robot, asked, book.clone());
-        let first = begin()?;
-        let (unread, not_read) = (first.unread().to_vec(), first.not_read());
+        let unread = begin()?.unread().to_vec();
         let mut batches = Batches::of(self, group, &unread)?;
         while let Some(batch) = batches.next()? {
             let mut reading = begin()?.each_by_itself();
             reading.expect(batch.rows);
             batch.add_to(&mut reading)?;
             let mut data = reading.end()?;
-            data.warnings.extend(not_read.clone());
+            data.remark_unused();
             with(data)?;
         }
         Ok(())

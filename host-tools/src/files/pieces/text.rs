@@ -70,7 +70,6 @@ impl Text {
         let source = Source { path, text: &text };
         let asked = (Some("q"), true);
         let reading = Reading::begin(source, &self.names, robot, asked, book.clone())?;
-        let not_read = reading.not_read();
         let mut reading = reading.each_by_itself();
         let mut reader = super::super::csv_reader(&text, piece == 0);
         // A line of a piece is another one of the text that an error would show.
@@ -80,7 +79,7 @@ impl Text {
             0 => Ok(()),
             _ => {
                 let mut data = reading.end().map_err(shown)?;
-                data.warnings.extend(not_read);
+                data.remark_unused();
                 with(data)
             }
         }

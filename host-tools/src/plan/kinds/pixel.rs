@@ -94,7 +94,7 @@ impl Spot for View {
             }
         };
         let seen = self.seen(cell, &q)?;
-        let enough = (self.corners.len() / 2).max(FEWEST.min(self.corners.len()));
+        let enough = self.corners.len().div_ceil(2).max(FEWEST.min(self.corners.len()));
         let row = |corner: &str| {
             let mut labels = vec![("camera", self.camera.label.clone())];
             labels.extend(self.thing.iter().map(|thing| (self.label, thing.label.clone())));
