@@ -10,7 +10,7 @@ use super::{Finding, undone};
 use crate::error::Result;
 use crate::files::{CsvEdit, not_that_text, tables};
 use crate::model::{Measurements, Robot};
-use crate::units::{DEGREES, joint_column, point_to_mm};
+use crate::units::{DEGREES, joint_column, point_to_mm, to_mm};
 
 /// What the first line of a mended file begins with.
 pub const MENDED: &str = "# truearm check: ";
@@ -189,6 +189,10 @@ fn robot_mended(robot: &Robot, text: &str, finding: &Finding) -> Result<String> 
             }
         }
     }
+    if let Some(scale) = robot_unit(finding) {
+        let reach = now.joints.iter().map(|j| &j.link.parameters).map(|p| p.a.abs() + p.d.abs());
+        other_lengths_mended(&mut document, scale, to_mm(reach.sum()));
+    }
     let tool = tool_mended(robot, &now, finding);
     if tool != robot.tool {
         set_tool(&mut document, "xyz_mm", point_to_mm(&tool));
@@ -199,14 +203,58 @@ fn robot_mended(robot: &Robot, text: &str, finding: &Finding) -> Result<String> 
     Ok(document.to_string())
 }
 
+/// What lengths of robot.toml must be multiplied by, if they are in another unit.
+fn robot_unit(finding: &Finding) -> Option<f64> {
+    finding.changes.iter().find_map(|c| match c {
+        Mistake::RobotUnit(unit) => Some(unit.millimetres()),
+        _ => None,
+    })
+}
+
+/// Noise of a tracker, mm.
+const USUAL_SIGMA: f64 = 0.05;
+
+/// The lengths that nothing measured tells of, where in the other unit they are nearer to what
+/// an arm of this reach, mm, has: a centre of mass a tenth of it away, the noise of a tracker.
+fn other_lengths_mended(document: &mut DocumentMut, scale: f64, reach: f64) {
+    let farther = |length: f64, usual: f64| (length / usual).ln().abs();
+    let nearer = |length: f64, usual: f64| farther(length * scale, usual) < farther(length, usual);
+    let sigma = document.get("measurement_sigma_mm").and_then(number);
+    if let Some(sigma) = sigma.filter(|sigma| nearer(*sigma, USUAL_SIGMA)) {
+        set(document.as_table_mut(), "measurement_sigma_mm", scaled_number(sigma, scale));
+    }
+    let numbers = |table: &dyn TableLike| -> Option<Vec<f64>> {
+        table.get("com_mm")?.as_array()?.iter().map(|v| number(&Item::Value(v.clone()))).collect()
+    };
+    let mut far: f64 = 0.0;
+    for key in ["links", "payload"] {
+        let all: Vec<_> = tables(document, key).iter().filter_map(|t| numbers(*t)).collect();
+        far = all.iter().flatten().fold(far, |far, x| far.max(x.abs()));
+    }
+    if far > 0.0 && nearer(far, 0.1 * reach) {
+        for key in ["links", "payload"] {
+            for table in tables(document, key) {
+                let Some(com) = numbers(table) else { continue };
+                set(table, "com_mm", com.iter().map(|x| scaled_number(*x, scale)).collect());
+            }
+        }
+    }
+}
+
+/// A number of a file, whole or not.
+fn number(item: &Item) -> Option<f64> {
+    item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64))
+}
+
+/// Nine decimals: a picometre.
+fn scaled_number(value: f64, scale: f64) -> Value {
+    ((value * scale * 1e9).round() / 1e9).into()
+}
+
 /// Where units were wrong the tool may have been typed in them as well: it is
 /// what was seen that tells.
 fn tool_mended(stated: &Robot, now: &Robot, finding: &Finding) -> Vector3<f64> {
-    let scale = finding.changes.iter().find_map(|c| match c {
-        Mistake::RobotUnit(unit) => Some(unit.millimetres()),
-        _ => None,
-    });
-    match scale {
+    match robot_unit(finding) {
         Some(scale) => {
             let far = |tool: Vector3<f64>| (tool - finding.tool).norm();
             let scaled = stated.tool * scale;

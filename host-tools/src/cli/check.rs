@@ -61,7 +61,7 @@ impl Check {
             Verdict::Mendable => End::Wrong,
             Verdict::NotUnderstood => End::Undecided,
         };
-        Ok(Said { text, end })
+        Ok(Said { text, asked: false, end })
     }
 
     /// Writes the two files, unless nothing is understood.

@@ -150,7 +150,7 @@ impl Compensate {
         };
         let held = !report.extrapolated && !report.not_covered.is_empty();
         let wrong = held || !(report.not_reached.is_empty() && report.mostly_left.is_empty());
-        Ok(Said { text, end: if wrong { End::Wrong } else { End::Good } })
+        Ok(Said { text, asked: false, end: if wrong { End::Wrong } else { End::Good } })
     }
 
     fn options(&self, model: &Model) -> Result<CompensateOptions> {

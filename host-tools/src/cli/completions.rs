@@ -16,6 +16,6 @@ impl Completions {
     pub fn run(self, mut program: Command) -> Result<Said> {
         let mut text = Vec::new();
         generate(self.shell, &mut program, "truearm", &mut text);
-        Ok(String::from_utf8_lossy(&text).into_owned().into())
+        Ok(Said::asked(String::from_utf8_lossy(&text).into_owned()))
     }
 }

@@ -36,13 +36,22 @@ pub fn took(time: Duration) {
 pub struct Said {
     /// For standard output.
     pub text: String,
+    /// The text is what was asked for, not what there is to say of it.
+    pub asked: bool,
     /// How it ended.
     pub end: End,
 }
 
 impl From<String> for Said {
     fn from(text: String) -> Self {
-        Self { text, end: End::Good }
+        Self { text, asked: false, end: End::Good }
+    }
+}
+
+impl Said {
+    /// What was asked for, of a verb that writes it nowhere else.
+    pub fn asked(text: String) -> Self {
+        Self { asked: true, ..text.into() }
     }
 }
 
@@ -61,7 +70,7 @@ pub fn warn(warnings: &[String]) {
 pub fn finish(done: Result<Said>) -> ExitCode {
     let end = done.and_then(|said| {
         // JSON was asked for, and is no talk.
-        if quiet() && !said.text.starts_with('{') {
+        if quiet() && !said.asked && !said.text.starts_with('{') {
             return Ok(said.end);
         }
         let mut out = io::stdout().lock();

@@ -4,7 +4,7 @@ use clap::Args;
 use truearm_host::convert::table::{mdh_csv, standard_dh, standard_dh_csv};
 use truearm_host::convert::urdf::{Document, Ends, calibrated_like, urdf_text};
 use truearm_host::convert::{Identified, LeftOut, left_out, ur_calibration};
-use truearm_host::files::{Comment, overwritable, signed, write};
+use truearm_host::files::{Comment, overwritable, signed, write_all};
 use truearm_host::model::Model;
 use truearm_host::report::{ExportReport, to_json};
 use truearm_host::units::to_mm;
@@ -77,9 +77,8 @@ impl Export {
         for (path, _) in &files {
             overwritable(path, self.force)?;
         }
-        for (path, text) in &files {
-            write(path, text.as_bytes())?;
-        }
+        let made = files.iter().map(|(path, text)| ((*path).clone(), text.clone().into_bytes()));
+        write_all(&made.collect::<Vec<_>>())?;
         warn(&warnings);
         if printed {
             return Ok(report().into());

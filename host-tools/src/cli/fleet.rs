@@ -55,9 +55,16 @@ impl Fleet {
             bar.update(done, folders.len());
             let name = folder.file_name().map_or(String::new(), |n| n.to_string_lossy().into());
             let found = self.arm(folder, &name, common.as_ref(), &mut type_of);
-            let found = found.map(|found| {
-                arms.push(Arm::of(&found));
-                found.figures
+            let found = found.and_then(|found| {
+                let arm = Arm::of(&found);
+                if arms.contains(&arm) {
+                    return Err(Error::usage(
+                        format!("{name}: the measurements are those of an arm before"),
+                        "no two arms measure the same: look which folder they belong to",
+                    ));
+                }
+                arms.push(arm);
+                Ok(found.figures)
             });
             let why = |error: Error| format!("{error}; {}", error.help().replace('\n', " "));
             all.push((name, found.map_err(why)));

@@ -1,3 +1,4 @@
+use std::hash::{DefaultHasher, Hasher};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
@@ -116,7 +117,9 @@ impl Merge {
 
 impl Next {
     fn run(self) -> Result<Said> {
-        overwrite::apart([self.out.as_path()], self.grams.iter().map(PathBuf::as_path))?;
+        // Other parts may still be summed at the state.
+        let inputs = std::iter::once(&self.state).chain(&self.grams);
+        overwrite::apart([self.out.as_path()], inputs.map(PathBuf::as_path))?;
         let state = Model::read(&self.state)?;
         let sums = sum(&self.grams, read)?;
         let next = step(&state, &sums)?;
@@ -134,7 +137,20 @@ impl Next {
 
 /// All of them together.
 fn sum(paths: &[PathBuf], part: impl Fn(&PathBuf) -> Result<Part>) -> Result<Part> {
-    let mut parts = paths.iter().map(|path| Ok((path, part(path)?)));
+    let mut digests: Vec<u64> = Vec::new();
+    let mut parts = paths.iter().map(|path| {
+        let part = part(path)?;
+        let digest = hashed(&part);
+        if let Some(same) = digests.iter().position(|other| *other == digest) {
+            let (path, same) = (path.display(), paths[same].display());
+            return Err(Error::usage(
+                format!("{path} says what {same} does: their rows would count twice"),
+                "give every part once",
+            ));
+        }
+        digests.push(digest);
+        Ok((path, part))
+    });
     let none = || Error::usage("no file", "give one");
     let (_, first) = parts.next().ok_or_else(none)??;
     parts.try_fold(first, |sum, next: Result<(&PathBuf, Part)>| {
@@ -144,6 +160,13 @@ fn sum(paths: &[PathBuf], part: impl Fn(&PathBuf) -> Result<Part>) -> Result<Par
         };
         sum.plus(&part).map_err(named)
     })
+}
+
+/// The same of parts of the same rows at one state.
+fn hashed(part: &Part) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    hasher.write(&part.to_bytes());
+    hasher.finish()
 }
 
 fn read(path: &PathBuf) -> Result<Part> {

@@ -118,7 +118,7 @@ impl Plan {
             words::planned(&found) + &format!("wrote {}\n", self.out.display())
         };
         let end = self.end(&found);
-        Ok(Said { text, end })
+        Ok(Said { text, asked: false, end })
     }
 
     /// Whether the goal was reached; by what it could be, if not.

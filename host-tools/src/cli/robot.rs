@@ -86,7 +86,7 @@ struct Made {
 impl MakeRobot {
     pub fn run(self) -> Result<Said> {
         if self.source.list {
-            return Ok(list().into());
+            return Ok(Said::asked(list()));
         }
         let mut made = self.make()?;
         let name = self.out.as_deref().unwrap_or(Path::new("robot.toml"));
@@ -96,7 +96,7 @@ impl MakeRobot {
             .extend(robot.warnings.into_iter().filter(|w| !w.contains("no measurement_sigma_mm")));
         let Some(out) = &self.out else {
             warn(&made.warnings);
-            return Ok(made.text.into());
+            return Ok(Said::asked(made.text));
         };
         let table = self.source.dh.iter().flat_map(|dh| dh.get(1)).map(Path::new);
         overwrite::apart([out.as_path()], self.source.urdf.as_deref().into_iter().chain(table))?;

@@ -131,7 +131,7 @@ impl Verify {
             Some(Conformity::Fail) => End::Wrong,
             Some(Conformity::NotProven) => End::Undecided,
         };
-        Ok(Said { text, end })
+        Ok(Said { text, asked: false, end })
     }
 
     fn inputs(&self) -> impl Iterator<Item = &PathBuf> {

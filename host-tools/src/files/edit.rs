@@ -114,7 +114,7 @@ pub(crate) fn not_that_text(path: &Path) -> Error {
     Error::data(ErrorKind::File, message, "the file changed in between: try again")
 }
 
-/// `[[joints]]`, or `joints = [{..}]`.
+/// `[[joints]]`, `joints = [{..}]`, or one table such as `[payload]`.
 pub(crate) fn tables<'a>(document: &'a mut DocumentMut, key: &str) -> Vec<&'a mut dyn TableLike> {
     match document.get_mut(key) {
         Some(Item::ArrayOfTables(tables)) => {
@@ -124,7 +124,8 @@ pub(crate) fn tables<'a>(document: &'a mut DocumentMut, key: &str) -> Vec<&'a mu
             let tables = array.iter_mut().filter_map(Value::as_inline_table_mut);
             tables.map(|table| table as &mut dyn TableLike).collect()
         }
-        _ => Vec::new(),
+        Some(item) => item.as_table_like_mut().into_iter().collect(),
+        None => Vec::new(),
     }
 }
 

@@ -113,6 +113,7 @@ pub fn csv_text<'a>(
 #[cfg_attr(not(unix), allow(unused_variables, unused_mut))]
 fn temporary(path: &Path) -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
+    builder.prefix(BEGUN.0).suffix(BEGUN.1);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -120,6 +121,27 @@ fn temporary(path: &Path) -> tempfile::Builder<'static, 'static> {
         builder.permissions(std::fs::metadata(path).map_or_else(|_| usual(), |m| m.permissions()));
     }
     builder
+}
+
+/// How a file is called that is not written to its end.
+const BEGUN: (&str, &str) = (".truearm-", ".tmp");
+/// No run takes as long to write one.
+const ABANDONED: std::time::Duration = std::time::Duration::from_secs(3600);
+
+/// Clears away what runs that were killed had begun to write.
+fn swept(folder: &Path) {
+    let abandoned = |entry: &std::fs::DirEntry| {
+        let name = entry.file_name();
+        let begun = name.to_str().is_some_and(|n| n.starts_with(BEGUN.0) && n.ends_with(BEGUN.1));
+        let age = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
+        begun && age().is_some_and(|age| age > ABANDONED)
+    };
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        if abandoned(&entry) {
+            // Whoever may not remove it need not.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// A file to be written, and what will be in it.
@@ -153,7 +175,10 @@ impl<'a> Staged<'a> {
             return Err(error(std::io::ErrorKind::IsADirectory.into()));
         }
         std::fs::create_dir_all(folder).map_err(error)?;
-        let mut file = temporary(&target).tempfile_in(folder).map_err(error)?;
+        swept(folder);
+        let begun = temporary(&target).tempfile_in(folder);
+        // What the library says of it names a file that nobody knows.
+        let mut file = begun.map_err(|e| error(e.kind().into()))?;
         file.write_all(bytes).map_err(error)?;
         file.as_file().sync_all().map_err(error)?;
         Ok(Self::Beside(file, target))
@@ -185,8 +210,16 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 /// name, so that a full disk or a stop leaves no new file beside an old one.
 ///
 /// # Errors
-/// As for [`write`].
+/// As for [`write`], and two files in one place.
 pub fn write_all(files: &[ToWrite]) -> Result<()> {
+    let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    for (k, (path, _)) in files.iter().enumerate() {
+        let device = std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir());
+        if !device && files[..k].iter().any(|(other, _)| place(other) == place(path)) {
+            let what = format!("{}: two outputs in one file", path.display());
+            return Err(Error::usage(what, "give each a name of its own"));
+        }
+    }
     let staged: Result<Vec<Staged>> =
         files.iter().map(|(path, bytes)| Staged::new(path, bytes)).collect();
     staged?.into_iter().try_for_each(Staged::named)

@@ -31,7 +31,7 @@ pub const FEWEST: usize = 3;
 const MOST_APART: usize = 3;
 
 /// An arm as the fleet sees it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
     /// What its measurements say of its links alone; corrections from nominal, in
     /// usual tolerances (1 mm, 1 mrad).
