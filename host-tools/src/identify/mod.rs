@@ -28,7 +28,7 @@ pub use problem::{
     spreads,
 };
 pub(crate) use problem::{Group, groups};
-pub use start::rigid_transform;
+pub use start::{Pairs, rigid_transform};
 pub use summary::Findings;
 
 use crate::error::{Error, ErrorKind, Result};

@@ -1,10 +1,12 @@
 //! Where a file's stations see the frame that was commanded in.
 
+use std::collections::{BTreeMap, HashMap};
+
 use nalgebra::Vector3;
 use truearm::Pose;
 
-use crate::error::{Error, ErrorKind, Place, Result};
-use crate::identify::rigid_transform;
+use crate::error::{Error, ErrorKind, Place, Result, count};
+use crate::identify::Pairs;
 use crate::model::arm::chain;
 use crate::model::{Commanded, Measurements, Model};
 use crate::observations::kind;
@@ -86,40 +88,15 @@ pub fn targets(
     rows.map(|row| arms[row.marker].pose(&row.q).translation).collect()
 }
 
-/// The commanded frame seen from each station, with `refit` by the points of the file.
+/// The commanded frame seen from each station.
 ///
 /// # Errors
-/// An unknown station, or too few points of one.
-pub fn frames(
-    model: &Model,
-    data: &Measurements,
-    targets: &[Vector3<f64>],
-    refit: bool,
-) -> Result<Vec<Pose<f64>>> {
+/// An unknown station.
+pub fn frames(model: &Model, data: &Measurements) -> Result<Vec<Pose<f64>>> {
     let file = data.path.display();
     let small = Pose::from_rotation_vector(model.frame_translation, model.frame_rotation);
     let known = || model.stations.iter().map(|s| format!("\"{}\"", s.0)).collect::<Vec<_>>();
-    let frame = |(s, label): (usize, &String)| {
-        if refit {
-            let of = |i: &usize| {
-                let row = &data.rows[*i];
-                row.station == s && kind(row).point(row).is_some()
-            };
-            let rows: Vec<usize> = (0..targets.len()).filter(of).collect();
-            let from: Vec<_> = rows.iter().map(|i| targets[*i]).collect();
-            let to: Vec<_> = rows.iter().map(|i| data.rows[*i].measured.point()).collect();
-            let fitted = rigid_transform(&from, &to, &vec![1.0; rows.len()]);
-            return fitted.filter(|_| rows.len() >= 4).ok_or_else(|| {
-                Error::data(
-                    ErrorKind::FrameUndetermined,
-                    format!(
-                        "{file}: {} rows of station \"{label}\" do not fix a frame",
-                        rows.len()
-                    ),
-                    "measure at least four points that are not on a line, better twenty",
-                )
-            });
-        }
+    let frame = |label: &String| {
         let station = model.stations.iter().find(|(l, _)| l == label);
         station.map(|(_, base)| base.compose(&small.inverse())).ok_or_else(|| {
             Error::data(
@@ -133,5 +110,47 @@ pub fn frames(
             )
         })
     };
-    data.stations.iter().enumerate().map(frame).collect()
+    data.stations.iter().map(frame).collect()
+}
+
+/// Each pose of a file from a station of its own, whose frame is the one that the points of
+/// the other poses fix: in a frame that its own points had a part in, an error would look
+/// smaller than it is, of four poses by half.
+///
+/// # Errors
+/// A pose without which the others do not fix a frame.
+pub fn refitted(data: &mut Measurements, targets: &[Vector3<f64>]) -> Result<Vec<Pose<f64>>> {
+    let mut whole = vec![Pairs::default(); data.stations.len()];
+    // By station and pose.
+    let mut own: BTreeMap<(usize, usize), Pairs> = BTreeMap::new();
+    for (row, target) in data.rows.iter().zip(targets) {
+        let of_pose = own.entry((row.station, row.pose)).or_default();
+        if let Some(point) = kind(row).point(row) {
+            of_pose.add(*target, point);
+            whole[row.station].add(*target, point);
+        }
+    }
+    let frame = |((station, _), of_pose): (&(usize, usize), &Pairs)| {
+        whole[*station].less(of_pose).transform().ok_or_else(|| {
+            let poses = own.iter().filter(|((s, _), pairs)| s == station && pairs.count > 0.0);
+            let (poses, label) = (count(poses.count(), "pose"), &data.stations[*station]);
+            Error::data(
+                ErrorKind::FrameUndetermined,
+                format!(
+                    "{}: the points of {poses} of station \"{label}\" do not fix a frame for each \
+                     of them by the others",
+                    data.path.display()
+                ),
+                "measure at least four poses that are not on a line, better twenty",
+            )
+        })
+    };
+    let frames = own.iter().map(frame).collect::<Result<_>>()?;
+    data.stations = own.keys().map(|(station, _)| data.stations[*station].clone()).collect();
+    let places: HashMap<(usize, usize), usize> =
+        own.into_keys().enumerate().map(|(place, key)| (key, place)).collect();
+    for row in &mut data.rows {
+        row.station = places[&(row.station, row.pose)];
+    }
+    Ok(frames)
 }

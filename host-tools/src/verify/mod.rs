@@ -93,18 +93,22 @@ impl Tolerances {
 /// Of tolerances.
 const UNITS: [&str; 2] = ["mm", "deg"];
 
-/// Verifies the rows of a file. With `refit` the frame of every station is
-/// fitted to the points of the file itself, which takes up to six directions of the
-/// error out.
+/// Verifies the rows of a file. With `refit` the frame of every station is fitted to the points
+/// of the file itself, for each pose to those of the others, which takes out what up to six
+/// directions of the error have in common.
 ///
 /// # Errors
 /// Unknown stations, markers or places, or too few points to fit a frame.
 pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verification> {
-    let (commanded, mut warnings) = kinds::judgeable(commanded)?;
-    let (data, joints) = (&commanded.data, commanded.points.is_empty());
+    let (mut commanded, mut warnings) = kinds::judgeable(commanded)?;
     let markers = frames::markers(model, &commanded)?;
     let targets = frames::targets(model, &commanded, &markers);
-    let frames = frames::frames(model, data, &targets, refit)?;
+    let frame = frame_variance(model, &commanded.data, refit);
+    let frames = match refit {
+        true => frames::refitted(&mut commanded.to_mut().data, &targets)?,
+        false => frames::frames(model, &commanded.data)?,
+    };
+    let (data, joints) = (&commanded.data, commanded.points.is_empty());
     frames::in_tracker_frame(&commanded, &frames, model)?;
     let error = |(row, target): (&crate::model::Row, &Vector3<f64>)| {
         let point = kind(row).point(row)?;
@@ -130,12 +134,7 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     warnings
         .extend(untold.iter().map(|error| format!("{error}: what was to be expected is not told")));
     let before = (joints && untold.is_none()).then(|| predicted(model, data, &aim, &left));
-    let judged = Judged {
-        data,
-        aim: &aim,
-        conditions: &conditions,
-        frame: frame_variance(model, data, refit),
-    };
+    let judged = Judged { data, aim: &aim, conditions: &conditions, frame };
     let distinct = data.distinct();
     if distinct.len() < data.rows.len() {
         let again = count(data.rows.len() - distinct.len(), "row");

