@@ -20,6 +20,10 @@ pub(super) fn all(links: &[Link<f64>]) -> Vec<Mistake> {
     all.extend(lengths.map(Mistake::PointUnit));
     all.push(Mistake::PointUnit(LengthUnit::Micrometre));
     all.extend(lengths.map(Mistake::RobotUnit));
+    let turned = |link: &Link<f64>| link.parameters.alpha != 0.0 || link.parameters.theta != 0.0;
+    if links.iter().any(turned) {
+        all.push(Mistake::RobotAngles);
+    }
     all.push(Mistake::Convention(Convention::Standard));
     all.extend(
         [0.0, FRAC_PI_2, -FRAC_PI_2]

@@ -61,7 +61,10 @@ pub fn mend(
 impl Mistake {
     /// Whether measurements.csv is mended; else robot.toml is.
     pub(super) fn of_data(&self) -> bool {
-        !matches!(self, Self::Convention(_) | Self::RobotUnit(_) | Self::Value(..))
+        !matches!(
+            self,
+            Self::Convention(_) | Self::RobotUnit(_) | Self::RobotAngles | Self::Value(..)
+        )
     }
 }
 
@@ -104,7 +107,10 @@ fn rows_mended(edit: &mut CsvEdit, robot: &Robot, change: &Mistake, rows: &[usiz
         Mistake::Sense(joint) => {
             negated(edit, rows, [joints[*joint], sides[*joint]].into_iter().flatten());
         }
-        Mistake::Convention(_) | Mistake::RobotUnit(_) | Mistake::Value(..) => {}
+        Mistake::Convention(_)
+        | Mistake::RobotUnit(_)
+        | Mistake::RobotAngles
+        | Mistake::Value(..) => {}
     }
 }
 

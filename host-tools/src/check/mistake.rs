@@ -29,6 +29,8 @@ pub enum Mistake {
     Convention(Convention),
     /// The lengths of the robot file are in another unit.
     RobotUnit(LengthUnit),
+    /// The angles of the robot file are in radians.
+    RobotAngles,
     /// One number of the robot file.
     Value(usize, LinkParameter, New),
 }
@@ -148,7 +150,8 @@ impl Mistake {
             Self::Sense(_) => 6,
             Self::Convention(_) => 7,
             Self::RobotUnit(_) => 8,
-            Self::Value(..) => 9,
+            Self::RobotAngles => 9,
+            Self::Value(..) => 10,
         }
     }
 
@@ -167,7 +170,8 @@ impl Mistake {
     pub(super) fn price(&self) -> f64 {
         match self {
             Self::Step(_) | Self::Hand | Self::JointUnit(_) | Self::Sense(_) => 4.0,
-            Self::SlideUnit(_) | Self::PointUnit(_) | Self::RobotUnit(_) => 4.5,
+            Self::SlideUnit(_) | Self::PointUnit(_) => 4.5,
+            Self::RobotUnit(_) | Self::RobotAngles => 4.5,
             Self::Convention(_) | Self::Order(_) => 5.0,
             Self::Value(_, LinkParameter::Theta, New::Plus(angle)) if right(*angle) => 4.5,
             Self::Value(_, _, New::Negative | New::Times(_)) => 5.5,

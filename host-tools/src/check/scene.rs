@@ -5,7 +5,7 @@ use truearm::{JointKind, Link, LinkParameter};
 
 use super::mistake::{Convention, Mistake, New};
 use super::sample::Sample;
-use crate::units::{joint_from_file, joint_to_file};
+use crate::units::{DEGREES, joint_from_file, joint_to_file};
 
 /// A row as a hypothesis has it.
 #[derive(Debug, Clone)]
@@ -96,6 +96,12 @@ impl Scene {
                 for link in &mut self.links {
                     link.parameters.a *= unit.millimetres();
                     link.parameters.d *= unit.millimetres();
+                }
+            }
+            Mistake::RobotAngles => {
+                for link in &mut self.links {
+                    link.parameters.alpha *= DEGREES;
+                    link.parameters.theta *= DEGREES;
                 }
             }
             Mistake::Value(joint, parameter, new) => {

@@ -12,7 +12,7 @@ use crate::units::{joint_unit, link_unit};
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Said {
     /// What is wrong: `joint-sense`, `joint-zero`, `joint-order`, `joint-unit`,
-    /// `slide-unit`, `point-unit`, `robot-unit`, `dh-convention`,
+    /// `slide-unit`, `point-unit`, `robot-unit`, `robot-angle-unit`, `dh-convention`,
     /// `tracker-handedness`, `row-step`, `alpha`, `a` or `d`.
     pub what: &'static str,
     /// At which joint, counted from 1.
@@ -46,6 +46,9 @@ impl std::fmt::Display for Said {
             "slide-unit" => write!(f, "the sliding joints are in {from}, should be in {to}"),
             "point-unit" => write!(f, "the points are in {from}, should be in {to}"),
             "robot-unit" => write!(f, "the lengths of the robot are in {from}, should be in {to}"),
+            "robot-angle-unit" => {
+                write!(f, "the angles of the robot are in {from}, should be in {to}")
+            }
             "dh-convention" => write!(f, "the table of links is {from}, should be {to}"),
             "tracker-handedness" => {
                 write!(
@@ -111,6 +114,7 @@ fn of_files(change: &Mistake, kinds: &[JointKind]) -> Said {
         Mistake::SlideUnit(unit) => whole("slide-unit", unit.name(), "mm"),
         Mistake::PointUnit(unit) => whole("point-unit", unit.name(), "mm"),
         Mistake::RobotUnit(unit) => whole("robot-unit", unit.name(), "mm"),
+        Mistake::RobotAngles => whole("robot-angle-unit", "rad", "deg"),
         Mistake::Hand => whole("tracker-handedness", "left", "right"),
         Mistake::Order(order) => {
             let list = |of: &mut dyn Iterator<Item = usize>| {

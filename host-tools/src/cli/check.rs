@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use truearm_host::check::mend::{MENDED, mend};
 use truearm_host::check::{Finding, Verdict, check};
-use truearm_host::files::{foreign, read_text, write_all};
+use truearm_host::files::{Gathered, foreign, read_text, write_all};
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::report::{CheckReport, to_json};
 use truearm_host::{Error, Result};
@@ -18,7 +18,8 @@ pub struct Check {
     robot: PathBuf,
     /// Measured points, measurements.csv
     data: PathBuf,
-    /// Write robot.toml and measurements.csv into this folder, mended
+    /// Write robot.toml and measurements.csv into this folder, mended, and a copy of the
+    /// instruments.toml that is beside them
     #[arg(long, value_name = "DIR")]
     fix: Option<PathBuf>,
     /// Write over files in DIR that truearm did not write
@@ -31,6 +32,8 @@ pub struct Check {
 
 /// What is written into a folder.
 const FILES: [&str; 2] = ["robot.toml", "measurements.csv"];
+/// Copied there as it is.
+const INSTRUMENTS: &str = "instruments.toml";
 
 impl Check {
     pub fn run(self) -> Result<Said> {
@@ -85,8 +88,19 @@ impl Check {
             self.spared(path, text)?;
         }
         let made = made.map(String::into_bytes);
-        write_all(&targets.into_iter().zip(made).collect::<Vec<_>>())?;
-        Ok(format!("wrote {}\n", folder.join("{robot.toml,measurements.csv}").display()))
+        let mut all: Vec<(PathBuf, Vec<u8>)> = targets.into_iter().zip(made).collect();
+        let mut names = FILES.to_vec();
+        // What is stated of instruments is looked for beside the measurements.
+        if let Some(book) = Gathered::place(&self.data, robot) {
+            let to = folder.join(INSTRUMENTS);
+            overwrite::apart([to.as_path()], [book.as_path()])?;
+            let text = read_text(&book)?;
+            self.spared(&to, &text)?;
+            all.push((to, text.into_bytes()));
+            names.push(INSTRUMENTS);
+        }
+        write_all(&all)?;
+        Ok(format!("wrote {}\n", folder.join(format!("{{{}}}", names.join(","))).display()))
     }
 }
 

@@ -16,7 +16,8 @@ use super::{End, Said, arm_file, overwrite, warn, words};
 
 /// Correct a path for a robot whose controller cannot be changed: joints at which
 /// the real tool is where the path wants it. Exit status 3: rows that the model
-/// does not cover, left as commanded, or that the arm does not reach.
+/// does not cover, left as commanded, that the arm does not reach, or at which most
+/// of the miss stays.
 #[derive(Args)]
 pub struct Compensate {
     /// model.toml of `identify` or `diagnose`

@@ -70,6 +70,7 @@ impl Diagnose {
         let inputs = std::iter::once(&self.robot).chain(files.iter().copied()).chain(&self.holdout);
         overwrite::folder_apart(self.out.as_deref(), &overwrite::MODEL_FOLDER, inputs)?;
         let (robot, data) = read_all(&self.robot, &files)?;
+        overwrite::folder_ready(self.out.as_deref(), &robot, self.force)?;
         let holdout = self.holdout.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         let bar = Bar::new("diagnosing");
         let found = diagnose(&robot, &data, holdout.as_ref(), &options, &|stage| bar.stage(stage));

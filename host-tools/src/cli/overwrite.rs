@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use truearm::blob::Blob;
 use truearm_host::error::Place;
-use truearm_host::files::{foreign, overwritable, overwritable_like, write};
-use truearm_host::model::Model;
+use truearm_host::files::{foreign, overwritable, overwritable_like, writable, write};
+use truearm_host::model::{Model, Robot};
 use truearm_host::page::BEGIN;
 use truearm_host::{Error, Result};
 
@@ -86,8 +86,23 @@ pub fn write_like(path: &Path, text: &str, inputs: &[&Path], force: bool) -> Res
 
 /// Robot id of a model, as its blob has it.
 fn id(model: &Model) -> u64 {
-    let named = || truearm::blob::robot_id(&model.robot.name, &model.robot.serial);
-    model.robot_id.unwrap_or_else(named)
+    model.robot_id.unwrap_or_else(|| id_of(&model.robot))
+}
+
+/// The same of a model to be made.
+fn id_of(robot: &Robot) -> u64 {
+    truearm::blob::robot_id(&robot.name, &robot.serial)
+}
+
+/// Whether what is to be found of a robot may be written into a folder: asked before it is
+/// looked for, which takes its time.
+///
+/// # Errors
+/// As for [`in_folder`], and a folder in which nothing can be written.
+pub fn folder_ready(folder: Option<&Path>, robot: &Robot, force: bool) -> Result<()> {
+    let Some(folder) = folder else { return Ok(()) };
+    of_robot(folder, id_of(robot), force)?;
+    writable(folder)
 }
 
 /// What `identify` and `diagnose` write into a folder.
@@ -98,6 +113,10 @@ pub const MODEL_FOLDER: [&str; 3] = ["model.toml", "report.json", "residuals.csv
 /// # Errors
 /// A file that truearm did not write, and a model of another robot.
 pub fn in_folder(folder: &Path, model: &Model, force: bool) -> Result<()> {
+    of_robot(folder, id(model), force)
+}
+
+fn of_robot(folder: &Path, robot: u64, force: bool) -> Result<()> {
     // Before anything is written: a new model never stands beside an old page.
     for name in MODEL_FOLDER.iter().chain(["report.html"].iter()) {
         let path = folder.join(name);
@@ -120,7 +139,7 @@ pub fn in_folder(folder: &Path, model: &Model, force: bool) -> Result<()> {
             _ => {}
         }
     }
-    model_file(&folder.join("model.toml"), model, force)
+    model_of(&folder.join("model.toml"), robot, force)
 }
 
 /// The same of a model.toml by itself.
@@ -128,11 +147,15 @@ pub fn in_folder(folder: &Path, model: &Model, force: bool) -> Result<()> {
 /// # Errors
 /// As for [`in_folder`].
 pub fn model_file(path: &Path, model: &Model, force: bool) -> Result<()> {
+    model_of(path, id(model), force)
+}
+
+fn model_of(path: &Path, robot: u64, force: bool) -> Result<()> {
     if force || !path.is_file() {
         return Ok(());
     }
     match Model::read(path) {
-        Ok(old) if id(&old) == id(model) => Ok(()),
+        Ok(old) if id(&old) == robot => Ok(()),
         Ok(old) => Err(other(path, &format!("{} {}", old.robot.name, old.robot.serial))),
         Err(_) => Err(foreign(path)),
     }

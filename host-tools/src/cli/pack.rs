@@ -165,7 +165,11 @@ impl Pack {
             return Err(Error::data(
                 ErrorKind::NoSlot,
                 format!("{size} bytes of parameters, {name} has {}", region.length),
-                "make the slot larger in the linker script, or pack without --covariance",
+                match self.covariance {
+                    true => "make the slot larger in the linker script, or pack without --covariance",
+                    false => "make the slot larger in the linker script; of less room \
+                              `truearm diagnose --most-terms N` gives the best model",
+                },
             ));
         }
         Ok(Some(region.clone()))

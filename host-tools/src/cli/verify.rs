@@ -7,7 +7,7 @@ use truearm_host::observations::kind;
 use truearm_host::page::verified;
 use truearm_host::report::{VerifyReport, to_json};
 use truearm_host::units::to_mm;
-use truearm_host::Result;
+use truearm_host::{Error, Result};
 use truearm_host::verify::{
     Conformity, STANDARD_REPEATS, Tolerances, Verification, test_poses, verify,
 };
@@ -71,7 +71,7 @@ pub struct Verify {
     #[arg(long)]
     force: bool,
     /// Print JSON instead of the table
-    #[arg(long)]
+    #[arg(long, requires = "data")]
     json: bool,
 }
 
@@ -95,6 +95,11 @@ impl Verify {
             None => String::new(),
         };
         let Some(path) = &self.data else { return Ok(text.into()) };
+        let real = |path: &Path| std::fs::canonicalize(path).ok();
+        if self.before.as_deref().is_some_and(|before| real(before) == real(path)) {
+            let what = format!("--before {}: the same file", path.display());
+            return Err(Error::usage(what, "give what was measured with the compensation off"));
+        }
         let refit = self.reregister.is_some();
         let data = Commanded::read(path, &model)?;
         let after = verify(&model, &data, refit)?;

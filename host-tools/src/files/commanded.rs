@@ -54,7 +54,8 @@ impl Commanded {
                  cmd_z_mm in the robot's frame",
             )),
             (_, false) => {
-                let data = Measurements::table(path, text, robot, (Some("cmd"), true), book)?;
+                let mut data = Measurements::table(path, text, robot, (Some("cmd"), true), book)?;
+                data.remark_joints(robot);
                 Ok(Self { data, points: Vec::new() })
             }
             (false, true) => {

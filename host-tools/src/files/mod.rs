@@ -206,6 +206,22 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     Staged::new(path, bytes)?.named()
 }
 
+/// Whether files can be written into a folder, which need not be there yet.
+///
+/// # Errors
+/// What the system says, of the nearest folder that is there.
+pub fn writable(folder: &Path) -> Result<()> {
+    let here = Path::new(".");
+    let there = folder.ancestors().find(|folder| folder.exists() || folder.as_os_str().is_empty());
+    let there = there.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(here);
+    if there.is_file() {
+        let what = format!("{} is a file, and no folder to write into", there.display());
+        return Err(Error::usage(what, "give a folder, or a name that is free"));
+    }
+    let begun = tempfile::Builder::new().prefix(BEGUN.0).suffix(BEGUN.1).tempfile_in(there);
+    begun.map(drop).map_err(|e| Error::io(there, e.kind().into()))
+}
+
 /// Writes files that belong together: all are on the disk before the first takes its
 /// name, so that a full disk or a stop leaves no new file beside an old one.
 ///

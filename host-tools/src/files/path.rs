@@ -10,7 +10,7 @@ use super::source::Source;
 use crate::error::{Error, Result};
 use crate::headings::{Heading, Named, Role};
 use crate::model::{Coordinates, Measurements, Path, Placement, Robot, Row, Target};
-use crate::units::{joint_column, point_from_mm};
+use crate::units::{joint_column, point_from_mm, to_mm};
 
 const POINT: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 const QUATERNION: [&str; 4] = ["qx", "qy", "qz", "qw"];
@@ -64,8 +64,9 @@ impl Path {
         let poses = Poses::find(&source, &header)?;
         poses.refuse_other_turns(&data.extra_columns)?;
         let targets = data.rows.iter().enumerate();
-        let targets =
+        let targets: Vec<Target> =
             targets.map(|(i, row)| poses.target(&cells[i], row)).collect::<Result<_>>()?;
+        data.warnings.extend(in_metres(path, &targets, robot));
         Ok(Self { data, targets, coordinates: poses.coordinates(), names, cells })
     }
 
@@ -107,6 +108,22 @@ impl Path {
 fn meant(name: &str) -> Option<Role> {
     Named::of(&Heading::new(name)).map(|named| named.role)
 }
+
+/// A remark where all points are as near to the base as points in metres would be.
+fn in_metres(path: &FilePath, targets: &[Target], robot: &Robot) -> Option<String> {
+    let reach: f64 = robot.joints.iter().map(|j| j.link.parameters.a.abs() + j.link.parameters.d.abs()).sum();
+    let far = targets.iter().map(|target| target.point.norm()).fold(0.0, f64::max);
+    (far > 0.0 && far < NEAR_THE_BASE * reach).then(|| {
+        format!(
+            "{}: all points are within {:.1} mm of the base: are they metres? The columns are mm",
+            path.display(),
+            to_mm(far)
+        )
+    })
+}
+
+/// Points of an arm are farther from its base than this part of all its lengths.
+const NEAR_THE_BASE: f64 = 0.01;
 
 /// A remark where a column says a state in another way than is read.
 fn remark_idle(data: &mut Measurements) {

@@ -1,6 +1,6 @@
 //! Tables and what their columns mean, to the text of a measurements.csv.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use super::clock::{dated, in_minutes, is_of_day, past_midnight, seconds_beside};
 use super::config::{Config, Join, Pick};
@@ -71,6 +71,7 @@ pub(super) fn convert(
     header.extend(
         form.iter().flat_map(|_| Form::Quaternion.columns().iter().map(|c| (*c).to_owned())),
     );
+    let names = series(tables);
     let times = times(tables, config, rows);
     let known: Vec<f64> = times.iter().flatten().copied().collect();
     let back = known.windows(2).filter(|pair| pair[1] < pair[0]).count();
@@ -88,7 +89,7 @@ pub(super) fn convert(
             other => other?,
         };
         let mut cells = cells;
-        cells.extend(stacked.then(|| stem(&tables[row.stacked.unwrap_or(0)])));
+        cells.extend(stacked.then(|| names[row.stacked.unwrap_or(0)].clone()));
         if let Some(form) = form {
             cells.extend(reader.orientation(form, &config.columns)?);
         }
@@ -103,8 +104,19 @@ pub(super) fn convert(
     Ok(Converted { csv, rows: count, poses, incomplete, back })
 }
 
-fn stem(table: &Table) -> String {
-    table.path.file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned())
+/// A label a file: its name, with as many of its folders as tell it from all others.
+fn series(tables: &[Table]) -> Vec<String> {
+    let parts = |table: &Table| -> Vec<String> {
+        let path = table.path.with_extension("");
+        path.iter().map(|part| part.to_string_lossy().into_owned()).collect()
+    };
+    let all: Vec<Vec<String>> = tables.iter().map(parts).collect();
+    let most = all.iter().map(Vec::len).max().unwrap_or(1);
+    let of = |depth: usize| -> Vec<String> {
+        all.iter().map(|parts| parts[parts.len().saturating_sub(depth)..].join("/")).collect()
+    };
+    let told = |names: &Vec<String>| names.iter().collect::<HashSet<_>>().len() == names.len();
+    (1..=most).map(of).find(told).unwrap_or_else(|| of(1))
 }
 
 /// The columns in their order, orientation apart.

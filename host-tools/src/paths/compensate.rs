@@ -84,11 +84,12 @@ pub struct Step {
 /// Corrects a path.
 ///
 /// # Errors
-/// Joints beyond their limits, an orientation that was not identified, more
-/// terms than the law takes, a marker that the model does not know, and as
+/// Joints beyond their limits, numbers of a model that no controller takes, an orientation that
+/// was not identified, more terms than the law takes, a marker that the model does not know, and as
 /// [`Forward::along`].
 pub fn compensate(model: &Model, path: &Path, options: &CompensateOptions) -> Result<Compensated> {
     path.within_limits(&model.robot)?;
+    law::plausible(model)?;
     let view = View { station: None, marker: options.marker.clone() };
     let (nominal, real) =
         (Forward::nominal(model, &view)?, Forward::real(model, &view)?.along(&path.data, model)?);

@@ -9,7 +9,7 @@ use truearm_sized::{Applied, Asked, Conditions, Law};
 use crate::blob::{PackOptions, arm_terms, pack_with, parameters};
 use crate::error::{Error, ErrorKind, Result};
 use crate::model::arm::RowInputs;
-use crate::model::{JointTables, Model, Row};
+use crate::model::{JointTables, Model, ModelTerm, Row};
 
 /// The law in f64. A model with more terms than a controller takes keeps its
 /// periodic ones outside of the arm, where [`Waves`] takes them back as the law
@@ -35,6 +35,27 @@ pub(super) fn double<'t>(
 pub(super) fn packed(model: &Model) -> Result<Vec<u8>> {
     // The number counts for nothing here; the creation time need not be known.
     pack_with(model, &PackOptions { sequence: Some(1), ..PackOptions::default() })
+}
+
+/// Whether a controller would take every number of a model, be there as many terms as there
+/// may.
+///
+/// # Errors
+/// The first that it would refuse.
+pub(super) fn plausible(model: &Model) -> Result<()> {
+    let (arm, others): (Vec<_>, Vec<_>) =
+        model.terms.iter().cloned().partition(|term| matches!(term, ModelTerm::Arm(_)));
+    let parts = arm.chunks(MAX_TERMS).map(<[ModelTerm]>::to_vec);
+    let parts: Vec<Vec<ModelTerm>> = if arm.is_empty() { vec![arm] } else { parts.collect() };
+    for terms in parts {
+        let part = Model { terms: [terms, others.clone()].concat(), ..model.clone() };
+        if let Err(error) = packed(&part)
+            && error.kind() == ErrorKind::Refused
+        {
+            return Err(error);
+        }
+    }
+    Ok(())
 }
 
 /// The law in f32, of [`packed`] parameters: the controller's bits.

@@ -37,7 +37,7 @@ pub struct CompensateReport {
     /// Lines of the rows whose correction was held back: at its largest, or near
     /// a limit.
     pub clamped: Vec<usize>,
-    /// Of these, those at which more than half of the miss stays, and more than 0.1 mm.
+    /// Corrected rows at which more than half of the miss stays, and more than 0.1 mm.
     pub mostly_left: Vec<RowLeft>,
     /// Lines of the rows outside the joint ranges of the identification.
     pub not_covered: Vec<usize>,
@@ -108,13 +108,15 @@ const STAYS: f64 = 0.5;
 /// ...more than this, m.
 const NOTICED: f64 = 1e-4;
 
-/// What stays of a row whose correction was held back, if that is most of it.
+/// What stays of a row that was corrected, if that is most of it: as a rule the correction
+/// was held back.
 fn mostly_left(row: &Row) -> Option<[f64; 2]> {
     match row {
-        Row::Corrected { clamped: true, before, left, .. } => {
-            (left[0] > STAYS * before[0] && left[0] > NOTICED).then_some(*left)
+        Row::Corrected { clamped, command, joints, before, left, .. } => {
+            let corrected = *clamped || joints != command;
+            (corrected && left[0] > STAYS * before[0] && left[0] > NOTICED).then_some(*left)
         }
-        _ => None,
+        Row::NotReached(_) => None,
     }
 }
 

@@ -6,7 +6,9 @@ pub fn checked(report: &CheckReport) -> String {
     let (before, after) = (report.rms_before_mm, report.rms_after_mm);
     let mut out = match report.verdict {
         Verdict::Sound => {
-            format!("no gross mistake: robot and measurements agree to {before:.2} mm RMS\n")
+            let agree = report.stray.as_ref().map_or(before, |stray| stray.others_mm);
+            let rows = if report.stray.is_some() { "but for single rows " } else { "" };
+            format!("no gross mistake: {rows}robot and measurements agree to {agree:.2} mm RMS\n")
         }
         Verdict::Mendable => String::from("found wrong:\n"),
         Verdict::NotUnderstood => match &report.too_few {

@@ -44,7 +44,7 @@ pub fn compensation(report: &CompensateReport, coordinates: Coordinates) -> Stri
     }
     if let Some(worst) = report.mostly_left.iter().max_by(|a, b| a.left_mm.total_cmp(&b.left_mm)) {
         out += &format!(
-            "{} of these mostly as far off as commanded, by up to {:.3} mm (line {}): a joint would have to \
+            "{} mostly as far off as commanded, by up to {:.3} mm (line {}): a joint would have to \
              move by more than 0.03 rad or m, beyond a limit, or the pose is near a singular one; move the \
              path or the part in the cell\n",
             count(report.mostly_left.len(), "row"),

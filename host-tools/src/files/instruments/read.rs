@@ -1,4 +1,4 @@
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3, Vector3};
 use toml::Spanned;
@@ -36,11 +36,14 @@ impl Gathered {
     /// # Errors
     /// Names file, line, key and remedy.
     pub fn beside(data: &Path, robot: &Robot) -> Result<Self> {
+        Self::place(data, robot).map_or_else(|| Ok(Self::default()), |file| Self::read(&file))
+    }
+
+    /// Which file that is.
+    #[must_use]
+    pub fn place(data: &Path, robot: &Robot) -> Option<PathBuf> {
         let there = [data, robot.path.as_path()].map(|file| file.with_file_name(NAME));
-        match there.iter().find(|file| file.is_file()) {
-            Some(file) => Self::read(file),
-            None => Ok(Self::default()),
-        }
+        there.into_iter().find(|file| file.is_file())
     }
 
     /// Reads and checks an instruments.toml.
