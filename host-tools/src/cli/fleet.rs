@@ -87,6 +87,8 @@ impl Fleet {
             let report = (out.join(REPORT), json.clone().into_bytes());
             write_all(&[(out.join(ROBOT), text.into_bytes()), report])?;
             wrote = format!("wrote {}\n", out.join("{robot.toml,fleet.json}").display());
+            let arm = |path: &Path| path.join("model.toml").is_file();
+            warn(overwrite::left_behind(out, folders.iter().map(PathBuf::as_path), arm).as_slice());
         }
         Ok(if self.json { json.into() } else { (words::fleet(&report) + &wrote).into() })
     }

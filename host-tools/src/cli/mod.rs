@@ -223,6 +223,7 @@ fn deliver(
             (folder.join("residuals.csv"), residuals().into_bytes()),
         ]);
         write_all(&made)?;
+        warn(overwrite::pictures_left_behind(folder, &made).as_slice());
         let files = folder.join("{model.toml,report.json,residuals.csv,report.html}");
         wrote = format!("wrote {}\n", files.display());
     }

@@ -1,11 +1,12 @@
 //! What may be written over: files that truearm wrote, of the same robot. The
 //! rest needs --force; and nothing lets a verb write over what it reads.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use truearm::blob::Blob;
-use truearm_host::error::Place;
-use truearm_host::files::{foreign, overwritable, overwritable_like, writable, write};
+use truearm_host::error::{Place, listed};
+use truearm_host::files::{ToWrite, foreign, overwritable, overwritable_like, writable, write};
 use truearm_host::model::{Model, Robot};
 use truearm_host::page::BEGIN;
 use truearm_host::{Error, Result};
@@ -61,6 +62,29 @@ pub fn pictures(report: &Path, pictures: &[PathBuf], force: bool) -> Result<()> 
         Some(picture) => Err(foreign(picture)),
         None => Ok(()),
     }
+}
+
+/// A remark on what of this sort is in a folder and was not written by this run: of an earlier
+/// one, it is of another model.
+pub fn left_behind<'a>(
+    folder: &Path,
+    own: impl Iterator<Item = &'a Path>,
+    sort: impl Fn(&Path) -> bool,
+) -> Option<String> {
+    let own: HashSet<_> = own.filter_map(Path::file_name).collect();
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let others = entries.filter(|entry| sort(&entry.path())).map(|entry| entry.file_name());
+    let others = others.filter(|name| !own.contains(name.as_os_str()));
+    let mut others: Vec<String> = others.map(|n| n.to_string_lossy().into_owned()).collect();
+    others.sort();
+    let folder = folder.display();
+    (!others.is_empty()).then(|| format!("{folder}: not of this run: {}", listed(&others)))
+}
+
+/// The same of pictures, beside what was written.
+pub fn pictures_left_behind(folder: &Path, made: &[ToWrite]) -> Option<String> {
+    let picture = |path: &Path| path.extension().is_some_and(|e| e == "svg" || e == "png");
+    left_behind(folder, made.iter().map(|(path, _)| path.as_path()), picture)
 }
 
 /// Whether a page may be written here: what stands there is one of truearm's.

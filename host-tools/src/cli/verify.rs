@@ -130,6 +130,7 @@ impl Verify {
             let mut made = page_files(&to_page, &page, self.figures)?;
             made.extend([(to_report, json.into_bytes()), (to_errors, errors.into_bytes())]);
             write_all(&made)?;
+            warn(overwrite::pictures_left_behind(folder, &made).as_slice());
         }
         let end = match report.conformity {
             None | Some(Conformity::Pass) => End::Good,

@@ -1,8 +1,11 @@
 use clap::Args;
 use nalgebra::Vector3;
+use truearm::JointKind;
 use truearm_host::model::{Robot, Sight, Workspace};
 use truearm_host::units::joint_from_file;
 use truearm_host::{Error, Result};
+
+use super::warn;
 
 /// No joint goes farther, degrees or mm, as in robot.toml.
 const FARTHEST: f64 = 1e5;
@@ -100,8 +103,19 @@ fn limits(text: &str, robot: &Robot) -> Result<Vec<[f64; 2]>> {
         }
         Ok([low, high].map(|limit| joint_from_file(robot.joints[joint].link.kind, limit)))
     };
-    ranges.into_iter().enumerate().map(range).collect()
+    let limits: Vec<[f64; 2]> = ranges.into_iter().enumerate().map(range).collect::<Result<_>>()?;
+    let turning = robot.joints.iter().zip(&limits);
+    let mut turning = turning.filter(|(joint, _)| joint.link.kind == JointKind::Revolute).peekable();
+    let narrow = |[low, high]: &[f64; 2]| low.abs().max(high.abs()) < NARROW && low < high;
+    if turning.peek().is_some() && turning.all(|(_, limits)| narrow(limits)) {
+        let what = format!("--limits {text}: all within 7 degrees, are they radians?");
+        warn(&[what + " Degrees are expected"]);
+    }
+    Ok(limits)
 }
+
+/// All joints of an arm may turn by less, and then somebody meant radians, rad.
+const NARROW: f64 = 7.0 * std::f64::consts::PI / 180.0;
 
 fn numbers<const N: usize>(option: &str, text: &str) -> Result<[f64; N]> {
     let cells: Vec<f64> = text

@@ -66,10 +66,20 @@ pub(super) fn distances(robot: &Robot, q: &[Vec<f64>], points: &[Vector3<f64>]) 
     let target = robot.nominal_target();
     let count = q.len().min(points.len());
     let nominal: Vec<Vector3<f64>> = q[..count].iter().map(|q| target(q).translation).collect();
-    let (measured, nominal) =
-        (Distances::of(&points[..count], 0.0), Distances::of(&nominal, MOVED));
-    measured.misfit(&nominal, f64::INFINITY)
+    far_apart(&points[..count], &nominal)
 }
+
+/// The misfit of distances that are not small among all: where an arm meets one point with its
+/// elbow up and down, what it is off by is all that is between the two.
+fn far_apart(points: &[Vector3<f64>], nominal: &[Vector3<f64>]) -> Option<f64> {
+    let apart = |(i, j): (usize, usize)| (nominal[i] - nominal[j]).norm();
+    let most = pairs(nominal.len()).map(apart).fold(0.0, f64::max);
+    let nominal = Distances::of(nominal, MOVED.max(NOT_SMALL * most));
+    Distances::of(points, 0.0).misfit(&nominal, f64::INFINITY)
+}
+
+/// Part of the largest distance.
+const NOT_SMALL: f64 = 0.05;
 
 /// The median difference, rad, of angles that no frame changes: of the turn from
 /// one orientation to another, and of two such turns after each other. The second

@@ -30,7 +30,7 @@ mod turn;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Place, Result};
-use crate::model::Robot;
+use crate::model::{Measurements, Robot};
 pub use config::FileConfig;
 use config::{Config, Join, Pick};
 pub use options::{ImportOptions, JoinAsked};
@@ -74,7 +74,15 @@ pub fn import(
         }
         None => guess::guess(&guess::Clues { tables: &tables, robot, options }, &mut warnings)?,
     };
-    converted(&tables, &config, options, warnings)
+    let mut imported = converted(&tables, &config, options, warnings)?;
+    imported.warnings.extend(robot.and_then(|robot| refused(&imported.csv, robot)));
+    Ok(imported)
+}
+
+/// A remark where the reader of a measurements.csv refuses what was written.
+fn refused(csv: &str, robot: &Robot) -> Option<String> {
+    let error = Measurements::parse(Path::new("measurements.csv"), csv, robot).err()?;
+    Some(format!("as it is, other verbs refuse it: {error}; {}", error.help()))
 }
 
 fn converted(

@@ -51,7 +51,7 @@ pub fn cycles(order: f64) -> String {
     match order {
         1.0 => "once a turn".to_owned(),
         2.0 => "twice a turn".to_owned(),
-        n => format!("{n} cycles a turn"),
+        n => format!("{} cycles a turn", (n * 100.0).round() / 100.0),
     }
 }
 

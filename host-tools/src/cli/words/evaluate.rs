@@ -2,6 +2,9 @@ use truearm_host::evaluate::Validation;
 
 use super::{Errors, not_covered, numbered};
 
+/// No arm, and no effect, is as far off, mm.
+const SENSELESS_MM: f64 = 20.0;
+
 /// A scored file.
 pub fn validation(v: &Validation) -> String {
     let mut out = format!("{}: {} rows\n", v.file, v.rows);
@@ -31,6 +34,10 @@ pub fn validation(v: &Validation) -> String {
     }
     if v.reregistered != "none" {
         out += &format!("{} fitted on this file itself, as asked\n", v.reregistered);
+    }
+    if v.stats.is_some_and(|s| s.rms_mm > SENSELESS_MM) {
+        out += "no arm is off by as much: `truearm check robot.toml` with this file finds units, orders \
+                and senses that are wrong\n";
     }
     if let Some(base) =
         v.base_refitted_rms_mm.filter(|b| v.stats.is_some_and(|s| *b < 0.5 * s.rms_mm))

@@ -55,7 +55,10 @@ impl<'a> Header<'a> {
         let meant = self.names.iter().find(|found| {
             *found != name && suggestion(found).is_some_and(|s| stem(&s) == stem(name))
         });
+        // The column of another joint is none for this one.
+        let number = |name: &str| name.chars().filter(char::is_ascii_digit).collect::<String>();
         let names = self.names.iter().map(String::as_str);
+        let names = names.filter(|found| number(found) == number(name));
         let meant = meant.map(String::as_str).or_else(|| resembling(name, names));
         let meant = meant.map_or(String::new(), |found| format!("; {name} may be \"{found}\""));
         let found: Vec<String> = self.names.iter().map(|n| format!("\"{n}\"")).collect();
@@ -99,8 +102,12 @@ impl<'a> Header<'a> {
             let name = joint_column(prefix, j, kind);
             let missing = |header: &Self| {
                 let (joint, file) = (j + 1, robot.path.display());
+                let word = match kind {
+                    JointKind::Revolute => "revolute",
+                    JointKind::Prismatic => "prismatic",
+                };
                 let help =
-                    format!("joint {joint} of {file} is {kind:?} and the robot has {n} joints");
+                    format!("joint {joint} of {file} is {word} and the robot has {n} joints");
                 header.missing(&name, &help)
             };
             q.push(self.take(&name).ok_or_else(|| missing(self))?);

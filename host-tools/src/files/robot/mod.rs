@@ -68,6 +68,7 @@ impl Robot {
         let tool = check.placement("tool", file.tool.as_ref())?;
         let links = file.links.iter().map(|l| check.link(l)).collect::<Result<_>>()?;
         check.limits_in_radians(&file, &joints)?;
+        check.lengths_in_metres(&joints);
         let gravity = file.gravity_m_s2.as_ref().map(|g| check.gravity(g)).transpose()?;
         let temperature =
             file.reference_temperature_c.as_ref().map(|t| check.temperature(t)).transpose()?;

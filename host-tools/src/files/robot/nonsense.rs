@@ -9,10 +9,12 @@ use super::keys::{LinkFile, RobotFile};
 use crate::error::Result;
 use crate::files::numbers::Numbers;
 use crate::model::{Joint, LinkMass};
-use crate::units::point_from_mm;
+use crate::units::{point_from_mm, to_mm};
 
 /// Limits in radians are within a turn and a bit.
 const TURN: f64 = 6.4;
+/// No arm is as small, m: desktop arms have 0.2 m, cranes in metres 30 mm.
+const TINY: f64 = 0.03;
 
 impl Checker<'_> {
     /// A point in mm, to m.
@@ -70,6 +72,18 @@ impl Checker<'_> {
             "give degrees Celsius, such as 20".to_owned()
         };
         Err(self.source.at(temperature.span(), format!("reference_temperature_c = {value}"), help))
+    }
+
+    /// An arm whose lengths together are a few millimetres is one in metres.
+    pub fn lengths_in_metres(&mut self, joints: &[Joint]) {
+        let all = joints.iter().map(|j| j.link.parameters.a.abs() + j.link.parameters.d.abs());
+        let sum: f64 = all.sum();
+        if sum > 0.0 && sum < TINY {
+            self.warn(format!(
+                "all a_mm and d_mm together are {:.3} mm: are they metres? Lengths are mm",
+                to_mm(sum)
+            ));
+        }
     }
 
     /// Limits within a turn of zero in all joints at once are radians.

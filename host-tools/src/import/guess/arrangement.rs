@@ -50,10 +50,15 @@ pub(super) fn find(clues: &Clues) -> Result<Found> {
 
 fn unknown(clues: &Clues, message: &str) -> Error {
     let lists: Vec<String> = clues.tables.iter().map(Table::list).collect();
+    let arm = match clues.robot {
+        Some(_) => "the arm of --robot does not settle it",
+        None => "a robot.toml given with --robot may settle it",
+    };
     Error::usage(
         format!("{message} ({})", lists.join("; ")),
-        "say it with numbers of columns or headings, such as --columns q=1-6,xyz=7-9; a robot.toml given \
-         with --robot may settle it",
+        format!(
+            "say it with numbers of columns or headings, such as --columns q=1-6,xyz=7-9; {arm}"
+        ),
     )
 }
 

@@ -101,7 +101,7 @@ fn of_rows(
     if let Some(percent) = readings.none_agrees().filter(|_| open && warnings.len() == before) {
         warnings.push(format!(
             "in no unit are the distances between the points those of the nominal arm (at best \
-             within {percent:.0} %): units were taken by the size of the numbers; see `truearm check`"
+             within {percent:.0} %): units were taken as asked, or by the size of the numbers; see `truearm check`"
         ));
     }
     let all = |told: Vec<Option<Told>>, of: &dyn Fn(usize) -> Option<Told>| -> Vec<Told> {

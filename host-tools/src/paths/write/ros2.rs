@@ -21,7 +21,13 @@ pub fn ros2(model: &Model, path: &Path, found: &Compensated, timing: &Timing) ->
     let joints = model.robot.joints.len();
     let names = match &timing.names[..] {
         [] => (1..=joints).map(|j| format!("joint_{j}")).collect(),
-        names if names.len() == joints => names.to_vec(),
+        names if names.len() == joints => {
+            if let Some(twice) = (1..joints).find(|k| names[..*k].contains(&names[*k])) {
+                let what = format!("--joint-names: {} stands twice", names[twice]);
+                return Err(Error::usage(what, "give every joint the name it has there"));
+            }
+            names.to_vec()
+        }
         names => {
             return Err(Error::usage(
                 format!("--joint-names of {} joints, but the robot has {joints}", names.len()),
