@@ -77,7 +77,7 @@ pub fn name(mistake: &Mistake) -> String {
         Mistake::Swapped(..) | Mistake::Alphabetical => "order",
         Mistake::Radians | Mistake::SlideInMetres => "unit of joints",
         Mistake::PointsIn(_) => "unit of points",
-        Mistake::RobotIn(_) => "unit of the robot",
+        Mistake::RobotIn(_) | Mistake::RobotInRadians => "unit of the robot",
         Mistake::StandardTable | Mistake::ShiftedTable => "DH convention",
         Mistake::Number(_, 0, _) | Mistake::Sign(_, 0) => "alpha",
         Mistake::Number(..) => "a length",

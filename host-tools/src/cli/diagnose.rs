@@ -1,13 +1,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use truearm_host::Result;
 use truearm_host::check::{Ended, remark};
 use truearm_host::diagnose::{DiagnoseOptions, diagnose};
 use truearm_host::evaluate::not_covered;
 use truearm_host::model::{Measurements, ModelTerm};
 use truearm_host::page::{Measured, Next, diagnosed};
 use truearm_host::report::DiagnoseReport;
-use truearm_host::Result;
 
 use super::page::next_line;
 use super::progress::Bar;

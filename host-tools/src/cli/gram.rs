@@ -117,9 +117,8 @@ impl Merge {
 
 impl Next {
     fn run(self) -> Result<Said> {
-        // Other parts may still be summed at the state.
-        let inputs = std::iter::once(&self.state).chain(&self.grams);
-        overwrite::apart([self.out.as_path()], inputs.map(PathBuf::as_path))?;
+        // The state may go on in its place: that is what a round is for.
+        overwrite::apart([self.out.as_path()], self.grams.iter().map(PathBuf::as_path))?;
         let state = Model::read(&self.state)?;
         let sums = sum(&self.grams, read)?;
         let next = step(&state, &sums)?;

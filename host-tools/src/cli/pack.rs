@@ -166,9 +166,13 @@ impl Pack {
                 ErrorKind::NoSlot,
                 format!("{size} bytes of parameters, {name} has {}", region.length),
                 match self.covariance {
-                    true => "make the slot larger in the linker script, or pack without --covariance",
-                    false => "make the slot larger in the linker script; of less room \
-                              `truearm diagnose --most-terms N` gives the best model",
+                    true => {
+                        "make the slot larger in the linker script, or pack without --covariance"
+                    }
+                    false => {
+                        "make the slot larger in the linker script; of less room \
+                              `truearm diagnose --most-terms N` gives the best model"
+                    }
                 },
             ));
         }

@@ -7,10 +7,10 @@ use truearm_host::observations::kind;
 use truearm_host::page::verified;
 use truearm_host::report::{VerifyReport, to_json};
 use truearm_host::units::to_mm;
-use truearm_host::{Error, Result};
 use truearm_host::verify::{
     Conformity, STANDARD_REPEATS, Tolerances, Verification, test_poses, verify,
 };
+use truearm_host::{Error, Result};
 
 use super::page::page_files;
 use super::workspace::Where;

@@ -105,7 +105,8 @@ fn limits(text: &str, robot: &Robot) -> Result<Vec<[f64; 2]>> {
     };
     let limits: Vec<[f64; 2]> = ranges.into_iter().enumerate().map(range).collect::<Result<_>>()?;
     let turning = robot.joints.iter().zip(&limits);
-    let mut turning = turning.filter(|(joint, _)| joint.link.kind == JointKind::Revolute).peekable();
+    let mut turning =
+        turning.filter(|(joint, _)| joint.link.kind == JointKind::Revolute).peekable();
     let narrow = |[low, high]: &[f64; 2]| low.abs().max(high.abs()) < NARROW && low < high;
     if turning.peek().is_some() && turning.all(|(_, limits)| narrow(limits)) {
         let what = format!("--limits {text}: all within 7 degrees, are they radians?");

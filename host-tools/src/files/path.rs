@@ -111,7 +111,8 @@ fn meant(name: &str) -> Option<Role> {
 
 /// A remark where all points are as near to the base as points in metres would be.
 fn in_metres(path: &FilePath, targets: &[Target], robot: &Robot) -> Option<String> {
-    let reach: f64 = robot.joints.iter().map(|j| j.link.parameters.a.abs() + j.link.parameters.d.abs()).sum();
+    let reach: f64 =
+        robot.joints.iter().map(|j| j.link.parameters.a.abs() + j.link.parameters.d.abs()).sum();
     let far = targets.iter().map(|target| target.point.norm()).fold(0.0, f64::max);
     (far > 0.0 && far < NEAR_THE_BASE * reach).then(|| {
         format!(

@@ -60,7 +60,8 @@ impl Tolerances {
     /// One that is none, or not above nothing.
     pub fn sensible(&self) -> Result<()> {
         for unit in UNITS {
-            if let Some(value) = self.of(unit).filter(|value| !(*value > 0.0 && value.is_finite())) {
+            if let Some(value) = self.of(unit).filter(|value| !(*value > 0.0 && value.is_finite()))
+            {
                 return Err(Error::usage(
                     format!("a tolerance of {value} {unit}"),
                     "give the largest error allowed in this unit, such as 0.3",

@@ -3,6 +3,7 @@
 
 mod bounds;
 mod fits;
+mod in_silence;
 mod mutate;
 mod mutations;
 mod overwriting;

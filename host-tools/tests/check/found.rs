@@ -66,6 +66,86 @@ fn two_at_once_are_told() {
     assert!(told(&outcomes) >= 18, "of {}", outcomes.len());
 }
 
+/// The angles of a robot file are radians; nothing but the arm tells.
+#[test]
+fn a_robot_in_radians_is_told() {
+    let said: Vec<(bool, String)> = (400..424_u64)
+        .into_par_iter()
+        .map(|seed| {
+            let (clean, _) = session(seed);
+            let mut typed = clean.clone();
+            typed.make(&Mistake::RobotInRadians);
+            let finding = typed.checked();
+            let outcome = judged(&clean, &typed, &[Mistake::RobotInRadians], &finding);
+            let good = matches!(outcome, Outcome::Named | Outcome::Equivalent);
+            (good, format!("seed {seed}: {outcome:?}: {:?}", finding.said))
+        })
+        .collect();
+    let missed: Vec<&String> = said.iter().filter(|(told, _)| !told).map(|(_, s)| s).collect();
+    assert!(missed.len() <= 1, "{missed:#?}");
+}
+
+/// In few rows two that are far off may be the right ones; in more they are slips.
+#[test]
+fn two_rows_of_few_are_no_slips() {
+    for (rows, sound) in [(8, false), (12, false), (16, true), (30, true)] {
+        let (mut typed, _) = session(3);
+        typed.joints.truncate(rows);
+        typed.points.truncate(rows);
+        typed.points[4][0] += 40.0;
+        typed.points[6][1] -= 25.0;
+        let finding = typed.checked();
+        assert_eq!(finding.verdict == Verdict::Sound, sound, "{rows}: {:?}", finding.stray);
+    }
+}
+
+/// A robot file in metres is one in all its lengths.
+#[test]
+fn all_lengths_of_a_robot_in_metres_are_mended() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let text = fs::read_to_string(shipped("ur10-ipa/robot.toml")).unwrap();
+    let mut table: toml_edit::DocumentMut = text.parse().unwrap();
+    let metres = |item: &mut toml_edit::Item| {
+        let of = |value: &toml_edit::Value| {
+            value.as_float().unwrap_or_else(|| value.as_integer().unwrap() as f64) * 1e-3
+        };
+        let value = item.as_value_mut().unwrap();
+        *value = match value.as_array() {
+            Some(array) => array.iter().map(of).collect(),
+            None => of(value).into(),
+        };
+    };
+    metres(&mut table["measurement_sigma_mm"]);
+    metres(&mut table["tool"]["xyz_mm"]);
+    for joint in table["joints"].as_array_of_tables_mut().unwrap().iter_mut() {
+        for key in ["a_mm", "d_mm"] {
+            metres(&mut joint[key]);
+        }
+    }
+    for link in table["links"].as_array_of_tables_mut().unwrap().iter_mut() {
+        metres(&mut link["com_mm"]);
+    }
+    fs::write(at("robot.toml"), table.to_string()).unwrap();
+    fs::copy(shipped("ur10-ipa/series-b/measurements.csv"), at("m.csv")).unwrap();
+    fs::write(at("instruments.toml"), "[[anchors]]\nlabel = \"A\"\nxyz_mm = [1.0, 2.0, 3.0]\n")
+        .unwrap();
+    let line = ["check", "robot.toml", "m.csv", "--fix", "mended"];
+    let mut command = Command::cargo_bin("truearm").unwrap();
+    assert_eq!(command.current_dir(&folder).args(line).output().unwrap().status.code(), Some(3));
+    let read = |text: &str| Robot::parse(Path::new("robot.toml"), text).unwrap();
+    let (mended, drawn) =
+        (read(&fs::read_to_string(at("mended/robot.toml")).unwrap()), read(&text));
+    assert!((mended.sigma - drawn.sigma).abs() < 1e-12);
+    assert!((mended.tool - drawn.tool).norm() < 1e-12);
+    for (mended, drawn) in mended.links.iter().zip(&drawn.links) {
+        assert!((mended.com - drawn.com).norm() < 1e-12, "{mended:?} {drawn:?}");
+    }
+    // What is stated of instruments is beside the copies, too.
+    let books = ["instruments.toml", "mended/instruments.toml"].map(|n| fs::read(at(n)).unwrap());
+    assert_eq!(books[0], books[1]);
+}
+
 #[test]
 fn sound_sessions_raise_no_alarm() {
     (300..335_u64).into_par_iter().for_each(|seed| {

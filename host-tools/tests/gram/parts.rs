@@ -370,6 +370,12 @@ fn by_the_program() {
     }
     assert!(said.contains("this is the identified arm"), "{said}");
     done("pack state.toml --marker M0 --out arm.bin");
+    // Rows count once, whatever the file is called that says them.
+    std::fs::copy(folder.path().join("a.gram"), folder.path().join("c.gram")).unwrap();
+    for line in ["gram merge a.gram b.gram c.gram", "gram add state.toml a.csv a.csv"] {
+        let (code, _, error) = run(&format!("{line} --out twice.gram"));
+        assert!(code == Some(2) && error.contains("count twice"), "{line}: {code:?} {error}");
+    }
     let (code, _, error) = run("gram merge a.gram state.toml --out all.gram");
     assert!(code == Some(1) && error.contains("state.toml: no .gram file"), "{error}");
     let (code, _, error) = run("gram add state.toml a.csv --out robot.toml");

@@ -884,3 +884,57 @@ fn the_program() {
     assert!(run("import a.csv --out out/m.csv --force").status.success());
     assert!(!read("out/import.toml").contains("# mine"));
 }
+
+/// An arm that meets one point with its elbow up and down: what it is off by is all that is
+/// between the two, and tells no unit.
+#[test]
+fn units_of_an_arm_that_meets_points_twice() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/ur10-ipa");
+    let robot = Robot::read(&data.join("robot.toml")).unwrap();
+    let rows = fs::read_to_string(data.join("series-b/measurements.csv")).unwrap();
+    for (mm, unit) in [(1.0, Unit::Mm), (1000.0, Unit::M), (10.0, Unit::Cm), (25.4, Unit::Inch)] {
+        for count in [40, 200] {
+            let mut text = "J1,J2,J3,J4,J5,J6,X,Y,Z\n".to_owned();
+            for line in rows.lines().skip(1).take(count) {
+                let cells: Vec<f64> =
+                    line.split(',').skip(1).take(9).map(|c| c.parse().unwrap()).collect();
+                let cell = |(k, x): (usize, &f64)| (if k < 6 { *x } else { x / mm }).to_string();
+                text += &cells.iter().enumerate().map(cell).collect::<Vec<_>>().join(",");
+                text += "\n";
+            }
+            let files: Files = vec![("b.csv", text.into_bytes())];
+            let made = imported(&files, Some(&robot), &ImportOptions::default());
+            let x = made.columns.iter().find(|column| column.to == "x").unwrap();
+            let word = [("mm", Unit::Mm), ("m", Unit::M), ("cm", Unit::Cm), ("in", Unit::Inch)];
+            let word = word.iter().find(|(_, u)| *u == unit).map(|(word, _)| *word);
+            assert_eq!(x.unit.as_deref(), word, "{count} rows: {}", x.because);
+            assert!(made.warnings.is_empty(), "{:?}", made.warnings);
+        }
+    }
+}
+
+/// Files of one name in several folders are several series.
+#[test]
+fn series_of_files_of_one_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = "q1_deg,q2_deg,x_mm,y_mm,z_mm\n1,2,3,4,5\n2,3,4,5,6\n";
+    let paths = ["mon/data.csv", "tue/data.csv"].map(|name| folder.path().join(name));
+    for path in &paths {
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, rows).unwrap();
+    }
+    let options = ImportOptions { join: JoinAsked::Stack, ..ImportOptions::default() };
+    let made = import(&paths, None, None, &options).unwrap();
+    assert!(made.csv.contains(",mon/data\n") && made.csv.contains(",tue/data\n"), "{}", made.csv);
+}
+
+/// What the reader of measurements refuses is said where it is written.
+#[test]
+fn values_that_other_verbs_refuse() {
+    let text = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,x_mm,y_mm,z_mm,temperature_c\n\
+                0,0,0,0,0,0,100,0,0,9999\n10,0,0,0,0,0,0,100,0,20\n";
+    let files: Files = vec![("m.csv", text.as_bytes().to_vec())];
+    let made = imported(&files, Some(&robot()), &ImportOptions::default());
+    let said = made.warnings.join("\n");
+    assert!(said.contains("other verbs refuse it") && said.contains("temperature_c"), "{said}");
+}

@@ -55,6 +55,7 @@ pub enum Mistake {
     /// The length of one of these in mm.
     PointsIn(f64),
     RobotIn(f64),
+    RobotInRadians,
     StandardTable,
     /// A modified table moved on by a row as if it had been standard.
     ShiftedTable,
@@ -162,6 +163,9 @@ impl Session {
                 self.table.iter_mut().for_each(|row| (row[1], row[3]) = (row[1] / mm, row[3] / mm));
                 self.tool = self.tool.map(|x| x / mm);
             }
+            Mistake::RobotInRadians => self.table.iter_mut().for_each(|row| {
+                (row[0], row[2]) = (row[0].to_radians(), row[2].to_radians());
+            }),
             Mistake::StandardTable | Mistake::ShiftedTable => {
                 let pairs: Vec<[f64; 2]> = self.table.iter().map(|row| [row[0], row[1]]).collect();
                 let on = matches!(mistake, Mistake::ShiftedTable);

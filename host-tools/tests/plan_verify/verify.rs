@@ -254,8 +254,9 @@ fn a_frame_of_few_poses_hides_no_error() {
             cells.join(",")
         };
         let lines = text.lines().enumerate();
-        let text: String =
-            lines.map(|(k, line)| if k == 3 { off(line) } else { line.to_owned() } + "\n").collect();
+        let text: String = lines
+            .map(|(k, line)| if k == 3 { off(line) } else { line.to_owned() } + "\n")
+            .collect();
         let fitted = verify(&cell.model, &cell.read(&text), true).unwrap();
         assert!(of_points(&fitted).errors.max_mm > 0.9, "seed {seed}: {fitted:?}");
         assert_ne!(fitted.kinds[0].conformity(0.5), Conformity::Pass, "seed {seed}");

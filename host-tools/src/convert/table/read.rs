@@ -218,7 +218,10 @@ impl<'a> Columns<'a> {
                     if in_turns(&point) && (quantity.is_length() || *unit != 1.0) {
                         let help = "pi is an angle in radians: write the number in the unit of \
                                     the column, or the column in radians";
-                        return fail(format!("\"{cell}\" where the column is not in radians"), help);
+                        return fail(
+                            format!("\"{cell}\" where the column is not in radians"),
+                            help,
+                        );
                     }
                     numbers.push((*quantity, value * unit));
                 }
