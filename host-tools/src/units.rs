@@ -1,5 +1,6 @@
 //! The units of files and texts: millimetres and degrees. Everything inside is
-//! SI; numbers change their unit here, on their way in or out, and nowhere else.
+//! SI; numbers change their unit on their way in or out. What files hold is read and written by
+//! these functions; a figure of a report or a sentence may be scaled where it is made.
 
 use nalgebra::Vector3;
 use truearm::{JointKind, LinkParameter};

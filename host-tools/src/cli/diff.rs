@@ -1,12 +1,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use truearm::blob::Blob;
 use truearm_host::Result;
 use truearm_host::blob::difference;
 use truearm_host::report::{DiffReport, to_json};
 
-use super::{Said, count, read_blob, refused};
+use super::{Said, count, read_blob};
 
 /// Compare two parameter blobs: which parameters moved, and the tool with them.
 #[derive(Args)]
@@ -28,14 +27,9 @@ pub struct Diff {
 
 impl Diff {
     pub fn run(self) -> Result<Said> {
-        let [a, b] = [&self.before, &self.after].map(|path| Ok((path, read_blob(path)?)));
+        let [a, b] = [&self.before, &self.after].map(|path| read_blob(path));
         let (a, b) = (a?, b?);
-        let check = |(path, bytes): &(&PathBuf, Vec<u8>)| {
-            Blob::check(bytes).map(drop).map_err(|e| refused(path, bytes, &e.into()))
-        };
-        check(&a)?;
-        check(&b)?;
-        let found = difference(&a.1, &b.1, self.poses, self.seed)?;
+        let found = difference(&a, &b, self.poses, self.seed)?;
         if !self.json {
             return Ok(found.words.into());
         }

@@ -1,4 +1,5 @@
-//! Every threshold of the diagnosis, with its reason.
+//! The thresholds of the diagnosis that more than one file decides by, with their reasons; those
+//! of one method stand beside it.
 //!
 //! Most were chosen on the shipped sets with a hidden effect and on blind sets
 //! of seeds 1 to 6 (`cargo xtask study blind`), and judged on others; figures

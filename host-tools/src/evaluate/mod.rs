@@ -88,9 +88,6 @@ impl Reregister {
     }
 }
 
-/// A reading beyond the covered range by less than this is inside, rad or m.
-const MARGIN: f64 = 0.01;
-
 /// Scores a model.
 ///
 /// # Errors
@@ -156,7 +153,7 @@ pub fn not_covered(model: &Model, data: &Measurements) -> Vec<usize> {
         let Some([low, high]) = model.covered[*j] else { return true };
         let curve = model.curves.iter().find(|curve| usize::from(curve.joint()) == *j);
         let known = |q: f64| curve.is_none_or(|curve| curve.knows(q));
-        let within = |q: f64| q >= low - MARGIN && q <= high + MARGIN && known(q);
+        let within = |q: f64| (low..=high).contains(&q) && known(q);
         data.rows.iter().any(|row| !within(row.q[*j]))
     };
     (0..model.covered.len()).filter(outside).map(|j| j + 1).collect()

@@ -30,13 +30,6 @@ pub fn line_log_odds(joints: usize, orders: usize, whole: usize, is_whole: bool)
     of(joint * if is_whole { WHOLE / whole.max(1) as f64 } else { grid })
 }
 
-/// Log prior odds that one of `rows` rows is grossly wrong: one a set is
-/// expected.
-#[must_use]
-pub fn gross_row_log_odds(rows: usize) -> f64 {
-    of(1.0 / rows.max(2) as f64)
-}
-
 fn of(probability: f64) -> f64 {
     probability.ln() - (-probability).ln_1p()
 }

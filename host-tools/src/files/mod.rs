@@ -7,6 +7,7 @@ mod comment;
 mod covariance;
 mod digest;
 mod edit;
+mod identified;
 mod instruments;
 mod key;
 mod measurements;

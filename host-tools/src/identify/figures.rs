@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::kind_figures::KindFigures;
 use super::{LCurvePoint, LambdaChoice};
 use crate::identify::certainty::error_bars::Uncertainty;
 use crate::statistics::Stats;
@@ -21,26 +22,6 @@ pub struct FlaggedRow {
     /// Measured minus predicted by the other rows, mm; degrees of components that
     /// are angles, px of those in an image.
     pub residual_mm: Vec<f64>,
-}
-
-/// One kind of measurement, or its lengths and angles each.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct KindFigures {
-    /// Its name, as in the column `kind`.
-    pub kind: &'static str,
-    /// `mm`, `deg` or `px`.
-    pub unit: &'static str,
-    /// Rows of it.
-    pub rows: usize,
-    /// Root mean square of all components of a row together, nominal geometry.
-    pub nominal_rms: Option<f64>,
-    /// The same, identified.
-    pub identified_rms: Option<f64>,
-    /// The same, held out.
-    pub cross_validated_rms: Option<f64>,
-    /// Noise over what is stated: as `diagnose` found it; `identify` estimates it where
-    /// there are several kinds, and has 1 of a single one.
-    pub noise_scale: f64,
 }
 
 /// A number, or `"> 1e15"` where rounding hides it.

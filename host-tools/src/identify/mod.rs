@@ -9,6 +9,7 @@ pub mod certainty;
 pub mod cross_validation;
 mod figures;
 pub mod fit;
+mod kind_figures;
 pub mod noise_estimate;
 pub mod problem;
 mod remarks;
@@ -19,8 +20,9 @@ mod tests;
 pub mod typical;
 
 pub use blame::blamed;
-pub use figures::{AllRows, Condition, Drawn, Figures, FlaggedRow, KindFigures};
+pub use figures::{AllRows, Condition, Drawn, Figures, FlaggedRow};
 pub use fit::{LCurvePoint, LambdaChoice, LambdaRule, choose, l_curve};
+pub use kind_figures::KindFigures;
 pub use problem::{
     Beside, Conditions, Equations, Layout, Linearised, Noise, Predictor, Problem, Scaling,
     Scatterer, State, Surroundings, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Target, Turns, Unit,

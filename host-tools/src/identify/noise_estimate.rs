@@ -4,8 +4,9 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::RowResult;
+use super::kind_figures::KindFigures;
 use super::problem::{Problem, Scaling};
-use super::{RowResult, figures::KindFigures};
 use crate::error::{Error, ErrorKind, Result};
 use crate::identify::fit::robust::{Flags, Outlier, robust_fit};
 use crate::identify::problem::{Group, Noise, State, groups};

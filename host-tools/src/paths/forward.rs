@@ -120,7 +120,7 @@ impl Forward {
         self.arm.jacobian(q)
     }
 
-    /// ErrorKind of each joint.
+    /// Whether each joint turns or slides.
     #[must_use]
     pub fn kinds(&self) -> &[JointKind] {
         &self.kinds

@@ -2,6 +2,7 @@
 //! so far, weighing every candidate by its evidence, and fitting what was found.
 
 mod between;
+mod curve;
 mod doubts;
 mod follows;
 mod given_back;
@@ -40,10 +41,10 @@ use super::question::Question;
 use crate::error::Result;
 use crate::evidence::{Effort, Known, explain};
 use crate::identify::Scatterer;
+use curve::Curve;
 pub use follows::{Covariate, Follows};
 use given_back::given_back;
 pub use gross::gross;
-use joint_curves::Curve;
 use joint_curves::choice::Chosen;
 use lines::Held;
 pub use nameless::{Nameless, without};

@@ -7,7 +7,7 @@ use nalgebra::{DVector, Vector3};
 use truearm::JointKind;
 use truearm::effects::Term;
 
-use super::joint_curves::Curve;
+use super::curve::Curve;
 use super::nameless::{self, Nameless};
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments;

@@ -1,6 +1,6 @@
 //! What a search ended with, and the answer that it gives.
 
-use super::joint_curves::Curve;
+use super::curve::Curve;
 use super::joint_curves::worth;
 use super::judge;
 use super::nameless;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::joint_curves::Curve;
+use super::curve::Curve;
 use super::lines::Held;
 use super::nameless;
 use super::sheet::{Sheet, Solution};

@@ -10,7 +10,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 use truearm::effects::Term;
 
-use super::joint_curves::Curve;
+use super::curve::Curve;
 use super::possible::{Possible, What, columns_of_member};
 use super::sheet::{Sheet, Weights};
 use crate::diagnose::moments::Bending;

@@ -9,26 +9,6 @@ use truearm::{MdhParameters, Pose};
 use crate::units::{from_mm, point_from_mm, point_to_mm, to_mm};
 use keys::FrameFile;
 
-/// Keys that a model.toml has beyond those of a robot.toml.
-pub(super) const MODEL_KEYS: [&str; 16] = [
-    "schema",
-    "digest",
-    "robot_id",
-    "orientation_identified",
-    "unidentifiable",
-    "provenance",
-    "gram",
-    "frame",
-    "corrections",
-    "terms",
-    "measurement_terms",
-    "curves",
-    "stations",
-    "markers",
-    "instruments",
-    "covariance",
-];
-
 /// First line of every model.toml.
 const SCHEMA: &str = "truearm-model-1";
 

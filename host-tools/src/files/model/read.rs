@@ -9,7 +9,7 @@ use super::keys::{CorrectionFile, GramFile, InstrumentFile, ModelPart, StationFi
 use super::{SCHEMA, frame_from_file, from_file};
 use crate::error::{Error, Result};
 use crate::files::digest::digest;
-use crate::files::robot::is_identified;
+use crate::files::identified::is_identified;
 use crate::files::source::Source;
 use crate::files::{model_curves, model_terms};
 use crate::model::{ErrorCurve, Form, GramState, Instrument, Model, ModelTerm, Robot};

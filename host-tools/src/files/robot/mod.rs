@@ -11,7 +11,7 @@ use toml::Spanned;
 use truearm::JointKind;
 
 use super::columns::SIGMAS;
-use super::model::MODEL_KEYS;
+use super::identified::{MODEL_KEYS, is_identified};
 use super::source::Source;
 use crate::error::Result;
 use crate::model::{Joint, LinkMass, Placement, Robot};
@@ -94,14 +94,6 @@ impl Robot {
             warnings: check.warnings,
         })
     }
-}
-
-/// Whether a text is that of a model.toml: a list of corrections, whatever became of its schema.
-pub(super) fn is_identified(text: &str) -> bool {
-    let file: toml::Table = text.parse().unwrap_or_default();
-    file.get("corrections")
-        .and_then(toml::Value::as_array)
-        .is_some_and(|all| !all.is_empty() && all.iter().all(toml::Value::is_table))
 }
 
 impl Checker<'_> {

@@ -2,8 +2,8 @@
 
 use truearm::effects::Effect;
 
-use super::Curve;
 use crate::diagnose::candidates::Candidate;
+use crate::diagnose::weigh::curve::Curve;
 use crate::diagnose::weigh::lines::{self, Held};
 use crate::diagnose::weigh::possible::{Possible, What, columns_of, columns_of_member, revolute};
 use crate::diagnose::weigh::sheet::{Sheet, Weights};

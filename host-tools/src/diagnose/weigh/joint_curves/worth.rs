@@ -3,8 +3,8 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::Curve;
 use crate::diagnose::moments;
+use crate::diagnose::weigh::curve::Curve;
 use crate::diagnose::weigh::partial_fits::{Explained, Part};
 use crate::diagnose::weigh::possible::What;
 use crate::diagnose::weigh::row_parts::{Parts, joined};

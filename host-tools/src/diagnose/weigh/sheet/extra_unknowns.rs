@@ -4,7 +4,7 @@
 use nalgebra::{DVector, Vector3};
 
 use super::{Sheet, Solution};
-use crate::diagnose::weigh::joint_curves::{self, Curve};
+use crate::diagnose::weigh::curve::{self, Curve};
 use crate::evidence;
 use crate::identify::Equations;
 use crate::model::arm::Derivatives;
@@ -75,7 +75,7 @@ impl Sheet<'_> {
     /// Where the columns of a curve stand in geometry.
     #[must_use]
     pub fn columns_of_curve(&self, k: usize) -> std::ops::Range<usize> {
-        let first = self.unknowns() + joint_curves::columns(&self.curves[..k]);
+        let first = self.unknowns() + curve::columns(&self.curves[..k]);
         first..first + 2 * self.curves[k].orders()
     }
 
@@ -92,8 +92,8 @@ impl Sheet<'_> {
             poses.sort_by_key(|row| row.pose);
             poses.dedup_by_key(|row| row.pose);
             let angles: Vec<f64> = poses.iter().map(|row| row.q[curve.joint]).collect();
-            let band = joint_curves::band(curve, &angles, geometry, first);
-            let gaps = joint_curves::gaps(curve, &angles, geometry, first);
+            let band = curve::band(curve, &angles, geometry, first);
+            let gaps = curve::gaps(curve, &angles, geometry, first);
             out.extend(curve.table(own.as_slice(), band, &gaps));
             first += count;
         }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use truearm::LinkParameter;
 use truearm::effects::Term;
 
-use super::joint_curves::{self, Curve};
+use super::curve::{self, Curve};
 use super::possible::{Possible, of_arm};
 use crate::diagnose::moments::Bending;
 use crate::diagnose::policy::POLICY;
@@ -328,7 +328,7 @@ impl<'a> Sheet<'a> {
             all
         });
         let (p, k) = (self.unknowns(), self.held.len());
-        let curves = joint_curves::columns(self.curves);
+        let curves = curve::columns(self.curves);
         let first = if self.apart { p } else { p + curves };
         let last = p + k + curves + other.map_or(0, |other| other.held_moments.len());
         let y = e.block.columns(first, k) * &self.held + self.by_moments(&e) + e.block.column(last);
@@ -343,7 +343,7 @@ impl<'a> Sheet<'a> {
     /// Unknowns of geometry, curves among them, and columns of candidates.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
-        let curves = joint_curves::columns(self.curves);
+        let curves = curve::columns(self.curves);
         match self.apart {
             true => [self.unknowns(), self.held.len() + curves],
             false => [self.unknowns() + curves, self.held.len()],
