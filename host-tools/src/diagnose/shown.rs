@@ -1,8 +1,9 @@
 //! The model that was found, and what shows how good it is.
 
 use super::candidates::Candidate;
+use super::described::Described;
 use super::node::Node;
-use super::outcome::Outcome;
+use super::outcome::{GapRow, Outcome, Verdict};
 use super::policy::POLICY;
 use super::show::{self, HeldOut, Show};
 use super::weigh::{Nameless, Weighed, gross, without};
@@ -45,21 +46,8 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     };
     let (best, gap, held_out) = (shown.best, shown.gap, shown.held_out);
     let harmful = show.harmful(&best, &gap)?;
-    let lambda = show.question.flags.lambda;
-    let with_terms = problem.with_terms(best.fit.fit.state.terms.len());
-    // But for a slip, which is what is asked.
-    let mut nameless = weighed.held_nameless();
-    nameless.retain(|(what, _)| !matches!(what, Nameless::Slip { .. }));
-    let apart = without(&with_terms, &best.fit.fit.state, &nameless);
-    let beside = !(best.added.is_empty() && nameless.is_empty());
-    let found = beside.then_some((&apart, &best));
-    let (whereabouts, least) = tell::sentences(show.rigid, &root, found, lambda);
-    let goes_with = least.filter(|(p, _)| *p < POLICY.beyond_chance).map(|(_, words)| words);
-    let described = described::described(problem, &weighed);
-    let judged = (&weighed, &described[..]);
-    let sources: Vec<_> = weighed.scattering.iter().map(|source| source.0).collect();
-    let gross = gross(&apart, &best, &sources);
-    let (verdict, unnamed) = verdict::verdict(problem, judged, (&best, gross), &gap, goes_with);
+    let left = Left::of(show, &weighed, (&root, &best), &gap);
+    let Left { gross, .. } = left;
     let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
     let (alternatives, rivals): (_, Vec<State>) = alternatives.into_iter().unzip();
     // Masses that were assumed, or found, and move nothing are in no model.
@@ -73,31 +61,30 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let against_gravity = assumed && weighed.refused.iter().any(bends);
     let surely_against = assumed && weighed.surely_refused.iter().any(bends);
     let mut identified = findings.summarise();
+    let hold_out = show.hold_out(&best)?;
     let point = &mut identified.figures.uncertainty.tool_point;
     *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
     let order = show.question.highest_order;
     let (effects, suspected) =
         show::effects(&findings, &gap, &best, &weighed, &harmful, (order, gross));
-    identified.figures.warnings.extend(remarks::all(problem, &best, &weighed));
-    identified.figures.warnings.extend(noise_remarks::tails(problem, &best, gross));
-    let lines = effects.iter().chain(&suspected);
-    identified.figures.warnings.extend(remarks::aliased(problem.data, lines));
-    let worse = remarks::worse_elsewhere(problem.data, show.holdout, &gap);
-    identified.figures.warnings.extend(worse);
-    identified.figures.warnings.extend(remarks::far_off(show.holdout, &gap));
-    let hold_out = show.hold_out(&best)?;
-    identified.figures.warnings.extend(hold_out.iter().flat_map(remarks::standing_out));
-    identified.figures.warnings.extend(zeros::found(&identified.model.instruments));
+    let warnings = &mut identified.figures.warnings;
+    warnings.extend(remarks::all(problem, &best, &weighed));
+    warnings.extend(noise_remarks::tails(problem, &best, gross));
+    warnings.extend(remarks::aliased(problem.data, effects.iter().chain(&suspected)));
+    warnings.extend(remarks::worse_elsewhere(problem.data, show.holdout, &gap));
+    warnings.extend(remarks::far_off(show.holdout, &gap));
+    warnings.extend(hold_out.iter().flat_map(remarks::standing_out));
+    warnings.extend(zeros::found(&identified.model.instruments));
     let kinds = &mut identified.figures.kinds;
     kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
     let noise_scale = weighed.scale * problem.noise.middle(problem.data);
     let outcome = Outcome {
         figures: identified.figures,
-        verdict,
+        verdict: left.verdict,
         effects,
         suspected,
-        unnamed,
-        described,
+        unnamed: left.unnamed,
+        described: left.described,
         noise_scale,
         beyond_repeats: remarks::over_repeats(problem, &best),
         nested_rms_mm: weighed.nested_rms_mm(&best.fit.kept),
@@ -108,7 +95,7 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         hold_out,
         alternatives,
         not_testable,
-        whereabouts,
+        whereabouts: left.whereabouts,
     };
     Ok(Diagnosis {
         model: identified.model,
@@ -119,6 +106,42 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         against_gravity,
         surely_against,
     })
+}
+
+/// What the model leaves, in words, and what that makes of it.
+struct Left {
+    /// Where what is left is.
+    whereabouts: Vec<String>,
+    /// What has no name, described.
+    described: Vec<Described>,
+    /// How probable it is that flagged rows are gross errors.
+    gross: f64,
+    /// What that makes of the model...
+    verdict: Verdict,
+    /// ...and why.
+    unnamed: Vec<String>,
+}
+
+impl Left {
+    fn of(show: &Show, weighed: &Weighed, (root, best): (&Node, &Node), gap: &[GapRow]) -> Self {
+        let problem = show.question.problem;
+        let with_terms = problem.with_terms(best.fit.fit.state.terms.len());
+        // But for a slip, which is what is asked.
+        let mut nameless = weighed.held_nameless();
+        nameless.retain(|(what, _)| !matches!(what, Nameless::Slip { .. }));
+        let apart = without(&with_terms, &best.fit.fit.state, &nameless);
+        let beside = !(best.added.is_empty() && nameless.is_empty());
+        let found = beside.then_some((&apart, best));
+        let lambda = show.question.flags.lambda;
+        let (whereabouts, least) = tell::sentences(show.rigid, root, found, lambda);
+        let goes_with = least.filter(|(p, _)| *p < POLICY.beyond_chance).map(|(_, words)| words);
+        let described = described::described(problem, weighed);
+        let sources: Vec<_> = weighed.scattering.iter().map(|source| source.0).collect();
+        let gross = gross(&apart, best, &sources);
+        let judged = (weighed, &described[..]);
+        let (verdict, unnamed) = verdict::verdict(problem, judged, (best, gross), gap, goes_with);
+        Self { whereabouts, described, gross, verdict, unnamed }
+    }
 }
 
 /// 3-D RMS that the stated standard deviations leave, m.

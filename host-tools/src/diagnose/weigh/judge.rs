@@ -40,20 +40,19 @@ pub fn answer(
     let rows = parts.rows.concat();
     for ((claim, probability), borne) in claims.into_iter().zip(borne) {
         let half_gain = borne.gain;
-        let member = member(of, found, claim);
-        match member.map(|m| &of.possible[m].what) {
-            Some(What::Nameless(what)) => {
-                // Smooth functions fit whatever a few rows say: what one half tells must help
-                // to predict the other.
-                let helps = half_gain[0] + half_gain[1] > 0.0;
-                if matches!(what, Nameless::Follows(_)) && !helps {
-                    continue;
-                }
-                let own = found.best.members.iter().position(|m| Some(*m) == member);
+        let helps = half_gain[0] + half_gain[1] > 0.0;
+        let Some(member) = member(of, found, claim) else { continue };
+        match &of.possible[member].what {
+            // Smooth functions fit whatever a few rows say: what one half tells must help
+            // to predict the other.
+            What::Nameless(Nameless::Follows(_)) if !helps => {}
+            What::Nameless(what) => {
+                let own = found.best.members.iter().position(|m| *m == member);
                 let coefficients = own.map(|k| of.block(&whole, &found.best, k));
                 let (instead, together) = instead(of, found, claim);
+                let what = *what;
                 nameless.push(Unnamed {
-                    what: *what,
+                    what,
                     probability,
                     half_gain,
                     instead,
@@ -61,22 +60,17 @@ pub fn answer(
                     coefficients,
                 });
             }
-            Some(What::Effect(candidate)) => {
-                let named = Named {
-                    name: candidate.name(),
-                    joints: candidate.joints(),
-                    probability,
-                    orders: orders(of, found, claim),
-                    half_gain,
-                    doubt: match halves::of_levels(of, claim, found, &rows) {
-                        _ if !borne.agree => Some(Doubt::Halves),
-                        Some(false) => Some(Doubt::Levels),
-                        _ => None,
-                    },
+            What::Effect(candidate) => {
+                let doubt = match halves::of_levels(of, claim, found, &rows) {
+                    _ if !borne.agree => Some(Doubt::Halves),
+                    Some(false) => Some(Doubt::Levels),
+                    _ => None,
                 };
+                let (name, joints) = (candidate.name(), candidate.joints());
+                let orders = orders(of, found, claim);
+                let named = Named { name, joints, probability, orders, half_gain, doubt };
                 names.push((named, candidate));
             }
-            None => {}
         }
     }
     let names = names.into_iter().map(|(named, candidate)| {
