@@ -150,7 +150,7 @@ fn a_second_day_comes_after_the_first() {
     let session = session(20, 4, &|q, _| q.to_vec(), &still);
     let text = with(&session, "time_s", |k| format!("{}", 60 * k));
     let day = || Measurements::parse("m.csv".as_ref(), &text, &arm()).unwrap();
-    let both = day().joined(day(), &arm());
+    let both = day().joined(day(), &arm()).unwrap();
     assert_eq!(both.in_order(), (0..40).collect::<Vec<_>>());
     let first = |row: &Option<usize>| row.is_none();
     assert_eq!(
@@ -160,7 +160,7 @@ fn a_second_day_comes_after_the_first() {
     // A clock that goes on is one session.
     let later = with(&session, "time_s", |k| format!("{}", 60 * k + 5000));
     let later = Measurements::parse("m.csv".as_ref(), &later, &arm()).unwrap();
-    let both = day().joined(later, &arm());
+    let both = day().joined(later, &arm()).unwrap();
     assert_eq!(both.before()[20], Some(19));
 }
 

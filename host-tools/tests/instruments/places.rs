@@ -186,7 +186,7 @@ fn two_files_of_one_anchor() {
     };
     let joined = |zeros: [&str; 2]| {
         let [a, b] = [0, 1].map(|k| stated(&robot, &files[k], &book(zeros[k])));
-        a.joined(b, &robot)
+        a.joined(b, &robot).unwrap()
     };
     let left = |data: &Measurements| found(&robot, data).figures.kinds[0].identified_rms.unwrap();
     for zeros in [["zero_mm = 1", ""], ["", "zero_mm = 1"], ["zero = \"free\"", ""]] {

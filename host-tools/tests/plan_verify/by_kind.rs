@@ -13,7 +13,7 @@ use truearm_host::identify::{Options, identify};
 use truearm_host::model::arm::{Kinematics, chain};
 use truearm_host::model::{Commanded, Model};
 use truearm_host::report::VerifyReport;
-use truearm_host::verify::{Conformity, Verification, verify};
+use truearm_host::verify::{Conformity, Tolerances, Verification, verify};
 use truearm_simulate::instruments::Cell;
 
 type Wanted = [(&'static str, usize)];
