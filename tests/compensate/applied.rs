@@ -56,7 +56,10 @@ fn switching_on_while_moving_makes_no_step() {
         Compensator::new(Arm::new(&p), Settings::new(Task::Pose), &[0.0; 6]).unwrap();
     let mut all = along(&mut compensator, 0..50);
     assert!(all.iter().all(|(a, tick)| tick.status == Status::Off && *a == [0.0; 6]));
+    assert!(!compensator.is_active() && compensator.is_idle());
     compensator.set_active(true);
+    // Switched on, however little is applied yet.
+    assert!(compensator.is_active() && !compensator.is_idle());
     all.extend(along(&mut compensator, 50..700));
     assert!(all[400].1.status == Status::Ramping && all[699].1.status == Status::On);
     compensator.set_active(false);

@@ -62,8 +62,15 @@ fn derivative_holds<const N: usize>(
     let folded = Arm::new(&arm);
     let at = folded.linearised(&q, &state);
     assert_eq!(at.point(), folded.real_pose_in(&q, &state).translation);
+    // A tracker sees the same, turned and from elsewhere.
+    let station =
+        Pose::from_rotation_vector(Vector3::new(0.3, -2.0, 0.7), Vector3::new(0.4, -1.1, 2.0));
+    let seen = folded.linearised(&q, &state).seen_from(&station);
+    assert!((seen.point() - station.transform_point(&at.point())).norm() < 1e-12);
     for parameter in all(&arm) {
         let column = parameter.column(&at);
+        let turned = station.rotation * column;
+        assert!((parameter.column(&seen) - turned).norm() < 1e-12 * column.norm().max(1.0));
         let step = 1e-6;
         let [before, after] = [-step, step].map(|step| {
             let mut there = arm.clone();

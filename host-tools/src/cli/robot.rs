@@ -9,7 +9,7 @@ use truearm_host::convert::urdf::{Ends, robot_of_urdf};
 use truearm_host::files::{Comment, overwritable, read_text, signed, write};
 use truearm_host::model::Robot;
 use truearm_host::units::MILLI;
-use truearm_host::{Error, Result};
+use truearm_host::{Error, ErrorKind, Result};
 
 use super::{Said, overwrite, warn};
 
@@ -91,7 +91,11 @@ impl MakeRobot {
         let mut made = self.make()?;
         let name = self.out.as_deref().unwrap_or(Path::new("robot.toml"));
         // What the reader has to say belongs here; that no tracker is known is no fault.
-        let robot = Robot::parse(name, &made.text)?;
+        // No file of that name is there yet: what is wrong is what it was made of.
+        let robot = Robot::parse(name, &made.text).map_err(|e| {
+            let what = format!("what was read makes no robot.toml: {e}");
+            Error::data(ErrorKind::File, what, e.help().to_owned())
+        })?;
         made.warnings
             .extend(robot.warnings.into_iter().filter(|w| !w.contains("no measurement_sigma_mm")));
         let Some(out) = &self.out else {

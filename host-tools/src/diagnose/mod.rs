@@ -150,8 +150,8 @@ pub fn diagnose(
 ) -> Result<Diagnosis> {
     options.sensible()?;
     if let Some(held) = holdout {
-        not_fitted(&data.path.display().to_string(), data.shared(held), held)?;
         same_torques(robot, data, held)?;
+        not_fitted(&data.path.display().to_string(), data.shared(held), held)?;
     }
     // An effect of the arm and a wrong zero of an instrument look like each other.
     let few = Options { allow_few_poses: options.allow_few_poses, ..Options::default() };

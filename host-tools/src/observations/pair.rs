@@ -2,7 +2,7 @@
 //! the column `pair`, either with the distance.
 
 use super::distance::{COLUMNS, along};
-use super::{ArmPart, Body, Bound, Column, Kind, Partials, Registry, Seen, Told, Unclear};
+use super::{ArmPart, Body, Column, Kind, Partials, Seen};
 use crate::model::Values;
 
 /// The second row of the two holds the equation.
@@ -19,14 +19,6 @@ impl Kind for Pair {
 
     fn labels(&self) -> &'static [&'static str] {
         &["pair"]
-    }
-
-    fn bind(&self, told: &Told, _book: &mut dyn Registry) -> Result<Bound, Unclear> {
-        if (told.text)("pair").is_empty() {
-            let help = "give the two rows of a pair one label, and every pair its own".to_owned();
-            return Err(("pair", "a row of a pair without a label".to_owned(), help));
-        }
-        Ok(Bound::default())
     }
 
     fn joined_by(&self) -> Option<&'static str> {

@@ -50,7 +50,7 @@ fn measurements() {
         ),
         (
             ROWS.replace("q6_deg", "q6"),
-            "m.csv:1: missing column q6_deg -> joint 6 of robot.toml is Revolute and the robot has 6 joints",
+            "m.csv:1: missing column q6_deg -> joint 6 of robot.toml is revolute and the robot has 6 joints",
         ),
         (
             ROWS.replace("x_mm", "q7_deg").replace("z_mm\n", "z_mm,x_mm\n"),

@@ -29,7 +29,10 @@ fn a_pair_without_a_label() {
     let header = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,kind,pair,distance_mm";
     let rows = "0,0,0,0,0,0,pair,,100\n0,0,0,0,0,9,pair,,100\n";
     let said = refused(&format!("{header}\n{rows}"));
-    assert!(said.contains("m.csv:2, column pair: a row of a pair without a label"), "{said}");
+    assert!(
+        said.contains("m.csv:2, column pair: a row of kind \"pair\" without a label"),
+        "{said}"
+    );
 }
 
 /// A station of one file and one of another that differ in case only are one, or badly named.

@@ -280,7 +280,7 @@ fn tables() {
                 "truearm import m.csv",
             ],
         ),
-        ("J1", renamed("q1_deg", "J1 [rad]"), &["q1_deg may be \"J1 [rad]\"", "Revolute"]),
+        ("J1", renamed("q1_deg", "J1 [rad]"), &["q1_deg may be \"J1 [rad]\"", "revolute"]),
         ("case", renamed("q1_deg", "Q1_deg"), &["q1_deg may be \"Q1_deg\""]),
         ("q1_rad", renamed("q1_deg", "q1_rad"), &["q1_deg may be \"q1_rad\""]),
         (

@@ -214,7 +214,9 @@ fn a_model_of_read_torques_refuses_rows_without() {
     let found = |holdout| {
         diagnose(&arm(), &told, holdout, &DiagnoseOptions::default(), &|_| {}).map(|d| d.model)
     };
-    let model = found(Some(&told)).unwrap();
+    let refused = found(Some(&told)).unwrap_err();
+    assert!(refused.to_string().contains("rows are fitted in"), "{refused}");
+    let model = found(None).unwrap();
     let left = evaluate(&model, &told, Reregister::Nothing).unwrap().stats.unwrap().rms_mm;
     assert!(left < 2.0 * SIGMA * 1e3, "{left}");
     let refused = evaluate(&model, &silent, Reregister::Nothing).unwrap_err();

@@ -108,11 +108,11 @@ fn a_model_has_no_more_terms_than_asked_for() {
     };
     let (all, ..) = report(128);
     assert!(all > 2, "{all}");
-    for most in [0, 1, 2] {
+    for most in [1, 2] {
         let (terms, gap, verdict) = report(most);
         assert_ne!(verdict, Verdict::Clean, "{most}");
         assert!(terms <= most, "{terms} terms where {most} were asked for");
-        assert!(most == 0 || gap[gap.len() - 1] < gap[0], "{gap:?}");
+        assert!(gap[gap.len() - 1] < gap[0], "{gap:?}");
     }
 }
 

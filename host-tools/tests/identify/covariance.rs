@@ -28,7 +28,9 @@ fn frame(truth: &Truth, data: &Measurements, tool: Vector3<f64>) -> Pose<f64> {
 }
 
 fn packed(model: &Model) -> Vec<u8> {
-    pack_with(model, &PackOptions { covariance: true, ..PackOptions::default() }).unwrap()
+    // The covariance is that of the first marker.
+    let model = model.clone().with_tool(&model.markers[0].0).unwrap();
+    pack_with(&model, &PackOptions { covariance: true, ..PackOptions::default() }).unwrap()
 }
 
 fn pose(rng: &mut ChaCha8Rng) -> [f64; 6] {

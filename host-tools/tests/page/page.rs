@@ -31,7 +31,8 @@ fn folder() -> TempDir {
     }
     let rows = fs::read_to_string(folder.path().join("measurements.csv")).unwrap();
     let commanded = (1..=6).fold(rows, |t, j| t.replace(&format!("q{j}_"), &format!("cmd{j}_")));
-    fs::write(folder.path().join("c.csv"), commanded).unwrap();
+    fs::write(folder.path().join("c.csv"), &commanded).unwrap();
+    fs::write(folder.path().join("off.csv"), commanded).unwrap();
     folder
 }
 
@@ -121,7 +122,7 @@ fn marks_are_the_data() {
     }
     let flagged = root.id("flagged").unwrap();
     assert_eq!(flagged.all("tr").len(), 3);
-    run(&folder, "verify model.toml c.csv --before c.csv --out v", 0);
+    run(&folder, "verify model.toml c.csv --before off.csv --out v", 0);
     let root = sound(&folder, "v/report.html");
     assert_eq!(marks(&root, "errors"), [18; 4]);
     let plan =
@@ -305,7 +306,7 @@ fn what_a_model_predicts_is_said_to_be_predicted() {
     run(&folder, "identify robot.toml measurements.csv --out .", 0);
     for (more, says, not) in [
         ("", "as the model predicts", "before, measured"),
-        (" --before c.csv", "before, measured", "as the model predicts"),
+        (" --before off.csv", "before, measured", "as the model predicts"),
     ] {
         run(&folder, &format!("verify model.toml c.csv{more} --out v --force"), 0);
         let root = sound(&folder, "v/report.html");

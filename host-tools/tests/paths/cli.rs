@@ -260,7 +260,7 @@ fn bad_input() {
         ("compensate model.toml ROWS", pose, "y_mm=why_mm", 1, "missing column y_mm"),
         ("compensate model.toml ROWS", pose, "qz=q", 1, "orientation needs all of qx, qy, qz, qw"),
         ("compensate model.toml ROWS", pose, "0,1=0,2", 1, "quaternion of length 2.000"),
-        ("compensate model.toml ROWS", pose, "0,1=0,", 1, "a pose without orientation"),
+        ("compensate model.toml ROWS", pose, "0,1=0,", 1, "column qw: empty cell"),
         (
             "compensate model.toml ROWS",
             "x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n300,200,300,0,180,0\n",

@@ -241,5 +241,5 @@ fn the_verb_tells_of_every_kind() {
     assert_eq!(code, Some(3), "{said}");
     let (code, _, warned) = run(&["--tolerance-deg", "0.2"]);
     assert_eq!(code, Some(2), "{warned}");
-    assert!(warned.contains("no row of check.csv is measured in that unit"), "{warned}");
+    assert!(warned.contains("no row of check.csv is measured in it"), "{warned}");
 }

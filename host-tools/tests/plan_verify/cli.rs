@@ -72,7 +72,7 @@ fn a_plan_is_a_list_of_joints() {
         (&["--poses", "16", "--limits", "1-2,1:2,1:2,1:2,1:2,1:2"], "give low:high"),
         (&["--poses", "16", "--limits", "-9:9,9:-9,1:2,1:2,1:2,1:2"], "--limits 9:-9 of joint 2"),
         (&["--poses", "16", "--limits", "-1e9:9,1:2,1:2,1:2,1:2,1:2"], "give low:high"),
-        (&["--poses", "16", "--target-um", "-3"], "--target-um"),
+        (&["--poses", "16", "--target-um", "-3"], "a target of -3 um"),
         (&["--poses", "16", "--box", "9000,9000,0,9900,9900,1"], "none is in the box"),
     ] {
         let ran = plan(more);
@@ -283,6 +283,7 @@ fn verification_passes_fails_or_proves_nothing() {
     assert!(ran.out.contains("predicted tool point, 95 %: +-"), "{}", ran.out);
     // Without compensation: millimetres off.
     write("v.csv", &truth.measure(25, 2e-5, &mut rng).replace(['q'], "cmd"));
+    std::fs::copy(folder.join("v.csv"), folder.join("off.csv")).unwrap();
     let verify = |more: &[&str]| truearm(folder, &[&["verify", "model.toml"], more].concat());
     let ran = verify(&["v.csv", "--json", "--out", "out"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
@@ -302,7 +303,7 @@ fn verification_passes_fails_or_proves_nothing() {
         [(largest + 0.1, 0, "PASS"), (largest - 0.1, 3, "FAIL"), (largest + 0.01, 4, "NOT PROVEN")]
     {
         let tolerance = tolerance.to_string();
-        let ran = verify(&["v.csv", "--tolerance-mm", &tolerance, "--before", "v.csv"]);
+        let ran = verify(&["v.csv", "--tolerance-mm", &tolerance, "--before", "off.csv"]);
         assert_eq!(ran.code, Some(code), "{} {}", ran.out, ran.err);
         assert!(ran.out.contains(says) && ran.out.contains("before, measured"), "{}", ran.out);
         assert!(ran.err.contains("where ISO 9283 asks for 30"), "{}", ran.err);
@@ -314,7 +315,8 @@ fn verification_passes_fails_or_proves_nothing() {
     assert!(text.starts_with("cmd1_deg,") && text.lines().count() == 8, "{text}");
     for (more, says) in [
         (&[][..], "required arguments were not provided"),
-        (&["v.csv", "--tolerance-mm", "0"], "--tolerance-mm 0"),
+        (&["v.csv", "--tolerance-mm", "0"], "a tolerance of 0 mm"),
+        (&["v.csv", "--before", "v.csv"], "--before v.csv: the same file"),
         (&["m.csv"], "m.csv:1: no commanded joints and no commanded points"),
         (&["nowhere.csv"], "nowhere.csv: No such file"),
     ] {

@@ -7,8 +7,8 @@ pub fn checked(report: &CheckReport) -> String {
     let mut out = match report.verdict {
         Verdict::Sound => {
             let agree = report.stray.as_ref().map_or(before, |stray| stray.others_mm);
-            let rows = if report.stray.is_some() { "but for single rows " } else { "" };
-            format!("no gross mistake: {rows}robot and measurements agree to {agree:.2} mm RMS\n")
+            let but = if report.stray.is_some() { " but for single rows" } else { "" };
+            format!("no gross mistake{but}: robot and measurements agree to {agree:.2} mm RMS\n")
         }
         Verdict::Mendable => String::from("found wrong:\n"),
         Verdict::NotUnderstood => match &report.too_few {

@@ -88,6 +88,15 @@ impl MeasuredColumns {
             self.labels.iter().find(|(l, _)| *l == name).map_or("", |(_, at)| cells.text(*at))
         };
         let pair = kind.joined_by().map(|column| text(column).to_owned());
+        if let (Some(column), Some("")) = (kind.joined_by(), pair.as_deref()) {
+            let message = format!("a row of kind \"{}\" without a label", kind.name());
+            let help = "give the two rows that belong together one label, and every two their own";
+            let at = self.labels.iter().find(|(label, _)| *label == column);
+            return Err(match at {
+                Some((_, at)) => cells.fail(*at, message, help),
+                None => cells.fail_whole(message, help),
+            });
+        }
         let mut values = Values::default();
         for (column, at) in columns.iter().zip(found) {
             // What two rows tell together stands in either.
