@@ -39,8 +39,8 @@ use super::node::{Node, fitted};
 use super::policy::POLICY;
 use super::question::Question;
 use crate::error::Result;
-use crate::evidence::{Effort, Known, explain};
-use crate::identify::Scatterer;
+use crate::evidence::{Effort, Explanation, Known, explain};
+use crate::identify::{Problem, Scatterer};
 use curve::Curve;
 pub use follows::{Covariate, Follows};
 use given_back::given_back;
@@ -262,20 +262,14 @@ fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Resu
         let moved = bent.moved_from(&before);
         let problem = bent.problem(apart.problem);
         let asked = Question { problem: &problem, ..*q };
-        let mut bad = node.implausible(&problem.conditions);
-        bad.extend(between::wild(&problem, &node));
+        let bad = impossible(&problem, &node);
         let again = !bad.is_empty() && round < reach.rounds + REFUSALS;
         if !bad.is_empty() {
-            let kept = node.added.iter().filter(|c| !bad.contains(c)).cloned().collect();
-            let probable = |c: &&Candidate| {
-                let own = possible.iter().find(|p| p.is(std::slice::from_ref(*c)));
-                let is = |p: &Possible| found.posterior.probability((&p.entry).into());
-                own.is_some_and(|p| is(p) >= POLICY.named)
-            };
-            surely_refused.extend(bad.iter().filter(probable).cloned());
+            surely_refused.extend(probable(&bad, &possible, &found).cloned());
             found.leave_out(|m| possible[m].is(&bad));
-            refused.extend(bad);
+            let kept = node.added.iter().filter(|c| !bad.contains(c)).cloned().collect();
             node = fitted(&asked, kept, &state)?;
+            refused.extend(bad);
         }
         let settled = still && !moved;
         if !again && (settled || round >= reach.rounds) {
@@ -297,6 +291,26 @@ fn search(q: &Question, start: Start, reach: Reach, progress: &dyn Fn()) -> Resu
             });
         }
     }
+}
+
+/// What a fit made of a sign or size that no arm has.
+fn impossible(problem: &Problem, node: &Node) -> Vec<Candidate> {
+    let mut bad = node.implausible(&problem.conditions);
+    bad.extend(between::wild(problem, node));
+    bad
+}
+
+/// Of these, what the evidence would name.
+fn probable<'b>(
+    bad: &'b [Candidate],
+    possible: &[Possible],
+    found: &Explanation,
+) -> impl Iterator<Item = &'b Candidate> {
+    bad.iter().filter(|candidate| {
+        let own = possible.iter().find(|p| p.is(std::slice::from_ref(*candidate)));
+        let is = |p: &Possible| found.posterior.probability((&p.entry).into());
+        own.is_some_and(|p| is(p) >= POLICY.named)
+    })
 }
 
 /// Everything that is weighed in a round at a model: lines near those it had, and
