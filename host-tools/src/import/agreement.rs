@@ -25,7 +25,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 
 /// A nominal arm that moves less between two rows stands still, m: repetitions of a
 /// pose say nothing.
-pub(super) const MOVED: f64 = 1e-6;
+const MOVED: f64 = 1e-6;
 
 /// Logarithms of the distances between pairs of rows; `None` of a pair that did
 /// not move.
@@ -66,16 +66,16 @@ pub(super) fn distances(robot: &Robot, q: &[Vec<f64>], points: &[Vector3<f64>]) 
     let target = robot.nominal_target();
     let count = q.len().min(points.len());
     let nominal: Vec<Vector3<f64>> = q[..count].iter().map(|q| target(q).translation).collect();
-    far_apart(&points[..count], &nominal)
+    let nominal = Distances::of(&nominal, moved(&nominal));
+    Distances::of(&points[..count], 0.0).misfit(&nominal, f64::INFINITY)
 }
 
-/// The misfit of distances that are not small among all: where an arm meets one point with its
-/// elbow up and down, what it is off by is all that is between the two.
-fn far_apart(points: &[Vector3<f64>], nominal: &[Vector3<f64>]) -> Option<f64> {
+/// What distances of a nominal arm are not small among all, m: where it meets one point with
+/// its elbow up and down, what it is off by is all that is between the two.
+pub(super) fn moved(nominal: &[Vector3<f64>]) -> f64 {
     let apart = |(i, j): (usize, usize)| (nominal[i] - nominal[j]).norm();
     let most = pairs(nominal.len()).map(apart).fold(0.0, f64::max);
-    let nominal = Distances::of(nominal, MOVED.max(NOT_SMALL * most));
-    Distances::of(points, 0.0).misfit(&nominal, f64::INFINITY)
+    MOVED.max(NOT_SMALL * most)
 }
 
 /// Part of the largest distance.

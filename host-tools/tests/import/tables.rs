@@ -902,6 +902,13 @@ fn units_of_an_arm_that_meets_points_twice() {
                 text += &cells.iter().enumerate().map(cell).collect::<Vec<_>>().join(",");
                 text += "\n";
             }
+            if matches!(unit, Unit::Mm | Unit::M) {
+                let rows = text.split_once('\n').unwrap().1.to_owned();
+                let files: Files = vec![("b.csv", rows.into_bytes())];
+                let made = imported(&files, Some(&robot), &ImportOptions::default());
+                let place = |to: &str| made.columns.iter().find(|c| c.to == to).unwrap().column;
+                assert_eq!(["q1", "q6", "x", "z"].map(place), [1, 6, 7, 9], "without headings");
+            }
             let files: Files = vec![("b.csv", text.into_bytes())];
             let made = imported(&files, Some(&robot), &ImportOptions::default());
             let x = made.columns.iter().find(|column| column.to == "x").unwrap();

@@ -136,7 +136,7 @@ impl Readings {
                 r[from..from + n].iter().zip(&robot.joints).map(joint).collect()
             };
             let points: Vec<_> = rows.iter().map(|r| target(&q(r)).translation).collect();
-            (length, Distances::of(&points, agreement::MOVED))
+            (length, Distances::of(&points, agreement::moved(&points)))
         };
         let point = |from: usize, length: Unit| {
             let point =
