@@ -87,6 +87,7 @@ impl Identify {
         overwrite::folder_apart(self.out.as_deref(), &overwrite::MODEL_FOLDER, inputs)?;
         let files: Vec<&PathBuf> = self.data.iter().chain(&self.more).collect();
         let robot = Robot::read(&self.robot)?;
+        overwrite::folder_ready(self.out.as_deref(), &robot, self.force)?;
         let other = self.validate.as_ref().map(|p| Measurements::read(p, &robot)).transpose()?;
         let (data, mut found) = self.found(&robot, &files, other.as_ref(), &options)?;
         let mut validation = None;

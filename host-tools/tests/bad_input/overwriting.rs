@@ -6,7 +6,7 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::{run, table_8};
+use crate::{read, run, table_8, write};
 
 /// The paper's points, the model they give, a path and poses.
 fn folder() -> TempDir {
@@ -46,6 +46,26 @@ const VERBS: [(&str, &[&str]); 12] = [
         &["model.toml"],
     ),
 ];
+
+/// Whether files may be written is asked before anything is computed: of two points nothing
+/// can be.
+#[test]
+fn a_folder_is_asked_for_first() {
+    let folder = table_8();
+    let text = read(&folder, "measurements.csv");
+    write(&folder, "m.csv", &text.lines().take(3).map(|l| format!("{l}\n")).collect::<String>());
+    std::fs::create_dir(folder.path().join("out")).unwrap();
+    write(&folder, "out/residuals.csv", "somebody's own\n");
+    for verb in ["identify", "diagnose"] {
+        let (status, said) = run(&folder, &format!("{verb} robot.toml m.csv --out other"));
+        assert!(status == 1 && said.contains("6 equations"), "{said}");
+        let (status, said) = run(&folder, &format!("{verb} robot.toml m.csv --out out"));
+        assert!(status == 1 && said.contains("not as truearm wrote it"), "{verb}: {said}");
+    }
+    write(&folder, "file", "");
+    let (status, said) = run(&folder, "identify robot.toml m.csv --out file/out");
+    assert!(status == 2 && said.contains("no folder to write into"), "{said}");
+}
 
 #[test]
 fn inputs_stay_even_with_force() {

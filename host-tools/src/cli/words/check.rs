@@ -46,7 +46,11 @@ pub fn checked(report: &CheckReport) -> String {
         };
         if let Some(margin) = report.margin {
             let farther = if margin < 1.0 { ", with an arm farther from its drawing" } else { "" };
-            out += &format!("; the next explanation leaves {margin:.1} times as much{farther}");
+            let times = match margin {
+                m if m < 0.1 => "less than a tenth as much".to_owned(),
+                m => format!("{m:.1} times as much"),
+            };
+            out += &format!("; the next explanation leaves {times}{farther}");
         }
         out += "\n";
         if !report.equivalent.is_empty() {
