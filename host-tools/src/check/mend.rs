@@ -199,6 +199,9 @@ fn robot_mended(robot: &Robot, text: &str, finding: &Finding) -> Result<String> 
         let reach = now.joints.iter().map(|j| &j.link.parameters).map(|p| p.a.abs() + p.d.abs());
         other_lengths_mended(&mut document, scale, to_mm(reach.sum()));
     }
+    if finding.changes.contains(&Mistake::RobotAngles) {
+        other_angles_mended(&mut document);
+    }
     let tool = tool_mended(robot, &now, finding);
     if tool != robot.tool {
         set_tool(&mut document, "xyz_mm", point_to_mm(&tool));
@@ -220,30 +223,90 @@ fn robot_unit(finding: &Finding) -> Option<f64> {
 /// Noise of a tracker, mm.
 const USUAL_SIGMA: f64 = 0.05;
 
+/// From so many mm a unit is a metre: what nothing measured tells of is of the arm's unit or
+/// not, beyond doubt. Of centimetres and inches it stays, and that is said.
+const PLAIN: f64 = 100.0;
+
+/// Whether robot.toml may have lengths in the arm's unit that were left as they are.
+#[must_use]
+pub fn leaves_lengths(robot: &Robot, finding: &Finding) -> bool {
+    robot_unit(finding).is_some_and(|scale| scale < PLAIN) && !robot.links.is_empty()
+}
+
 /// The lengths that nothing measured tells of, where in the other unit they are nearer to what
-/// an arm of this reach, mm, has: a centre of mass a tenth of it away, the noise of a tracker.
+/// an arm of this reach, mm, has: a centre of mass a tenth of it away, the noise of a tracker,
+/// a tolerance of 1 mm.
 fn other_lengths_mended(document: &mut DocumentMut, scale: f64, reach: f64) {
-    let farther = |length: f64, usual: f64| (length / usual).ln().abs();
-    let nearer = |length: f64, usual: f64| farther(length * scale, usual) < farther(length, usual);
-    let sigma = document.get("measurement_sigma_mm").and_then(number);
-    if let Some(sigma) = sigma.filter(|sigma| nearer(*sigma, USUAL_SIGMA)) {
-        set(document.as_table_mut(), "measurement_sigma_mm", scaled_number(sigma, scale));
+    if scale < PLAIN {
+        return;
     }
-    let numbers = |table: &dyn TableLike| -> Option<Vec<f64>> {
-        table.get("com_mm")?.as_array()?.iter().map(|v| number(&Item::Value(v.clone()))).collect()
-    };
-    let mut far: f64 = 0.0;
+    rescale(document.as_table_mut(), "measurement_sigma_mm", (scale, USUAL_SIGMA));
     for key in ["links", "payload"] {
-        let all: Vec<_> = tables(document, key).iter().filter_map(|t| numbers(*t)).collect();
-        far = all.iter().flatten().fold(far, |far, x| far.max(x.abs()));
-    }
-    if far > 0.0 && nearer(far, 0.1 * reach) {
-        for key in ["links", "payload"] {
+        let all: Vec<_> =
+            tables(document, key).iter().filter_map(|t| numbers(*t, "com_mm")).collect();
+        let far = all.iter().flatten().fold(0.0_f64, |far, x| far.max(x.abs()));
+        if nearer(far, (scale, 0.1 * reach)) {
             for table in tables(document, key) {
-                let Some(com) = numbers(table) else { continue };
-                set(table, "com_mm", com.iter().map(|x| scaled_number(*x, scale)).collect());
+                rescale(table, "com_mm", (scale, f64::INFINITY));
             }
         }
+    }
+    for table in tables(document, "base") {
+        rescale(table, "xyz_mm", (scale, reach));
+    }
+    for joint in tables(document, "joints") {
+        rescale(joint, "limits_mm", (scale, reach));
+        if let Some(tolerance) = joint.get_mut("tolerance").and_then(Item::as_table_like_mut) {
+            for key in ["a_mm", "d_mm", "d_offset_mm"] {
+                rescale(tolerance, key, (scale, 1.0));
+            }
+        }
+    }
+}
+
+/// The angles that nothing measured tells of: all of a file in radians are within a turn.
+fn other_angles_mended(document: &mut DocumentMut) {
+    for key in ["base", "tool"] {
+        for table in tables(document, key) {
+            let all = numbers(table, "rpy_deg").unwrap_or_default();
+            if all.iter().all(|angle| angle.abs() <= std::f64::consts::TAU) {
+                rescale(table, "rpy_deg", (DEGREES, f64::INFINITY));
+            }
+        }
+    }
+    for joint in tables(document, "joints") {
+        if let Some(tolerance) = joint.get_mut("tolerance").and_then(Item::as_table_like_mut) {
+            for key in ["alpha_deg", "theta_offset_deg", "beta_deg"] {
+                rescale(tolerance, key, (DEGREES, 1e-3 * DEGREES));
+            }
+        }
+    }
+}
+
+/// Whether a length is nearer to the usual one once it is scaled; always, where there is none.
+fn nearer(length: f64, (scale, usual): (f64, f64)) -> bool {
+    let farther = |length: f64| (length / usual).ln().abs();
+    length > 0.0 && (usual.is_infinite() || farther(length * scale) < farther(length))
+}
+
+/// Scales the numbers of a key where they are then nearer to the usual one.
+fn rescale(table: &mut dyn TableLike, key: &str, by: (f64, f64)) {
+    let Some(all) = numbers(table, key) else { return };
+    let far = all.iter().fold(0.0_f64, |far, x| far.max(x.abs()));
+    if nearer(far, by) {
+        let scaled = all.iter().map(|x| scaled_number(*x, by.0));
+        let single = table.get(key).is_some_and(|item| item.as_array().is_none());
+        let value = if single { scaled.clone().next() } else { None };
+        set(table, key, value.unwrap_or_else(|| scaled.collect()));
+    }
+}
+
+/// The numbers of a key: one, or a list.
+fn numbers(table: &dyn TableLike, key: &str) -> Option<Vec<f64>> {
+    let item = table.get(key)?;
+    match item.as_array() {
+        Some(all) => all.iter().map(|v| number(&Item::Value(v.clone()))).collect(),
+        None => number(item).map(|one| vec![one]),
     }
 }
 

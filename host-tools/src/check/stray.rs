@@ -23,7 +23,7 @@ const MOST: f64 = 0.05;
 /// In a short file so many poses are single slips, read how often they may be: the
 /// paper's 18 points have two.
 const SLIPS: usize = 2;
-/// Where a larger part is off nobody knows which rows are right, however few they are.
+/// Where a larger part of the poses is off nobody knows which rows are right, however few they are.
 const DOUBTFUL: f64 = 0.15;
 /// Rows from the first to the last of them are one block if so many of them are off:
 /// a wrong sense is not seen where the joint is near zero.
@@ -122,8 +122,11 @@ pub(super) fn rows(
     let (count, of) = (astray.len(), seen.far.len());
     let others: Vec<f64> = seen.far.iter().copied().filter(|d| *d <= seen.limit).collect();
     let poses: BTreeSet<usize> = astray.iter().map(|i| data.rows[seen.rows[*i]].pose).collect();
-    let most = if poses.len() > SLIPS { MOST } else { DOUBTFUL };
-    let many = count as f64 > most * of as f64;
+    // A single slip is one, and what a mistake leaves is not asked of few rows.
+    let all: BTreeSet<usize> = seen.rows.iter().map(|row| data.rows[*row].pose).collect();
+    let doubtful = poses.len() as f64 > DOUBTFUL * all.len() as f64;
+    let few = poses.len() > 1 && found.changes.is_empty() && doubtful;
+    let many = few || poses.len() > SLIPS && count as f64 > MOST * of as f64;
     let mut stray = Stray {
         rows: ranges(&astray.iter().map(|i| seen.rows[*i]).collect::<Vec<_>>()),
         count,

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use truearm_host::check::mend::{MENDED, mend};
+use truearm_host::check::mend::{MENDED, leaves_lengths, mend};
 use truearm_host::check::{Finding, Verdict, check};
 use truearm_host::files::{Gathered, foreign, read_text, write_all};
 use truearm_host::model::{Measurements, Robot};
@@ -53,6 +53,15 @@ impl Check {
         if self.fix.is_some() && !robot.links.is_empty() && finding.moves_frames() {
             let masses = "[[links]] com_mm were left as they were: they are in the links' frames";
             let remark = format!("{}: {masses}", self.robot.display());
+            warn(std::slice::from_ref(&remark));
+            warnings.push(remark);
+        }
+        if self.fix.is_some() && leaves_lengths(&robot, &finding) {
+            let remark = format!(
+                "{}: [[links]] com_mm, [payload] and measurement_sigma_mm were left as they were: \
+                 look whether they are in the other unit as well",
+                self.robot.display()
+            );
             warn(std::slice::from_ref(&remark));
             warnings.push(remark);
         }

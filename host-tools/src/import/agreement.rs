@@ -25,7 +25,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 
 /// A nominal arm that moves less between two rows stands still, m: repetitions of a
 /// pose say nothing.
-const MOVED: f64 = 1e-6;
+pub(super) const MOVED: f64 = 1e-6;
 
 /// Logarithms of the distances between pairs of rows; `None` of a pair that did
 /// not move.
@@ -61,12 +61,19 @@ impl Distances {
 }
 
 /// How far measured distances are from the nominal arm's, see
-/// [`Distances::misfit`]. `q` in rad and m, points in m.
-pub(super) fn distances(robot: &Robot, q: &[Vec<f64>], points: &[Vector3<f64>]) -> Option<f64> {
+/// [`Distances::misfit`]; of distances that are `far`, see [`moved`]. `q` in rad and m, points
+/// in m.
+pub(super) fn distances(
+    robot: &Robot,
+    q: &[Vec<f64>],
+    points: &[Vector3<f64>],
+    far: bool,
+) -> Option<f64> {
     let target = robot.nominal_target();
     let count = q.len().min(points.len());
     let nominal: Vec<Vector3<f64>> = q[..count].iter().map(|q| target(q).translation).collect();
-    let nominal = Distances::of(&nominal, moved(&nominal));
+    let moved = if far { moved(&nominal) } else { MOVED };
+    let nominal = Distances::of(&nominal, moved);
     Distances::of(&points[..count], 0.0).misfit(&nominal, f64::INFINITY)
 }
 

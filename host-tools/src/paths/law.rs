@@ -48,7 +48,9 @@ pub(super) fn plausible(model: &Model) -> Result<()> {
     let parts = arm.chunks(MAX_TERMS).map(<[ModelTerm]>::to_vec);
     let parts: Vec<Vec<ModelTerm>> = if arm.is_empty() { vec![arm] } else { parts.collect() };
     for terms in parts {
-        let part = Model { terms: [terms, others.clone()].concat(), ..model.clone() };
+        let mut part = Model { terms: [terms, others.clone()].concat(), ..model.clone() };
+        // Which of several is the tool is said elsewhere.
+        part.markers.truncate(1);
         if let Err(error) = packed(&part)
             && error.kind() == ErrorKind::Refused
         {

@@ -1,15 +1,11 @@
 //! Where a file's stations see the frame that was commanded in.
 
-use std::collections::{BTreeMap, HashMap};
-
 use nalgebra::Vector3;
 use truearm::Pose;
 
-use crate::error::{Error, ErrorKind, Place, Result, count};
-use crate::identify::Pairs;
+use crate::error::{Error, ErrorKind, Place, Result};
 use crate::model::arm::chain;
 use crate::model::{Commanded, Measurements, Model};
-use crate::observations::kind;
 
 /// Places of the markers of a file in the last frame, m; of commanded points nothing.
 ///
@@ -111,46 +107,4 @@ pub fn frames(model: &Model, data: &Measurements) -> Result<Vec<Pose<f64>>> {
         })
     };
     data.stations.iter().map(frame).collect()
-}
-
-/// Each pose of a file from a station of its own, whose frame is the one that the points of
-/// the other poses fix: in a frame that its own points had a part in, an error would look
-/// smaller than it is, of four poses by half.
-///
-/// # Errors
-/// A pose without which the others do not fix a frame.
-pub fn refitted(data: &mut Measurements, targets: &[Vector3<f64>]) -> Result<Vec<Pose<f64>>> {
-    let mut whole = vec![Pairs::default(); data.stations.len()];
-    // By station and pose.
-    let mut own: BTreeMap<(usize, usize), Pairs> = BTreeMap::new();
-    for (row, target) in data.rows.iter().zip(targets) {
-        let of_pose = own.entry((row.station, row.pose)).or_default();
-        if let Some(point) = kind(row).point(row) {
-            of_pose.add(*target, point);
-            whole[row.station].add(*target, point);
-        }
-    }
-    let frame = |((station, _), of_pose): (&(usize, usize), &Pairs)| {
-        whole[*station].less(of_pose).transform().ok_or_else(|| {
-            let poses = own.iter().filter(|((s, _), pairs)| s == station && pairs.count > 0.0);
-            let (poses, label) = (count(poses.count(), "pose"), &data.stations[*station]);
-            Error::data(
-                ErrorKind::FrameUndetermined,
-                format!(
-                    "{}: the points of {poses} of station \"{label}\" do not fix a frame for each \
-                     of them by the others",
-                    data.path.display()
-                ),
-                "measure at least four poses that are not on a line, better twenty",
-            )
-        })
-    };
-    let frames = own.iter().map(frame).collect::<Result<_>>()?;
-    data.stations = own.keys().map(|(station, _)| data.stations[*station].clone()).collect();
-    let places: HashMap<(usize, usize), usize> =
-        own.into_keys().enumerate().map(|(place, key)| (key, place)).collect();
-    for row in &mut data.rows {
-        row.station = places[&(row.station, row.pose)];
-    }
-    Ok(frames)
 }

@@ -10,6 +10,7 @@ mod conformity;
 mod frames;
 mod kinds;
 mod record;
+mod refit;
 mod test_poses;
 
 pub use conformity::Conformity;
@@ -104,10 +105,9 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     let (mut commanded, mut warnings) = kinds::judgeable(commanded)?;
     let markers = frames::markers(model, &commanded)?;
     let targets = frames::targets(model, &commanded, &markers);
-    let frame = frame_variance(model, &commanded.data, refit);
-    let frames = match refit {
-        true => frames::refitted(&mut commanded.to_mut().data, &targets)?,
-        false => frames::frames(model, &commanded.data)?,
+    let (frames, frame) = match refit {
+        true => refit::refitted(&mut commanded.to_mut().data, &targets)?,
+        false => (frames::frames(model, &commanded.data)?, frame_variance(model)),
     };
     let (data, joints) = (&commanded.data, commanded.points.is_empty());
     frames::in_tracker_frame(&commanded, &frames, model)?;
@@ -264,16 +264,9 @@ fn predicted(model: &Model, data: &Measurements, aim: &State, left: &[Residual])
     left.iter().zip(&real).map(|(left, real)| *left - *real).collect()
 }
 
-/// Of the six parameters of the frame, along any direction, m^2: `n` points determine
-/// them to `6 sigma^2 / n`, a third of it along a direction.
-fn frame_variance(model: &Model, data: &Measurements, refit: bool) -> f64 {
-    let points: Vec<_> = data.rows.iter().filter(|row| kind(row).point(row).is_some()).collect();
-    let (count, stations, variance) = if refit {
-        let squares: f64 = points.iter().map(|row| row.sigma * row.sigma).sum();
-        (points.len(), data.stations.len(), squares / points.len().max(1) as f64)
-    } else {
-        (model.provenance.rows, model.stations.len(), model.robot.sigma.powi(2))
-    };
-    let each = (count as f64 / stations.max(1) as f64).max(1.0);
-    2.0 * variance / each
+/// Of the six parameters of a frame as it was identified, along any direction, m^2: `n` points
+/// determine them to `6 sigma^2 / n`, a third of it along a direction.
+fn frame_variance(model: &Model) -> f64 {
+    let each = (model.provenance.rows as f64 / model.stations.len().max(1) as f64).max(1.0);
+    2.0 * model.robot.sigma.powi(2) / each
 }

@@ -87,7 +87,19 @@ fn by_arm(clues: &Clues, table: &Table, columns: &[usize]) -> Option<(Arrangemen
     if columns.len() < n + 3 || columns.len() > MOST_COLUMNS {
         return None;
     }
-    let readings = Readings::of(robot, table, columns);
+    let alike = |far| by_distances(robot, table, columns, far);
+    alike(false).or_else(|| alike(true))
+}
+
+/// The same by all distances, or by those that are far.
+fn by_distances(
+    robot: &Robot,
+    table: &Table,
+    columns: &[usize],
+    far: bool,
+) -> Option<(Arrangement, String)> {
+    let n = robot.joints.len();
+    let readings = Readings::of(robot, table, columns, far);
     let mut found: Vec<(Arrangement, f64)> = Vec::new();
     for joints in 0..=columns.len() - n {
         for point in (0..=columns.len() - 3).filter(|p| p + 3 <= joints || *p >= joints + n) {
@@ -121,7 +133,7 @@ struct Readings {
 }
 
 impl Readings {
-    fn of(robot: &Robot, table: &Table, columns: &[usize]) -> Self {
+    fn of(robot: &Robot, table: &Table, columns: &[usize], far: bool) -> Self {
         let complete =
             |row| columns.iter().map(|c| table.number(row, *c)).collect::<Option<Vec<f64>>>();
         let rows: Vec<Vec<f64>> = (0..table.rows.len()).filter_map(complete).collect();
@@ -136,7 +148,8 @@ impl Readings {
                 r[from..from + n].iter().zip(&robot.joints).map(joint).collect()
             };
             let points: Vec<_> = rows.iter().map(|r| target(&q(r)).translation).collect();
-            (length, Distances::of(&points, agreement::moved(&points)))
+            let moved = if far { agreement::moved(&points) } else { agreement::MOVED };
+            (length, Distances::of(&points, moved))
         };
         let point = |from: usize, length: Unit| {
             let point =

@@ -57,7 +57,7 @@ impl Readings {
         let all = clues.numbers(&places, rows);
         let values: Vec<&Vec<f64>> = all.iter().step_by(all.len() / ROWS + 1).collect();
         let n = found.joints.len();
-        let mut all = Vec::new();
+        let (mut all, mut of_far) = (Vec::new(), Vec::new());
         for (angle, length) in ANGLES.iter().flat_map(|a| LENGTHS.map(|l| (*a, l))) {
             let joint = |(j, v): (usize, &f64)| match quantities[j] {
                 Quantity::Length => {
@@ -71,11 +71,14 @@ impl Readings {
             let axis = |v: &Vec<f64>, i: usize| said[n + i].unwrap_or(length).to_file(v[n + i]);
             let point = |v: &&Vec<f64>| Vector3::from_fn(|i, _| from_mm(axis(v, i)));
             let points: Vec<_> = values.iter().map(point).collect();
-            if let Some(misfit) = agreement::distances(robot, &q, &points) {
-                all.push(Reading { angle, length, misfit });
+            for (readings, far) in [(&mut all, false), (&mut of_far, true)] {
+                let misfit = agreement::distances(robot, &q, &points, far);
+                readings.extend(misfit.map(|misfit| Reading { angle, length, misfit }));
             }
         }
-        Self(all)
+        // Where half of all distances are small, these say nothing; else they say most.
+        let agrees = |all: &[Reading]| all.iter().any(|reading| reading.misfit < AGREES);
+        Self(if agrees(&all) || !agrees(&of_far) { all } else { of_far })
     }
 
     /// The best reading, where it agrees, and the best that differs by `key`.
