@@ -210,7 +210,7 @@ impl Model {
     /// Whether the tool is known better than it was before anything was measured.
     ///
     /// # Errors
-    /// The measurements leave it open by more than [`UNTOLD`].
+    /// The measurements leave it open by more than 20 mm (95 %).
     pub fn told_tool(&self) -> Result<()> {
         let known = self.provenance.tool_point_mm.unwrap_or(0.0);
         if known <= UNTOLD {
