@@ -196,8 +196,7 @@ fn robot_mended(robot: &Robot, text: &str, finding: &Finding) -> Result<String> 
         }
     }
     if let Some(scale) = robot_unit(finding) {
-        let reach = now.joints.iter().map(|j| &j.link.parameters).map(|p| p.a.abs() + p.d.abs());
-        other_lengths_mended(&mut document, scale, to_mm(reach.sum()));
+        other_lengths_mended(&mut document, scale, to_mm(now.reach()));
     }
     if finding.changes.contains(&Mistake::RobotAngles) {
         other_angles_mended(&mut document);
@@ -229,8 +228,8 @@ const PLAIN: f64 = 100.0;
 
 /// Whether robot.toml may have lengths in the arm's unit that were left as they are.
 #[must_use]
-pub fn leaves_lengths(robot: &Robot, finding: &Finding) -> bool {
-    robot_unit(finding).is_some_and(|scale| scale < PLAIN) && !robot.links.is_empty()
+pub fn leaves_lengths(finding: &Finding) -> bool {
+    robot_unit(finding).is_some_and(|scale| scale < PLAIN)
 }
 
 /// The lengths that nothing measured tells of, where in the other unit they are nearer to what

@@ -56,10 +56,10 @@ impl Check {
             warn(std::slice::from_ref(&remark));
             warnings.push(remark);
         }
-        if self.fix.is_some() && leaves_lengths(&robot, &finding) {
+        if self.fix.is_some() && leaves_lengths(&finding) {
             let remark = format!(
-                "{}: [[links]] com_mm, [payload] and measurement_sigma_mm were left as they were: \
-                 look whether they are in the other unit as well",
+                "{}: com_mm, [base], limits_mm, tolerances and measurement_sigma_mm were left as \
+                 they were: look whether they are in the other unit as well",
                 self.robot.display()
             );
             warn(std::slice::from_ref(&remark));
@@ -73,7 +73,7 @@ impl Check {
             Verdict::Mendable => End::Wrong,
             Verdict::NotUnderstood => End::Undecided,
         };
-        Ok(Said { text, asked: false, end })
+        Ok(Said { end, ..text.into() })
     }
 
     /// Writes the two files, unless nothing is understood.

@@ -151,7 +151,7 @@ impl Compensate {
         };
         let held = !report.extrapolated && !report.not_covered.is_empty();
         let wrong = held || !(report.not_reached.is_empty() && report.mostly_left.is_empty());
-        Ok(Said { text, asked: false, end: if wrong { End::Wrong } else { End::Good } })
+        Ok(Said { end: if wrong { End::Wrong } else { End::Good }, ..text.into() })
     }
 
     fn options(&self, model: &Model) -> Result<CompensateOptions> {

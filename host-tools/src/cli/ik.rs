@@ -70,6 +70,6 @@ impl Ik {
             wrote + &words::not_reached(&report.not_reached)
         };
         let end = if report.not_reached.is_empty() { End::Good } else { End::Wrong };
-        Ok(Said { text, asked: false, end })
+        Ok(Said { end, ..text.into() })
     }
 }

@@ -64,7 +64,7 @@ impl Inspect {
         }
         if let Err(refusal) = judged {
             // What it is helps to see why it is refused.
-            return Ok(Said { text, asked: false, end: End::Failed(refused(refusal)) });
+            return Ok(Said { end: End::Failed(refused(refusal)), ..text.into() });
         }
         if self.json {
             return Ok(text.into());

@@ -118,7 +118,7 @@ impl Plan {
             words::planned(&found) + &format!("wrote {}\n", self.out.display())
         };
         let end = self.end(&found);
-        Ok(Said { text, asked: false, end })
+        Ok(Said { end, ..text.into() })
     }
 
     /// Whether the goal was reached; by what it could be, if not.

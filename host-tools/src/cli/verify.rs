@@ -96,7 +96,7 @@ impl Verify {
         };
         let Some(path) = &self.data else { return Ok(text.into()) };
         let real = |path: &Path| std::fs::canonicalize(path).ok();
-        if self.before.as_deref().is_some_and(|before| real(before) == real(path)) {
+        if self.before.as_deref().and_then(real).is_some_and(|before| Some(before) == real(path)) {
             let what = format!("--before {}: the same file", path.display());
             return Err(Error::usage(what, "give what was measured with the compensation off"));
         }
@@ -137,7 +137,7 @@ impl Verify {
             Some(Conformity::Fail) => End::Wrong,
             Some(Conformity::NotProven) => End::Undecided,
         };
-        Ok(Said { text, asked: false, end })
+        Ok(Said { end, ..text.into() })
     }
 
     fn inputs(&self) -> impl Iterator<Item = &PathBuf> {

@@ -145,6 +145,20 @@ fn swept(folder: &Path) {
     }
 }
 
+/// What is no file, such as a pipe or /dev/stdout.
+fn is_device(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir())
+}
+
+/// A file where a folder is meant.
+fn refuse_file(folder: &Path) -> Result<()> {
+    if !folder.is_file() {
+        return Ok(());
+    }
+    let what = format!("{} is a file, and no folder to write into", folder.display());
+    Err(Error::usage(what, "give a folder, or a name that is free"))
+}
+
 /// A file to be written, and what will be in it.
 pub type ToWrite = (PathBuf, Vec<u8>);
 
@@ -159,7 +173,7 @@ enum Staged<'a> {
 impl<'a> Staged<'a> {
     /// A link stays a link.
     fn new(path: &'a Path, bytes: &'a [u8]) -> Result<Self> {
-        if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        if is_device(path) {
             return Ok(Self::Device(path, bytes));
         }
         let error = |e| Error::io(path, e);
@@ -168,10 +182,7 @@ impl<'a> Staged<'a> {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
-        if folder.is_file() {
-            let what = format!("{} is a file, and no folder to write into", folder.display());
-            return Err(Error::usage(what, "give a folder, or a name that is free"));
-        }
+        refuse_file(folder)?;
         if target.is_dir() {
             return Err(error(std::io::ErrorKind::IsADirectory.into()));
         }
@@ -215,10 +226,7 @@ pub fn writable(folder: &Path) -> Result<()> {
     let here = Path::new(".");
     let there = folder.ancestors().find(|folder| folder.exists() || folder.as_os_str().is_empty());
     let there = there.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(here);
-    if there.is_file() {
-        let what = format!("{} is a file, and no folder to write into", there.display());
-        return Err(Error::usage(what, "give a folder, or a name that is free"));
-    }
+    refuse_file(there)?;
     let begun = tempfile::Builder::new().prefix(BEGUN.0).suffix(BEGUN.1).tempfile_in(there);
     begun.map(drop).map_err(|e| Error::io(there, e.kind().into()))
 }
@@ -231,8 +239,7 @@ pub fn writable(folder: &Path) -> Result<()> {
 pub fn write_all(files: &[ToWrite]) -> Result<()> {
     let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     for (k, (path, _)) in files.iter().enumerate() {
-        let device = std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir());
-        if !device && files[..k].iter().any(|(other, _)| place(other) == place(path)) {
+        if !is_device(path) && files[..k].iter().any(|(other, _)| place(other) == place(path)) {
             let what = format!("{}: two outputs in one file", path.display());
             return Err(Error::usage(what, "give each a name of its own"));
         }

@@ -111,10 +111,8 @@ fn meant(name: &str) -> Option<Role> {
 
 /// A remark where all points are as near to the base as points in metres would be.
 fn in_metres(path: &FilePath, targets: &[Target], robot: &Robot) -> Option<String> {
-    let reach: f64 =
-        robot.joints.iter().map(|j| j.link.parameters.a.abs() + j.link.parameters.d.abs()).sum();
     let far = targets.iter().map(|target| target.point.norm()).fold(0.0, f64::max);
-    (far > 0.0 && far < NEAR_THE_BASE * reach).then(|| {
+    (far > 0.0 && far < NEAR_THE_BASE * robot.reach()).then(|| {
         format!(
             "{}: all points are within {:.1} mm of the base: are they metres? The columns are mm",
             path.display(),

@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use nalgebra::{Rotation3, Vector3};
-use truearm::{Link, Pose};
+use truearm::{JointKind, Link, Pose};
 
 use super::arm::chain;
 use super::prior::LinkPrior;
@@ -170,6 +170,20 @@ impl Robot {
         let arm = chain(&self.nominal(), self.base.pose(), self.tool);
         let turn = Placement { xyz: Vector3::zeros(), rpy: self.tool_rpy }.pose();
         move |q| arm.pose(q).compose(&turn)
+    }
+
+    /// All lengths of the arm together, m: no point of it is farther from its base.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        let links = self.joints.iter().map(|j| {
+            let p = &j.link.parameters;
+            let slide = match (j.link.kind, j.limits) {
+                (JointKind::Prismatic, Some([low, high])) => low.abs().max(high.abs()),
+                _ => 0.0,
+            };
+            p.a.abs() + p.d.abs() + slide
+        });
+        links.sum::<f64>() + self.tool.norm()
     }
 
     /// The nominal links.

@@ -89,7 +89,6 @@ pub struct Step {
 /// [`Forward::along`].
 pub fn compensate(model: &Model, path: &Path, options: &CompensateOptions) -> Result<Compensated> {
     path.within_limits(&model.robot)?;
-    law::plausible(model)?;
     let view = View { station: None, marker: options.marker.clone() };
     let (nominal, real) =
         (Forward::nominal(model, &view)?, Forward::real(model, &view)?.along(&path.data, model)?);
@@ -99,6 +98,7 @@ pub fn compensate(model: &Model, path: &Path, options: &CompensateOptions) -> Re
     let law = if options.single {
         law::single(model, &blob, &asked)?
     } else {
+        law::plausible(model)?;
         law::double(model, &tables, &asked)?
     };
     let one = One { law: &law, nominal: &nominal, real: &real, path, options };

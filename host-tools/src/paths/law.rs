@@ -33,8 +33,13 @@ pub(super) fn double<'t>(
 
 /// The parameters that the controller would be given.
 pub(super) fn packed(model: &Model) -> Result<Vec<u8>> {
+    let mut model = model.clone();
+    // Which of several markers is the tool is said of the law; the parameters are the same.
+    if let Some((tool, _)) = model.tool_marker().cloned() {
+        model.markers.retain(|(label, _)| *label == tool);
+    }
     // The number counts for nothing here; the creation time need not be known.
-    pack_with(model, &PackOptions { sequence: Some(1), ..PackOptions::default() })
+    pack_with(&model, &PackOptions { sequence: Some(1), ..PackOptions::default() })
 }
 
 /// Whether a controller would take every number of a model, be there as many terms as there
@@ -48,9 +53,7 @@ pub(super) fn plausible(model: &Model) -> Result<()> {
     let parts = arm.chunks(MAX_TERMS).map(<[ModelTerm]>::to_vec);
     let parts: Vec<Vec<ModelTerm>> = if arm.is_empty() { vec![arm] } else { parts.collect() };
     for terms in parts {
-        let mut part = Model { terms: [terms, others.clone()].concat(), ..model.clone() };
-        // Which of several is the tool is said elsewhere.
-        part.markers.truncate(1);
+        let part = Model { terms: [terms, others.clone()].concat(), ..model.clone() };
         if let Err(error) = packed(&part)
             && error.kind() == ErrorKind::Refused
         {

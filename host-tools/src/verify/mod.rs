@@ -12,18 +12,20 @@ mod kinds;
 mod record;
 mod refit;
 mod test_poses;
+mod tolerances;
 
 pub use conformity::Conformity;
 pub use kinds::{COVERAGE_FACTOR, KindVerified};
 pub use record::{OfPoints, OverPoses, Verification};
 pub use test_poses::test_poses;
+pub use tolerances::Tolerances;
 
 use std::collections::HashMap;
 
 use nalgebra::Vector3;
 use truearm::Pose;
 
-use crate::error::{Error, Result, count};
+use crate::error::{Result, count};
 use crate::evaluate::residuals;
 use crate::identify::{Conditions, State};
 use crate::model::{Commanded, Measurements, Model, ModelTerm};
@@ -33,67 +35,6 @@ use kinds::Judged;
 
 /// Repetitions that ISO 9283:1998 (8.2) measures every pose with.
 pub const STANDARD_REPEATS: usize = 30;
-
-/// The largest errors allowed of what measured points or lengths, mm, and of turns and
-/// inclinations, degrees.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Tolerances {
-    /// Of points and lengths.
-    pub mm: Option<f64>,
-    /// Of turns and inclinations.
-    pub deg: Option<f64>,
-}
-
-impl Tolerances {
-    /// What is allowed of a kind that is judged in `unit`.
-    #[must_use]
-    pub fn of(&self, unit: &str) -> Option<f64> {
-        match unit {
-            "mm" => self.mm,
-            "deg" => self.deg,
-            _ => None,
-        }
-    }
-
-    /// Whether they allow anything.
-    ///
-    /// # Errors
-    /// One that is none, or not above nothing.
-    pub fn sensible(&self) -> Result<()> {
-        for unit in UNITS {
-            if let Some(value) = self.of(unit).filter(|value| !(*value > 0.0 && value.is_finite()))
-            {
-                return Err(Error::usage(
-                    format!("a tolerance of {value} {unit}"),
-                    "give the largest error allowed in this unit, such as 0.3",
-                ));
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether all of them say something of what was measured.
-    ///
-    /// # Errors
-    /// As for [`Tolerances::sensible`], and one in whose unit no row is judged.
-    pub fn tell(&self, verified: &Verification) -> Result<()> {
-        self.sensible()?;
-        let idle = |unit: &&str| {
-            self.of(unit).is_some() && !verified.kinds.iter().any(|kind| kind.unit == *unit)
-        };
-        match UNITS.into_iter().find(idle) {
-            None => Ok(()),
-            Some(unit) => Err(Error::usage(
-                format!("a tolerance in {unit}: no row of {} is measured in it", verified.file),
-                "give a tolerance of what was measured: mm of points and lengths, deg of turns and \
-                 inclinations",
-            )),
-        }
-    }
-}
-
-/// Of tolerances.
-const UNITS: [&str; 2] = ["mm", "deg"];
 
 /// Verifies the rows of a file. With `refit` the frame of every station is fitted to the points
 /// of the file itself, for each pose to those of the others, which takes out what up to six

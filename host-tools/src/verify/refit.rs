@@ -41,25 +41,27 @@ pub fn refitted(
             whole[row.station].add(*target, point);
         }
     }
+    let mut seen = vec![0; data.stations.len()];
+    own.iter().filter(|(_, pairs)| pairs.count > 0.0).for_each(|((s, _), _)| seen[*s] += 1);
+    let undetermined = |station: usize| {
+        let (places, label) = (count(seen[station], "place"), &data.stations[station]);
+        Error::data(
+            ErrorKind::FrameUndetermined,
+            format!(
+                "{}: the points of {places} of station \"{label}\" do not fix a frame for each of \
+                 them by the others",
+                data.path.display()
+            ),
+            "measure at least four places that are not on a line, better twenty",
+        )
+    };
     let frame = |((station, _), of_place): (&(usize, usize), &Pairs)| {
-        let seen = own.iter().filter(|((s, _), pairs)| s == station && pairs.count > 0.0).count();
-        let enough = seen >= LEAST_PLACES;
+        let enough = seen[*station] >= LEAST_PLACES;
         let frame = enough.then(|| whole[*station].less(of_place).transform()).flatten();
-        frame.ok_or_else(|| {
-            let (places, label) = (count(seen, "place"), &data.stations[*station]);
-            Error::data(
-                ErrorKind::FrameUndetermined,
-                format!(
-                    "{}: the points of {places} of station \"{label}\" do not fix a frame for each \
-                     of them by the others",
-                    data.path.display()
-                ),
-                "measure at least four places that are not on a line, better twenty",
-            )
-        })
+        frame.ok_or_else(|| undetermined(*station))
     };
     let frames: Vec<Pose<f64>> = own.iter().map(frame).collect::<Result<_>>()?;
-    let variance = variance(&own, &frames);
+    let variance = variance(&own, &frames).map_err(undetermined)?;
     data.stations = own.keys().map(|(station, _)| data.stations[*station].clone()).collect();
     let own: HashMap<(usize, usize), usize> =
         own.into_keys().enumerate().map(|(k, key)| (key, k)).collect();
@@ -89,7 +91,10 @@ fn places(data: &Measurements, targets: &[Vector3<f64>]) -> Vec<usize> {
 
 /// Of the frame that the errors of the other places turn and move most, whatever they are made
 /// of; of the station that has the largest.
-fn variance(own: &OfPlaces<Pairs>, frames: &[Pose<f64>]) -> f64 {
+///
+/// # Errors
+/// The station whose places are on a line.
+fn variance(own: &OfPlaces<Pairs>, frames: &[Pose<f64>]) -> std::result::Result<f64, usize> {
     let mut stations: BTreeMap<usize, Vec<Seen>> = BTreeMap::new();
     for (((station, _), pairs), frame) in own.iter().zip(frames) {
         if pairs.count > 0.0 {
@@ -98,7 +103,9 @@ fn variance(own: &OfPlaces<Pairs>, frames: &[Pose<f64>]) -> f64 {
             stations.entry(*station).or_default().push(Seen { target, error });
         }
     }
-    stations.values().map(|poses| of_station(poses)).fold(0.0, f64::max)
+    stations.iter().try_fold(0.0, |most, (station, places)| {
+        Ok(f64::max(most, of_station(places).ok_or(*station)?))
+    })
 }
 
 /// A place in the frame of the others.
@@ -107,20 +114,21 @@ struct Seen {
     error: Vector3<f64>,
 }
 
-fn of_station(poses: &[Seen]) -> f64 {
-    let shares = shares(poses);
+/// The same of a station; `None` of places on a line.
+fn of_station(poses: &[Seen]) -> Option<f64> {
+    let shares = shares(poses)?;
     let squares: f64 = poses.iter().map(|pose| pose.error.norm_squared()).sum();
     // Errors that are left out are larger than they are by what the frame adds.
     let each = squares / 3.0 / shares.iter().map(|share| 1.0 + share).sum::<f64>();
     // Of so few a variance is not known itself: that of Student's t.
     let freedom = 3.0 * poses.len() as f64 - 6.0;
     let largest = shares.iter().copied().fold(0.0, f64::max);
-    largest * each * freedom / (freedom - 2.0).max(1.0)
+    Some(largest * each * freedom / (freedom - 2.0).max(1.0))
 }
 
 /// Of each pose, the variance of a frame there that it was fitted without, over that of a
-/// coordinate of the others, in the mean of three directions.
-fn shares(poses: &[Seen]) -> Vec<f64> {
+/// coordinate of the others, in the mean of three directions; `None` of places on a line.
+fn shares(poses: &[Seen]) -> Option<Vec<f64>> {
     // About their middle, where less is lost in differences.
     let middle = poses.iter().map(|pose| pose.target).sum::<Vector3<f64>>() / poses.len() as f64;
     let targets: Vec<Vector3<f64>> = poses.iter().map(|pose| pose.target - middle).collect();
@@ -131,8 +139,8 @@ fn shares(poses: &[Seen]) -> Vec<f64> {
     let share = |target: &Vector3<f64>| {
         let centre = (sum - target) / others;
         let moments = whole - across(target) - across(&centre) * others;
-        let turned = moments.try_inverse().unwrap_or_else(Matrix3::zeros);
-        1.0 / others + (turned * across(&(target - centre))).trace() / 3.0
+        let turned = moments.try_inverse()?;
+        Some(1.0 / others + (turned * across(&(target - centre))).trace() / 3.0)
     };
     targets.iter().map(share).collect()
 }

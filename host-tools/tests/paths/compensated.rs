@@ -604,3 +604,28 @@ fn a_configuration_that_is_chosen_is_covered() {
         }
     }
 }
+
+/// Which of several markers is the tool is said of the path: that `pack` would ask for it is no
+/// reason to refuse, in the controller's numbers or in the host's, and numbers that no
+/// controller takes are refused in either.
+#[test]
+fn one_of_several_markers_is_the_tool() {
+    let mut two = model(robots::UR10_LIKE, Terms::None, 5);
+    let (label, point) = two.markers[0].clone();
+    two.markers.push(("second".to_owned(), point + Vector3::new(0.05, 0.02, -0.03)));
+    assert!(pack_with(&two, &PackOptions::default()).is_err());
+    let text = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n10,-80,70,-60,-80,20\n";
+    let path = Path::parse(FilePath::new("p.csv"), text, &two.robot, Wanted::Joints).unwrap();
+    let mut far = two.clone();
+    far.corrections[0].a = 50.0;
+    for single in [false, true] {
+        for marker in [None, Some(label.clone()), Some("second".to_owned())] {
+            let task = Some(Task::Position);
+            let options = CompensateOptions { marker, single, task, ..Default::default() };
+            let found = compensate(&two, &path, &options).unwrap();
+            assert!(matches!(found.rows[0], Row::Corrected { .. }), "{options:?}");
+            let refused = compensate(&far, &path, &options).unwrap_err();
+            assert_eq!(refused.kind(), truearm_host::ErrorKind::Refused, "{refused}");
+        }
+    }
+}

@@ -127,23 +127,10 @@ impl Readings {
 
 /// Lengths in which points of this span are within the arm's reach.
 pub(super) fn within_reach(robot: &Robot, span: f64) -> Vec<Unit> {
-    let reach = reach(robot);
+    let reach = robot.reach();
     let fits = |unit: &Unit| {
         let metres = from_mm(unit.to_file(span));
         metres <= SPANS[1] * reach && metres >= SPANS[0] * reach
     };
     LENGTHS.into_iter().filter(fits).collect()
-}
-
-/// All lengths of the arm, m.
-pub(super) fn reach(robot: &Robot) -> f64 {
-    let links = robot.joints.iter().map(|j| {
-        let p = &j.link.parameters;
-        let slide = match (j.link.kind, j.limits) {
-            (JointKind::Prismatic, Some([low, high])) => low.abs().max(high.abs()),
-            _ => 0.0,
-        };
-        p.a.abs() + p.d.abs() + slide
-    });
-    links.sum::<f64>() + robot.tool.norm()
 }

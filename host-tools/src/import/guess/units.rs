@@ -3,7 +3,7 @@
 
 use super::clues::{Clues, Found, Place};
 use super::contradiction::contradictions;
-use super::readings::{Readings, Told, reach, within_reach};
+use super::readings::{Readings, Told, within_reach};
 use crate::error::{Error, Result};
 use crate::headings::{Quantity, Unit};
 use crate::import::join::RowRef;
@@ -238,7 +238,7 @@ fn points_in(clues: &Clues, open: &[&Place], readings: &Readings) -> Result<Told
     let span = span(clues, open);
     let Some(robot) = clues.robot else { return lengths_by_size(span, "the points span") };
     let within = within_reach(robot, span);
-    let because = format!("the points span {span:.3} and the arm reaches {:.2} m", reach(robot));
+    let because = format!("the points span {span:.3} and the arm reaches {:.2} m", robot.reach());
     let usual: Vec<Unit> =
         [Unit::Mm, Unit::M].into_iter().filter(|unit| within.contains(unit)).collect();
     match (usual.as_slice(), within.as_slice()) {
