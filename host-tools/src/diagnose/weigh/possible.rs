@@ -227,6 +227,12 @@ pub fn variants(orders: &lines::Orders, line: &Line) -> Vec<f64> {
     out
 }
 
+/// Which of the candidates a fitted model has.
+#[must_use]
+pub fn members_of(possible: &[Possible], added: &[Candidate]) -> Vec<usize> {
+    (0..possible.len()).filter(|k| possible[*k].is(added)).collect()
+}
+
 /// Members that a model can hold.
 #[must_use]
 pub fn listed<'p>(possible: &'p [Possible], members: &[usize]) -> Vec<&'p Candidate> {

@@ -5,11 +5,11 @@ use rayon::prelude::*;
 use truearm::effects::Effect;
 
 use super::nameless;
-use super::possible::What;
+use super::possible::{What, members_of};
 use super::search_result::Searched;
 use super::sheet::{Scattered, Sheet, Weights};
 use super::start::Start;
-use super::{members_of, weights};
+use super::weights;
 use crate::diagnose::candidates;
 use crate::diagnose::node::fitted;
 use crate::diagnose::policy::POLICY;
@@ -176,7 +176,7 @@ fn asked(found: &Searched) -> Vec<usize> {
         What::Effect(_) => false,
     };
     let nameless = found.found.best.members.iter().copied().filter(asked);
-    members_of(&found.possible, &found.best).into_iter().chain(nameless).collect()
+    members_of(&found.possible, &found.best.added).into_iter().chain(nameless).collect()
 }
 /// A search's result under other noise.
 struct Compared<'a> {

@@ -14,7 +14,7 @@ use crate::evidence::Geometry;
 use crate::identify::{Problem, Scatterer, State};
 use crate::model::ErrorCurve;
 
-/// Where a search begins.
+/// Where a search begins, and where it stands between rounds.
 #[derive(Clone)]
 pub struct Start {
     pub node: Node,
