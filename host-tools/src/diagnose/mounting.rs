@@ -2,7 +2,8 @@
 //! upwards then it hangs; and where they do so either way nobody knows.
 
 use super::moments::bends;
-use super::{Diagnosis, Verdict};
+use super::outcome::Verdict;
+use super::shown::Diagnosis;
 use crate::error::Result;
 use crate::model::Mounting;
 
