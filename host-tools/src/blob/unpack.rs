@@ -57,36 +57,8 @@ pub fn unpack(bytes: &[u8], path: &Path, name: Option<Name>) -> Result<Model> {
 fn model(p: &Parameters, path: &Path, name: Option<Name>) -> Model {
     let created = std::time::Duration::from_secs(u64::from(p.created));
     let known = name.is_some();
-    let Name { name, serial } = name.unwrap_or_else(|| Name {
-        name: format!("robot {:#018x}", p.robot_id),
-        serial: String::new(),
-    });
-    let joints = p.nominal.iter().zip(&p.limits);
-    let links = p.masses.iter().flat_map(|m| m.mass.iter().zip(&m.com));
     Model {
-        robot: Robot {
-            path: path.to_owned(),
-            name,
-            serial,
-            sigma: ASSUMED_SIGMA,
-            sigma_angle: None,
-            gravity: p.masses.as_ref().map(|m| m.gravity),
-            reference_temperature: p.reference_temperature,
-            joints: joints
-                .map(|(link, limits)| Joint {
-                    link: *link,
-                    limits: *limits,
-                    gear_ratio: None,
-                    prior: LinkPrior::default(),
-                })
-                .collect(),
-            base: Placement::default(),
-            tool: p.tool,
-            tool_rpy: Vector3::zeros(),
-            links: links.map(|(mass, com)| LinkMass { mass: *mass, com: *com }).collect(),
-            payload: p.masses.as_ref().map_or_else(Vector3::zeros, |m| m.payload_com),
-            warnings: Vec::new(),
-        },
+        robot: robot(p, path, name),
         corrections: p.corrections.clone(),
         uncertainties: Vec::new(),
         covered: p.covered.clone(),
@@ -114,6 +86,39 @@ fn model(p: &Parameters, path: &Path, name: Option<Name>) -> Model {
         covariance: None,
         gram: None,
         changed: false,
+    }
+}
+
+/// The nominal arm.
+fn robot(p: &Parameters, path: &Path, name: Option<Name>) -> Robot {
+    let Name { name, serial } = name.unwrap_or_else(|| Name {
+        name: format!("robot {:#018x}", p.robot_id),
+        serial: String::new(),
+    });
+    let joints = p.nominal.iter().zip(&p.limits);
+    let links = p.masses.iter().flat_map(|m| m.mass.iter().zip(&m.com));
+    Robot {
+        path: path.to_owned(),
+        name,
+        serial,
+        sigma: ASSUMED_SIGMA,
+        sigma_angle: None,
+        gravity: p.masses.as_ref().map(|m| m.gravity),
+        reference_temperature: p.reference_temperature,
+        joints: joints
+            .map(|(link, limits)| Joint {
+                link: *link,
+                limits: *limits,
+                gear_ratio: None,
+                prior: LinkPrior::default(),
+            })
+            .collect(),
+        base: Placement::default(),
+        tool: p.tool,
+        tool_rpy: Vector3::zeros(),
+        links: links.map(|(mass, com)| LinkMass { mass: *mass, com: *com }).collect(),
+        payload: p.masses.as_ref().map_or_else(Vector3::zeros, |m| m.payload_com),
+        warnings: Vec::new(),
     }
 }
 

@@ -34,6 +34,26 @@ pub(super) struct Converted {
     pub back: usize,
 }
 
+impl Converted {
+    /// What is to be said of rows and their times.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut out = Vec::new();
+        if !self.incomplete.is_empty() {
+            let lines: Vec<String> = self.incomplete.iter().map(usize::to_string).collect();
+            out.push(format!("rows left out for missing cells, lines {}", lines.join(", ")));
+        }
+        if self.back > 0 {
+            out.push(format!(
+                "times go back {} times in the order of the rows, as of several days, or of files that \
+                 begin anew: rows are followed in the order of their times. Give dates, or times that \
+                 go on; without the column rows are followed as they stand",
+                self.back
+            ));
+        }
+        out
+    }
+}
+
 /// One column of measurements.csv.
 struct Output<'a> {
     name: String,
