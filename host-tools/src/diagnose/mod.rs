@@ -4,6 +4,7 @@
 //! ([`weigh`]) -> *show* the gap shrink on held-out poses -> verdict on what is
 //! left.
 
+mod bending;
 mod beside;
 pub mod candidates;
 mod chi_square;

@@ -1,9 +1,10 @@
 //! From rows and the arm of a robot file to a model and what shows how good it is: loads,
 //! registration, what the data hold beyond geometry, the final fit.
 
+use super::bending;
 use super::candidates::{self, Candidate};
 use super::kind_noise;
-use super::moments::{self, Moments};
+use super::moments::Moments;
 use super::node::{self, Node};
 use super::options::DiagnoseOptions;
 use super::policy::POLICY;
@@ -168,7 +169,7 @@ fn modelled(
 ) -> Result<Diagnosis> {
     let added = kept(&weighed);
     // Masses are found by what they bend: of a model without springs they stay.
-    let bends = added.iter().any(|candidate| moments::bends(candidate.name()));
+    let bends = added.iter().any(|candidate| bending::bends(candidate.name()));
     let found = weighed.moments.as_ref().filter(|_| bends).and_then(Moments::robot);
     let robot = found.as_ref().unwrap_or(arm.robot);
     // What is fitted and judged from here on has the noise that was found.

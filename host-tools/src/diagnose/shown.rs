@@ -7,7 +7,7 @@ use super::outcome::{GapRow, Outcome, Verdict};
 use super::policy::POLICY;
 use super::show::{self, HeldOut, Show};
 use super::weigh::{Nameless, Weighed, gross, without};
-use super::{described, moments, noise_remarks, remarks, tell, verdict};
+use super::{bending, described, noise_remarks, remarks, tell, verdict};
 use crate::error::Result;
 use crate::identify::fit::estimate::Estimate;
 use crate::identify::fit::folds;
@@ -85,7 +85,7 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let show = &Show { robot: loaded(show, &best, &rivals), ..*show };
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
     let findings = findings(show, &terms, &best, nominal, held_out)?;
-    let bends = |c: &Candidate| moments::bends(c.name());
+    let bends = |c: &Candidate| bending::bends(c.name());
     let against_gravity = assumed && weighed.refused.iter().any(bends);
     let surely_against = assumed && weighed.surely_refused.iter().any(bends);
     let identified = identified(&findings, &weighed);

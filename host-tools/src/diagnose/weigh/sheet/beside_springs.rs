@@ -9,7 +9,7 @@
 use nalgebra::DMatrix;
 
 use super::{PART, Sheet};
-use crate::diagnose::moments::Bending;
+use crate::diagnose::bending::Bending;
 use crate::identify::problem::accumulate::tree;
 use crate::model::arm::Derivatives;
 

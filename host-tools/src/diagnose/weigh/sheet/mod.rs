@@ -19,7 +19,7 @@ use truearm::effects::Term;
 
 use super::curve::{self, Curve};
 use super::possible::{Possible, of_arm};
-use crate::diagnose::moments::Bending;
+use crate::diagnose::bending::Bending;
 use crate::diagnose::policy::POLICY;
 use crate::evidence::Gram;
 use crate::evidence::poses::{Repeats, whiten};
