@@ -7,13 +7,11 @@ use truearm::blob::{Blob, robot_id};
 use truearm_sized::Parameters;
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::files::USUAL_SIGMA_MM;
 use crate::model::{
     ErrorCurve, Joint, LinkMass, LinkPrior, Model, ModelTerm, Placement, Provenance, Robot,
 };
-
-/// Sigma of a measurement when nothing is known, m, as for a robot.toml that
-/// does not give it.
-const ASSUMED_SIGMA: f64 = 3e-5;
+use crate::units::from_mm;
 
 /// Whose blob it is: what the robot id is the hash of.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -101,7 +99,8 @@ fn robot(p: &Parameters, path: &Path, name: Option<Name>) -> Robot {
         path: path.to_owned(),
         name,
         serial,
-        sigma: ASSUMED_SIGMA,
+        // As for a robot.toml that does not give it.
+        sigma: from_mm(USUAL_SIGMA_MM),
         sigma_angle: None,
         gravity: p.masses.as_ref().map(|m| m.gravity),
         reference_temperature: p.reference_temperature,
@@ -126,6 +125,7 @@ fn robot(p: &Parameters, path: &Path, name: Option<Name>) -> Robot {
 #[must_use]
 pub fn not_carried(model: &Model, bytes: &[u8]) -> Vec<String> {
     let tagged = Blob::check(bytes).is_ok_and(|blob| blob.is_tagged());
+    let sigma = format!("measurement_sigma_mm: {USUAL_SIGMA_MM} is assumed");
     let lines = [
         (
             model.robot_id.is_some(),
@@ -144,7 +144,7 @@ pub fn not_carried(model: &Model, bytes: &[u8]) -> Vec<String> {
             true,
             "[tool] of the robot file: it is the target now that was identified, and not turned",
         ),
-        (true, "measurement_sigma_mm: 0.03 is assumed"),
+        (true, sigma.as_str()),
         (true, "gear ratios"),
         (model.robot.links.is_empty(), "link masses and gravity: this blob has none"),
         (model.covariance.is_none(), "uncertainties: this blob has no covariance"),

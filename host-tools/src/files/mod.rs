@@ -25,7 +25,7 @@ mod robot;
 mod signed;
 mod source;
 
-pub(crate) use columns::{USUAL_SIGMA_ANGLE, USUAL_SIGMA_PX};
+pub(crate) use columns::{USUAL_SIGMA_ANGLE, USUAL_SIGMA_MM, USUAL_SIGMA_PX};
 pub(crate) use comment::on_one_line;
 pub use digest::digest_of_text;
 pub use edit::CsvEdit;

@@ -68,8 +68,8 @@ fn robot_unit(finding: &Finding) -> Option<f64> {
     })
 }
 
-/// Noise of a tracker, mm.
-const USUAL_SIGMA: f64 = 0.05;
+/// Noise of a tracker, mm, that tells by its size in what unit another was stated.
+const OF_A_TRACKER: f64 = 0.05;
 
 /// From so many mm a unit is a metre: what nothing measured tells of is of the arm's unit or
 /// not, beyond doubt. Of centimetres and inches it stays, and that is said.
@@ -88,7 +88,7 @@ fn other_lengths_mended(document: &mut DocumentMut, scale: f64, reach: f64) {
     if scale < PLAIN {
         return;
     }
-    rescale(document.as_table_mut(), "measurement_sigma_mm", (scale, USUAL_SIGMA));
+    rescale(document.as_table_mut(), "measurement_sigma_mm", (scale, OF_A_TRACKER));
     for key in ["links", "payload"] {
         let all: Vec<_> =
             tables(document, key).iter().filter_map(|t| numbers(*t, "com_mm")).collect();
