@@ -235,7 +235,7 @@ pub fn writable(folder: &Path) -> Result<()> {
 /// name, so that a full disk or a stop leaves no new file beside an old one.
 ///
 /// # Errors
-/// As for [`write`], and two files in one place.
+/// As for [`write()`], and two files in one place.
 pub fn write_all(files: &[ToWrite]) -> Result<()> {
     let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     for (k, (path, _)) in files.iter().enumerate() {

@@ -53,7 +53,7 @@ pub fn sums_tell(options: &Options) -> Result<()> {
 /// are of those drawn, all others of all.
 ///
 /// # Errors
-/// As for [`sums_tell`], for [`identify`] of rows drawn, and for [`step`] of all.
+/// As for [`sums_tell`], for [`identify`] of rows drawn, and for [`step()`] of all.
 pub fn identify_in_pieces(
     rows: &Pieces,
     sample: &Sample,
