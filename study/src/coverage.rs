@@ -4,7 +4,8 @@
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use truearm_host::identify::certainty::error_bars::{Covariances, FACTOR, spread};
+use truearm_host::identify::certainty::error_bars::FACTOR;
+use truearm_host::identify::certainty::unknowns::{Covariances, spread};
 use truearm_host::identify::fit::estimate::estimate;
 use truearm_host::identify::start::registration::register;
 use truearm_host::identify::{LambdaRule, Problem, Scaling};

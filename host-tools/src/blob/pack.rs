@@ -174,6 +174,13 @@ pub fn notes(model: &Model) -> Vec<String> {
                 .to_owned(),
         );
     }
+    out.extend(rounded(model));
+    out
+}
+
+/// Orders, time constants and frictions that the blob's steps change.
+fn rounded(model: &Model) -> Vec<String> {
+    let mut out = Vec::new();
     for (i, term) in arm_terms(model).enumerate() {
         let order = term.effect.order();
         let what = match order {

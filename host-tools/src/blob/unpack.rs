@@ -7,13 +7,11 @@ use truearm::blob::{Blob, robot_id};
 use truearm_sized::Parameters;
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::files::USUAL_SIGMA_MM;
 use crate::model::{
     ErrorCurve, Joint, LinkMass, LinkPrior, Model, ModelTerm, Placement, Provenance, Robot,
 };
-
-/// Sigma of a measurement when nothing is known, m, as for a robot.toml that
-/// does not give it.
-const ASSUMED_SIGMA: f64 = 3e-5;
+use crate::units::from_mm;
 
 /// Whose blob it is: what the robot id is the hash of.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -57,36 +55,8 @@ pub fn unpack(bytes: &[u8], path: &Path, name: Option<Name>) -> Result<Model> {
 fn model(p: &Parameters, path: &Path, name: Option<Name>) -> Model {
     let created = std::time::Duration::from_secs(u64::from(p.created));
     let known = name.is_some();
-    let Name { name, serial } = name.unwrap_or_else(|| Name {
-        name: format!("robot {:#018x}", p.robot_id),
-        serial: String::new(),
-    });
-    let joints = p.nominal.iter().zip(&p.limits);
-    let links = p.masses.iter().flat_map(|m| m.mass.iter().zip(&m.com));
     Model {
-        robot: Robot {
-            path: path.to_owned(),
-            name,
-            serial,
-            sigma: ASSUMED_SIGMA,
-            sigma_angle: None,
-            gravity: p.masses.as_ref().map(|m| m.gravity),
-            reference_temperature: p.reference_temperature,
-            joints: joints
-                .map(|(link, limits)| Joint {
-                    link: *link,
-                    limits: *limits,
-                    gear_ratio: None,
-                    prior: LinkPrior::default(),
-                })
-                .collect(),
-            base: Placement::default(),
-            tool: p.tool,
-            tool_rpy: Vector3::zeros(),
-            links: links.map(|(mass, com)| LinkMass { mass: *mass, com: *com }).collect(),
-            payload: p.masses.as_ref().map_or_else(Vector3::zeros, |m| m.payload_com),
-            warnings: Vec::new(),
-        },
+        robot: robot(p, path, name),
         corrections: p.corrections.clone(),
         uncertainties: Vec::new(),
         covered: p.covered.clone(),
@@ -117,10 +87,45 @@ fn model(p: &Parameters, path: &Path, name: Option<Name>) -> Model {
     }
 }
 
+/// The nominal arm.
+fn robot(p: &Parameters, path: &Path, name: Option<Name>) -> Robot {
+    let Name { name, serial } = name.unwrap_or_else(|| Name {
+        name: format!("robot {:#018x}", p.robot_id),
+        serial: String::new(),
+    });
+    let joints = p.nominal.iter().zip(&p.limits);
+    let links = p.masses.iter().flat_map(|m| m.mass.iter().zip(&m.com));
+    Robot {
+        path: path.to_owned(),
+        name,
+        serial,
+        // As for a robot.toml that does not give it.
+        sigma: from_mm(USUAL_SIGMA_MM),
+        sigma_angle: None,
+        gravity: p.masses.as_ref().map(|m| m.gravity),
+        reference_temperature: p.reference_temperature,
+        joints: joints
+            .map(|(link, limits)| Joint {
+                link: *link,
+                limits: *limits,
+                gear_ratio: None,
+                prior: LinkPrior::default(),
+            })
+            .collect(),
+        base: Placement::default(),
+        tool: p.tool,
+        tool_rpy: Vector3::zeros(),
+        links: links.map(|(mass, com)| LinkMass { mass: *mass, com: *com }).collect(),
+        payload: p.masses.as_ref().map_or_else(Vector3::zeros, |m| m.payload_com),
+        warnings: Vec::new(),
+    }
+}
+
 /// What a model has and a blob does not, a line each.
 #[must_use]
 pub fn not_carried(model: &Model, bytes: &[u8]) -> Vec<String> {
     let tagged = Blob::check(bytes).is_ok_and(|blob| blob.is_tagged());
+    let sigma = format!("measurement_sigma_mm: {USUAL_SIGMA_MM} is assumed");
     let lines = [
         (
             model.robot_id.is_some(),
@@ -139,7 +144,7 @@ pub fn not_carried(model: &Model, bytes: &[u8]) -> Vec<String> {
             true,
             "[tool] of the robot file: it is the target now that was identified, and not turned",
         ),
-        (true, "measurement_sigma_mm: 0.03 is assumed"),
+        (true, sigma.as_str()),
         (true, "gear ratios"),
         (model.robot.links.is_empty(), "link masses and gravity: this blob has none"),
         (model.covariance.is_none(), "uncertainties: this blob has no covariance"),

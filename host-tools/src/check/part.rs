@@ -3,12 +3,13 @@
 use nalgebra::Vector3;
 
 use super::chains::Chains;
+use super::finding::{Finding, Verdict};
 use super::mistake::Mistake;
 use super::sample::Sample;
 use super::scene::{Scene, Sight};
 use super::search::{Found, Search};
 use super::stray::{LEAST_OF_BASE, Seen, Stray, ranges, rms};
-use super::{Finding, Verdict, absorbed, hypotheses, words};
+use super::{absorbed, hypotheses, words};
 use crate::identify::rigid_transform;
 use crate::model::{Measurements, Robot};
 use crate::statistics::median;

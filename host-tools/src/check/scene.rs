@@ -5,6 +5,7 @@ use truearm::{JointKind, Link, LinkParameter};
 
 use super::mistake::{Convention, Mistake, New};
 use super::sample::Sample;
+use crate::model::Robot;
 use crate::units::{DEGREES, joint_from_file, joint_to_file};
 
 /// A row as a hypothesis has it.
@@ -156,4 +157,15 @@ pub(super) fn convert(links: &mut [Link<f64>], tool: &mut Vector3<f64>, to: Conv
         let turned = Vector3::new(tool.x, cos * tool.y - sin * tool.z, sin * tool.y + cos * tool.z);
         *tool = turned + Vector3::x() * a;
     }
+}
+
+/// The arm with the mistakes undone.
+pub(super) fn undone(robot: &Robot, changes: &[Mistake]) -> Robot {
+    let nothing =
+        Sample { kinds: Vec::new(), stations: 0, markers: 0, sigma: 0.0, rows: Vec::new() };
+    let scene = Scene::new(&robot.nominal(), robot.tool, &nothing, changes);
+    let mut robot = robot.clone();
+    robot.joints.iter_mut().zip(scene.links).for_each(|(joint, link)| joint.link = link);
+    robot.tool = scene.tool;
+    robot
 }

@@ -1,7 +1,9 @@
 //! Whether a gross mistake is behind a fit that failed, or that ended where no sound arm does.
 
+use super::check;
+use super::explanations::{SENSELESS, UNBELIEVABLE};
+use super::finding::Verdict;
 use super::words::together;
-use super::{SENSELESS, UNBELIEVABLE, Verdict, check};
 use crate::error::{Error, ErrorKind};
 use crate::identify::Figures;
 use crate::methods::Comparison;

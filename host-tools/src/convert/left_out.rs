@@ -28,7 +28,7 @@ pub struct LeftOut {
 
 /// What each effect of the arm moves over seeded poses within the covered joint
 /// ranges (the limits where nothing is known of them, else a turn or a metre),
-/// arrival directions drawn, temperature within [`WARMTH`], no payload. The last
+/// arrival directions drawn, temperature within `WARMTH`, no payload. The last
 /// entry, with an empty name, is of all together. Empty without terms.
 #[must_use]
 pub fn left_out(model: &Model) -> Vec<LeftOut> {

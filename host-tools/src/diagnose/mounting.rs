@@ -1,8 +1,9 @@
 //! An arm of which nobody said how it is mounted: it stands; where springs would give way
 //! upwards then it hangs; and where they do so either way nobody knows.
 
-use super::moments::bends;
-use super::{Diagnosis, Verdict};
+use super::bending::bends;
+use super::outcome::Verdict;
+use super::shown::Diagnosis;
 use crate::error::Result;
 use crate::model::Mounting;
 

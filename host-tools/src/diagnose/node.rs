@@ -2,8 +2,8 @@
 
 use truearm::effects::Effect;
 
+use super::bending::bends;
 use super::candidates::Candidate;
-use super::moments::bends;
 use super::question::Question;
 use crate::effects;
 use crate::error::Result;

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use truearm::effects::{Effect, MAX_TERMS};
 
+use super::bending::bends;
 use super::candidates::{self, Candidate};
 use super::effect::Effect as Shown;
-use super::moments::{Moments, bends};
+use super::moments::Moments;
 use super::node::Node;
 use super::noise_remarks as noise;
 use super::outcome::{GapRow, HoldOut, Worse, worse};

@@ -7,14 +7,45 @@ use super::outcome::{GapRow, Outcome, Verdict};
 use super::policy::POLICY;
 use super::show::{self, HeldOut, Show};
 use super::weigh::{Nameless, Weighed, gross, without};
-use super::{Diagnosis, described, moments, noise_remarks, remarks, tell, verdict};
+use super::{bending, described, noise_remarks, remarks, tell, verdict};
 use crate::error::Result;
 use crate::identify::fit::estimate::Estimate;
 use crate::identify::fit::folds;
 use crate::identify::start::zeros;
-use crate::identify::{Findings, LambdaRule, Problem, State, nominal_state};
-use crate::model::{Measurements, ModelTerm};
+use crate::identify::{
+    Findings, Identification, LambdaRule, Problem, RowResult, State, nominal_state,
+};
+use crate::model::{Instrument, Measurements, Model, ModelTerm, Robot};
 use crate::observations::kind;
+
+/// The result.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// With all terms, for evaluation and packing.
+    pub model: Model,
+    /// Figures and names.
+    pub outcome: Outcome,
+    /// Per row.
+    pub rows: Vec<RowResult>,
+    /// What was named, with base, marker and terms.
+    pub state: State,
+    /// The alternatives of the report, in its order.
+    pub alternatives: Vec<State>,
+    /// Springs fitted, but gave way against gravity as it was assumed.
+    pub against_gravity: bool,
+    /// The same of springs that would have been named.
+    pub surely_against: bool,
+}
+
+impl Diagnosis {
+    /// RMS by which poses held out are missed, in stated deviations of what was measured.
+    #[must_use]
+    pub fn misses(&self) -> f64 {
+        let last = self.outcome.gap.last();
+        let held = last.and_then(|last| last.cross_validated_rms_sigmas);
+        held.map_or(f64::INFINITY, |held| held * self.outcome.noise_scale)
+    }
+}
 
 /// What was found.
 pub struct Found {
@@ -50,42 +81,26 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
     let Left { gross, .. } = left;
     let alternatives = show::alternatives(show.question, show.robot, &best, &weighed.rivals);
     let (alternatives, rivals): (_, Vec<State>) = alternatives.into_iter().unzip();
-    // Masses that were assumed, or found, and move nothing are in no model.
-    let bent = rivals.iter().chain([&best.fit.fit.state]).any(has_loads);
     let assumed = show.unloaded.gravity.is_none() && show.robot.gravity.is_some();
-    let robot = if bent { show.robot } else { show.unloaded };
-    let show = &Show { robot, ..*show };
+    let show = &Show { robot: loaded(show, &best, &rivals), ..*show };
     let terms = problem.with_terms(best.fit.fit.state.terms.len());
     let findings = findings(show, &terms, &best, nominal, held_out)?;
-    let bends = |c: &Candidate| moments::bends(c.name());
+    let bends = |c: &Candidate| bending::bends(c.name());
     let against_gravity = assumed && weighed.refused.iter().any(bends);
     let surely_against = assumed && weighed.surely_refused.iter().any(bends);
-    let mut identified = findings.summarise();
+    let identified = identified(&findings, &weighed);
     let hold_out = show.hold_out(&best)?;
-    let point = &mut identified.figures.uncertainty.tool_point;
-    *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
     let order = show.question.highest_order;
     let (effects, suspected) =
         show::effects(&findings, &gap, &best, &weighed, &harmful, (order, gross));
-    let warnings = &mut identified.figures.warnings;
-    warnings.extend(remarks::all(problem, &best, &weighed));
-    warnings.extend(noise_remarks::tails(problem, &best, gross));
-    warnings.extend(remarks::aliased(problem.data, effects.iter().chain(&suspected)));
-    warnings.extend(remarks::worse_elsewhere(problem.data, show.holdout, &gap));
-    warnings.extend(remarks::far_off(show.holdout, &gap));
-    warnings.extend(hold_out.iter().flat_map(remarks::standing_out));
-    warnings.extend(zeros::found(&identified.model.instruments));
-    let kinds = &mut identified.figures.kinds;
-    kinds.iter_mut().for_each(|kind| kind.noise_scale *= weighed.scale);
-    let noise_scale = weighed.scale * problem.noise.middle(problem.data);
-    let outcome = Outcome {
+    let mut outcome = Outcome {
         figures: identified.figures,
         verdict: left.verdict,
         effects,
         suspected,
         unnamed: left.unnamed,
         described: left.described,
-        noise_scale,
+        noise_scale: weighed.scale * problem.noise.middle(problem.data),
         beyond_repeats: remarks::over_repeats(problem, &best),
         nested_rms_mm: weighed.nested_rms_mm(&best.fit.kept),
         noise_floor_mm: noise_floor(problem.data) * 1e3 / weighed.scale,
@@ -97,6 +112,9 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         not_testable,
         whereabouts: left.whereabouts,
     };
+    let instruments = &identified.model.instruments;
+    let remarked = remarked(show, &outcome, (&weighed, &best, gross), instruments);
+    outcome.figures.warnings.extend(remarked);
     Ok(Diagnosis {
         model: identified.model,
         outcome,
@@ -106,6 +124,45 @@ pub fn shown(show: &Show, found: Found) -> Result<Diagnosis> {
         against_gravity,
         surely_against,
     })
+}
+
+/// The arm with the masses of its models. Those that were assumed, or found, and move nothing
+/// are in none.
+fn loaded<'a>(show: &Show<'a>, best: &Node, rivals: &[State]) -> &'a Robot {
+    match rivals.iter().chain([&best.fit.fit.state]).any(has_loads) {
+        true => show.robot,
+        false => show.unloaded,
+    }
+}
+
+/// The model with its figures: errors by curves count, and the noise is that which was found.
+fn identified(findings: &Findings, weighed: &Weighed) -> Identification {
+    let mut out = findings.summarise();
+    let point = &mut out.figures.uncertainty.tool_point;
+    *point = point.with(weighed.by_curves.mean, weighed.by_curves.largest);
+    let kinds = out.figures.kinds.iter_mut();
+    kinds.for_each(|kind| kind.noise_scale *= weighed.scale);
+    out
+}
+
+/// What is to be said beside an outcome.
+fn remarked(
+    show: &Show,
+    of: &Outcome,
+    (weighed, best, gross): (&Weighed, &Node, f64),
+    instruments: &[Instrument],
+) -> Vec<String> {
+    let problem = show.question.problem;
+    let effects = of.effects.iter().chain(&of.suspected);
+    let mut out = Vec::new();
+    out.extend(remarks::all(problem, best, weighed));
+    out.extend(noise_remarks::tails(problem, best, gross));
+    out.extend(remarks::aliased(problem.data, effects));
+    out.extend(remarks::worse_elsewhere(problem.data, show.holdout, &of.gap));
+    out.extend(remarks::far_off(show.holdout, &of.gap));
+    out.extend(of.hold_out.iter().flat_map(remarks::standing_out));
+    out.extend(zeros::found(instruments));
+    out
 }
 
 /// What the model leaves, in words, and what that makes of it.

@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::gram::Projected;
+use super::projected::Projected;
 use super::smooth::{Left, PRIORS, Prior, SIZES, SWEEPS};
 
 /// Highest order of a few: a higher one is a line like any other.

@@ -11,8 +11,8 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::gram::Projected;
 use super::noise::Noise;
+use super::projected::Projected;
 use super::triangular::{cholesky, solve_lower};
 
 /// Lengths of the covariance, rad: 2.5 degrees and longer. Shorter ones do not fit a table

@@ -21,9 +21,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::candidate::Candidate;
 use super::curve::{Curve, highest, mean, rotated};
-use super::gram::Projected;
 use super::noise::Noise;
 use super::prior::SIZES;
+use super::projected::Projected;
 use super::triangular::inverse_lower;
 
 /// Most times that the prior sizes of a model's members are chosen again; the

@@ -6,14 +6,9 @@ use super::columns::{label, refuse_twins};
 use super::instruments::Gathered;
 use super::pieces::{Columnar, is_columnar};
 use crate::error::{Result, listed};
-use crate::model::near::Reach;
+use crate::model::near::{Reach, one_pose};
 use crate::model::{Measurements, Robot, number_runs};
 use crate::observations::refer_to_zeros;
-
-/// Rows whose joints agree within this are one pose, rad (0.01 degrees).
-const SAME_ANGLE: f64 = 0.01 * std::f64::consts::PI / 180.0;
-/// The same for a prismatic joint, m.
-const SAME_LENGTH: f64 = 1e-5;
 
 impl Measurements {
     /// Reads and checks the measurements of `robot`.
@@ -71,7 +66,7 @@ impl Measurements {
             return;
         }
         self.directions_from_order = true;
-        let still: Vec<f64> = robot.joints.iter().map(|j| same(j.link.kind)).collect();
+        let still: Vec<f64> = robot.joints.iter().map(|j| one_pose(j.link.kind)).collect();
         let before = self.before();
         for (row, before) in self.in_order().into_iter().filter_map(|row| Some((row, before[row]?)))
         {
@@ -151,7 +146,7 @@ impl Measurements {
 
     /// Numbers the poses by their joint values.
     pub(super) fn number(&mut self, robot: &Robot) {
-        let reach = Reach::of_joints(robot, SAME_ANGLE, SAME_LENGTH);
+        let reach = Reach::of_pose(robot);
         let numbers;
         (numbers, self.poses) = reach.number(self.rows.iter().map(|row| row.q.as_slice()));
         self.rows.iter_mut().zip(numbers).for_each(|(row, number)| row.pose = number);
@@ -211,9 +206,4 @@ impl Measurements {
             }
         }
     }
-}
-
-/// Values of a joint that agree within this are one, rad or m.
-fn same(kind: JointKind) -> f64 {
-    if kind == JointKind::Revolute { SAME_ANGLE } else { SAME_LENGTH }
 }

@@ -25,7 +25,7 @@ mod robot;
 mod signed;
 mod source;
 
-pub(crate) use columns::{USUAL_SIGMA_ANGLE, USUAL_SIGMA_PX};
+pub(crate) use columns::{USUAL_SIGMA_ANGLE, USUAL_SIGMA_MM, USUAL_SIGMA_PX};
 pub(crate) use comment::on_one_line;
 pub use digest::digest_of_text;
 pub use edit::CsvEdit;
@@ -235,7 +235,7 @@ pub fn writable(folder: &Path) -> Result<()> {
 /// name, so that a full disk or a stop leaves no new file beside an old one.
 ///
 /// # Errors
-/// As for [`write`], and two files in one place.
+/// As for [`write()`], and two files in one place.
 pub fn write_all(files: &[ToWrite]) -> Result<()> {
     let place = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     for (k, (path, _)) in files.iter().enumerate() {

@@ -3,8 +3,8 @@
 //!
 //! A state is a model.toml that is on the way ([`GramState`](crate::model::GramState)): first
 //! that of `identify` on some of the rows, which knows every station and marker. A round is
-//! [`accumulate`] of every part at that state, [`Part::plus`] of all of them in any order, and
-//! [`step`] to the next state, until that is settled. What is summed is all that a round needs
+//! [`accumulate()`] of every part at that state, [`Part::plus`] of all of them in any order, and
+//! [`step()`] to the next state, until that is settled. What is summed is all that a round needs
 //! of the rows: normal equations about the state itself, by fold of poses; how the residuals are
 //! distributed; what the points say of the robot's frame. The answer does not depend on how the
 //! rows were split.

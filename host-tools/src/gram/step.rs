@@ -5,7 +5,7 @@ use super::part::{FoldSums, Part};
 use super::{LAST, NEAR, state};
 use crate::error::{Error, ErrorKind, Result};
 use crate::identify::certainty::covariance::{factor, of_arm_by};
-use crate::identify::certainty::error_bars::{Covariances, believed, spread};
+use crate::identify::certainty::unknowns::{Covariances, believed, spread};
 use crate::identify::fit::robust::Flags;
 use crate::identify::fit::suspects::MOST_FLAGGED;
 use crate::identify::fit::{ANOTHER_ARM, LambdaRule, lambda_of};

@@ -53,7 +53,7 @@ pub fn sums_tell(options: &Options) -> Result<()> {
 /// are of those drawn, all others of all.
 ///
 /// # Errors
-/// As for [`sums_tell`], for [`identify`] of rows drawn, and for [`step`] of all.
+/// As for [`sums_tell`], for [`identify`] of rows drawn, and for [`step()`] of all.
 pub fn identify_in_pieces(
     rows: &Pieces,
     sample: &Sample,
@@ -117,7 +117,7 @@ fn settled(
     let robust = RobustFit { fit: fit.clone(), kept, outliers, scale: gram.k, used };
     let found = Estimate { fit, robust, lambda, choice: None, solved: Some(solved) };
     let held_out = held_out(&problem, &here, &last.held_out);
-    let mut identified = Findings {
+    let identified = Findings {
         rule,
         robot: &model.robot,
         problem: &problem,
@@ -130,15 +130,27 @@ fn settled(
         cross_validation: format!("{} folds of poses", super::FOLDS),
     }
     .summarise();
-    let figures = &mut identified.figures;
-    figures.drawn = Some(Drawn {
+    let drawn = Drawn {
         rows: data.rows.len(),
         rounds: gram.stage,
         flagged: part.flagged() as usize,
         twice: sample.twice,
         rms_mm: last.rms_mm.unwrap_or_default(),
         cross_validated_rms_mm: last.cross_validated_rms_mm,
-    });
+    };
+    Ok(of_all(identified, (rows, sample), drawn, (last.model, start.model.not_measured)))
+}
+
+/// The same with figures of all rows, but for those that only rows at hand tell, and with the
+/// model that they lead to.
+fn of_all(
+    mut identified: Identification,
+    (rows, sample): (&Pieces, &Sample),
+    drawn: Drawn,
+    (model, not_measured): (Model, Vec<String>),
+) -> Identification {
+    let figures = &mut identified.figures;
+    figures.drawn = Some(drawn);
     (figures.rows, figures.poses, figures.data) = (sample.rows, sample.poses, rows.names());
     let provenance = crate::model::Provenance {
         data: rows.names(),
@@ -147,16 +159,16 @@ fn settled(
         nominal_rms_mm: figures.nominal.map_or(0.0, |s| s.rms_mm),
         cross_validated_rms_mm: figures.cross_validated.map_or(0.0, |s| s.rms_mm),
         tool_point_mm: Some(figures.uncertainty.tool_point.rms_mm),
-        ..last.model.provenance.clone()
+        ..model.provenance.clone()
     };
     identified.model = Model {
         provenance,
         gram: None,
         unidentifiable: identified.model.unidentifiable,
-        not_measured: start.model.not_measured,
-        ..last.model
+        not_measured,
+        ..model
     };
-    Ok(identified)
+    identified
 }
 
 fn outlier(row: usize, here: &Linearised, limit: f64) -> Outlier {

@@ -11,7 +11,8 @@ use super::{
     noise_estimate, remarks,
 };
 use crate::identify::certainty::covariance::{factor, instruments, of_arm};
-use crate::identify::certainty::error_bars::{Covariances, spread, uncertainty};
+use crate::identify::certainty::error_bars::uncertainty;
+use crate::identify::certainty::unknowns::{Covariances, spread};
 use crate::identify::certainty::{redundancy, scale};
 use crate::identify::fit::estimate::Estimate;
 use crate::identify::fit::{l_curve, robust};

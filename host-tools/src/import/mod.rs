@@ -101,18 +101,7 @@ fn converted(
     }
     warnings.extend(said.into_iter().filter(|w| !warnings.contains(w)).collect::<Vec<_>>());
     let done = convert::convert(tables, config, &rows, options.skip_incomplete)?;
-    if !done.incomplete.is_empty() {
-        let lines: Vec<String> = done.incomplete.iter().map(usize::to_string).collect();
-        warnings.push(format!("rows left out for missing cells, lines {}", lines.join(", ")));
-    }
-    if done.back > 0 {
-        warnings.push(format!(
-            "times go back {} times in the order of the rows, as of several days, or of files that \
-             begin anew: rows are followed in the order of their times. Give dates, or times that \
-             go on; without the column rows are followed as they stand",
-            done.back
-        ));
-    }
+    warnings.extend(done.remarks());
     if done.rows == 0 {
         let help = "every row lacks a joint or a coordinate: are the columns the right ones?";
         return Err(Error::file(&tables[0].path, Place::default(), "no row is complete", help));

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use truearm::JointKind;
 
 use super::Robot;
+use crate::units::joint_from_file;
 
 /// Edge of a cell, in reaches: wide, so that few points lie within reach of a
 /// second cell, and narrow, so that few are in one.
@@ -12,6 +13,15 @@ const EDGE: f64 = 16.0;
 /// Where the cells begin, in edges: joints rest at round angles, and round
 /// angles must not all lie on a face.
 const ORIGIN: f64 = 0.381_966;
+
+/// Rows whose joints agree within this are one pose, degrees or mm.
+pub const ONE_POSE: f64 = 0.01;
+
+/// The same of a joint, rad or m.
+#[must_use]
+pub fn one_pose(kind: JointKind) -> f64 {
+    joint_from_file(kind, ONE_POSE)
+}
 
 /// How far apart points may be to count as near, a coordinate at a time.
 #[derive(Debug, Clone)]
@@ -27,6 +37,12 @@ impl Reach {
             JointKind::Prismatic => length,
         };
         Self(robot.joints.iter().map(|joint| of(joint.link.kind)).collect())
+    }
+
+    /// Within which the joint values of a robot are of one pose.
+    #[must_use]
+    pub fn of_pose(robot: &Robot) -> Self {
+        Self(robot.joints.iter().map(|joint| one_pose(joint.link.kind)).collect())
     }
 
     /// The same in every coordinate.
@@ -96,7 +112,9 @@ impl Reach {
     }
 }
 
-/// Edge of a cell of joint values, rad or m: a pose read again is mostly in the same one.
+/// Edge of a cell of joint values, rad or m: a pose read again is mostly in the same one. It is
+/// [`ONE_POSE`] but for a last bit, which decides to what cell a joint at half a hundredth of a
+/// degree belongs: rows must fall into the folds that parts written before have.
 const CELL: [f64; 2] = [1.745_329_251_994_33e-4, 1e-5];
 
 /// Hash of the cell of joint values alone, so that rows that are read apart agree.

@@ -20,7 +20,7 @@ impl Values {
         Self::from_fn(count, |_| value)
     }
 
-    /// Of each index; at most [`MOST`].
+    /// Of each index; at most `MOST`.
     #[must_use]
     pub fn from_fn(count: usize, value: impl Fn(usize) -> f64) -> Self {
         assert!(count <= MOST, "a row has at most {MOST} numbers of its kind");

@@ -2,7 +2,7 @@
 //!
 //! [`Workspace`] says where the arm may go and what the tracker sees, [`kinds`] what there
 //! is to measure on; [`plan`] picks the poses there that determine the arm best
-//! ([`design`]); [`discriminate`] those that tell two explanations of one data set apart.
+//! ([`design`]); [`discriminate()`] those that tell two explanations of one data set apart.
 
 pub mod cell;
 pub mod design;

@@ -78,13 +78,7 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     let before = (joints && untold.is_none()).then(|| predicted(model, data, &aim, &left));
     let judged = Judged { data, aim: &aim, conditions: &conditions, frame };
     let distinct = data.distinct();
-    if distinct.len() < data.rows.len() {
-        let again = count(data.rows.len() - distinct.len(), "row");
-        warnings.push(format!(
-            "{}: {again} of the same cells as others: no repetitions, but copies",
-            data.path.display()
-        ));
-    }
+    warnings.extend(copies(data, distinct.len()));
     let poses = poses(data, &distinct);
     let repeats = poses.iter().map(Vec::len);
     let to_file = model.robot.base.pose().rotation;
@@ -103,6 +97,15 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
         row_errors: errors.iter().map(|e| e.map(|e| to_file * e)).collect(),
         residuals: left,
         warnings,
+    })
+}
+
+/// A remark on rows that were written twice.
+fn copies(data: &Measurements, distinct: usize) -> Option<String> {
+    let again = data.rows.len() - distinct;
+    (again > 0).then(|| {
+        let (path, again) = (data.path.display(), count(again, "row"));
+        format!("{path}: {again} of the same cells as others: no repetitions, but copies")
     })
 }
 

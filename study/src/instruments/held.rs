@@ -3,7 +3,7 @@
 
 use nalgebra::DVector;
 use rayon::prelude::*;
-use truearm_host::identify::certainty::error_bars::Covariances;
+use truearm_host::identify::certainty::unknowns::Covariances;
 use truearm_host::identify::{Problem, Unknown};
 use truearm_host::model::Robot;
 use truearm_simulate::instruments::Cell;

@@ -3,7 +3,7 @@ use truearm_host::report::CheckReport;
 
 /// What is wrong between a robot file and its measurements.
 pub fn checked(report: &CheckReport) -> String {
-    let (before, after) = (report.rms_before_mm, report.rms_after_mm);
+    let before = report.rms_before_mm;
     let mut out = match report.verdict {
         Verdict::Sound => {
             let agree = report.stray.as_ref().map_or(before, |stray| stray.others_mm);
@@ -31,28 +31,7 @@ pub fn checked(report: &CheckReport) -> String {
         out += &format!("{}{stray}\n", if stray.many { "  " } else { "" });
     }
     if report.verdict == Verdict::Mendable {
-        out += &match before < ALIKE * after {
-            // What is off by less than the links can be bent by.
-            true => format!(
-                "misfit {after:.2} mm RMS with that mended, and as the files are only with a link \
-                 that is {:.0} tolerances off",
-                report.largest_correction_tolerances
-            ),
-            false => {
-                format!(
-                    "misfit {before:.2} mm RMS as the files are, {after:.2} mm with that mended"
-                )
-            }
-        };
-        if let Some(margin) = report.margin {
-            let farther = if margin < 1.0 { ", with an arm farther from its drawing" } else { "" };
-            let times = match margin {
-                m if m < 0.1 => "less than a tenth as much".to_owned(),
-                m => format!("{m:.1} times as much"),
-            };
-            out += &format!("; the next explanation leaves {times}{farther}");
-        }
-        out += "\n";
+        out += &misfits(report);
         if !report.equivalent.is_empty() {
             out += "the data cannot tell it from:\n";
         }
@@ -65,6 +44,31 @@ pub fn checked(report: &CheckReport) -> String {
         out += &format!("not testable here, as base or tool would absorb it: {list}\n");
     }
     out
+}
+
+/// What mending leaves, and what the next explanation does.
+fn misfits(report: &CheckReport) -> String {
+    let (before, after) = (report.rms_before_mm, report.rms_after_mm);
+    let mut out = match before < ALIKE * after {
+        // What is off by less than the links can be bent by.
+        true => format!(
+            "misfit {after:.2} mm RMS with that mended, and as the files are only with a link \
+             that is {:.0} tolerances off",
+            report.largest_correction_tolerances
+        ),
+        false => {
+            format!("misfit {before:.2} mm RMS as the files are, {after:.2} mm with that mended")
+        }
+    };
+    if let Some(margin) = report.margin {
+        let farther = if margin < 1.0 { ", with an arm farther from its drawing" } else { "" };
+        let times = match margin {
+            m if m < 0.1 => "less than a tenth as much".to_owned(),
+            m => format!("{m:.1} times as much"),
+        };
+        out += &format!("; the next explanation leaves {times}{farther}");
+    }
+    out + "\n"
 }
 
 /// Misfits whose ratio is below this are alike.

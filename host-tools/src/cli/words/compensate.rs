@@ -24,6 +24,26 @@ pub fn compensation(report: &CompensateReport, coordinates: Coordinates) -> Stri
         "orientation: off by at most {:.4} degrees as commanded, {:.4} corrected\n",
         report.turns.before_max_deg, report.turns.left_max_deg
     );
+    out += &steps(report);
+    if !report.clamped.is_empty() {
+        out += &format!(
+            "{} with a correction that was held back: {}\n",
+            count(report.clamped.len(), "row"),
+            lines(&report.clamped)
+        );
+    }
+    out += &mostly_left(&report.mostly_left);
+    out += &not_covered(report, coordinates);
+    if report.not_reached.len() == report.rows {
+        out += "no row is reached: are the poses those of [tool] in [base], in mm? --start gives \
+                the configuration\n";
+    }
+    out + &not_reached(&report.not_reached)
+}
+
+/// How far joints move from a line to the next.
+fn steps(report: &CompensateReport) -> String {
+    let mut out = String::new();
     for step in &report.largest_steps {
         out += &format!(
             "largest step of a joint: {:.4} {unit} commanded, {:.4} {unit} corrected (joint {}, \
@@ -35,47 +55,46 @@ pub fn compensation(report: &CompensateReport, coordinates: Coordinates) -> Stri
             unit = step.unit
         );
     }
-    if !report.clamped.is_empty() {
-        out += &format!(
-            "{} with a correction that was held back: {}\n",
-            count(report.clamped.len(), "row"),
-            lines(&report.clamped)
-        );
-    }
-    if let Some(worst) = report.mostly_left.iter().max_by(|a, b| a.left_mm.total_cmp(&b.left_mm)) {
-        out += &format!(
+    out
+}
+
+/// Rows that a correction helps little.
+fn mostly_left(rows: &[RowLeft]) -> String {
+    let worst = rows.iter().max_by(|a, b| a.left_mm.total_cmp(&b.left_mm));
+    worst.map_or_else(String::new, |worst| {
+        format!(
             "{} mostly as far off as commanded, by up to {:.3} mm (line {}): a joint would have to \
              move by more than 0.03 rad or m, beyond a limit, or the pose is near a singular one; move the \
              path or the part in the cell\n",
-            count(report.mostly_left.len(), "row"),
+            count(rows.len(), "row"),
             worst.left_mm,
             worst.line
-        );
+        )
+    })
+}
+
+/// Rows outside what was measured, and what was done with them.
+fn not_covered(report: &CompensateReport, coordinates: Coordinates) -> String {
+    if report.not_covered.is_empty() {
+        return String::new();
     }
-    if !report.not_covered.is_empty() {
-        let done = match (report.extrapolated, coordinates) {
-            (true, _) => "corrected by extrapolation, as asked",
-            (false, Coordinates::Joints) => {
-                "left as commanded (--extrapolate corrects them as a controller does)"
-            }
-            // Most poses have joints within the ranges and others outside.
-            (false, _) => {
-                "left as commanded (--start Q1,Q2,... chooses another configuration, and the whole \
-                 turns; --extrapolate corrects them as a controller does)"
-            }
-        };
-        out += &format!(
-            "{} that the model does not cover (outside the joint ranges of the identification, or \
-             where an error curve is not known), {done}: {}\n",
-            count(report.not_covered.len(), "row"),
-            lines(&report.not_covered)
-        );
-    }
-    if report.not_reached.len() == report.rows {
-        out += "no row is reached: are the poses those of [tool] in [base], in mm? --start gives \
-                the configuration\n";
-    }
-    out + &not_reached(&report.not_reached)
+    let done = match (report.extrapolated, coordinates) {
+        (true, _) => "corrected by extrapolation, as asked",
+        (false, Coordinates::Joints) => {
+            "left as commanded (--extrapolate corrects them as a controller does)"
+        }
+        // Most poses have joints within the ranges and others outside.
+        (false, _) => {
+            "left as commanded (--start Q1,Q2,... chooses another configuration, and the whole \
+             turns; --extrapolate corrects them as a controller does)"
+        }
+    };
+    format!(
+        "{} that the model does not cover (outside the joint ranges of the identification, or \
+         where an error curve is not known), {done}: {}\n",
+        count(report.not_covered.len(), "row"),
+        lines(&report.not_covered)
+    )
 }
 
 /// Rows that the arm does not reach.

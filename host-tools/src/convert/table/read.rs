@@ -190,6 +190,31 @@ impl<'a> Columns<'a> {
         Ok(Self { path, titles, known })
     }
 
+    /// A cell, in the unit of its column.
+    fn number(
+        &self,
+        cell: &str,
+        (quantity, unit): (Quantity, f64),
+        (line, title): (usize, &str),
+        commas: bool,
+    ) -> Result<f64> {
+        let fail = |message: String, help: &str| {
+            Err(Error::file(self.path, Place::field(line, title), message, help))
+        };
+        let point = if commas { cell.replace(',', ".") } else { cell.to_owned() };
+        let Some(value) = value(&point) else {
+            let help = "give a number, or pi/2 and the like in radians; of a joint's \
+                        variable only its constant offset, 0 if there is none";
+            return fail(format!("\"{cell}\" is not a number"), help);
+        };
+        if in_turns(&point) && (quantity.is_length() || unit != 1.0) {
+            let help = "pi is an angle in radians: write the number in the unit of \
+                        the column, or the column in radians";
+            return fail(format!("\"{cell}\" where the column is not in radians"), help);
+        }
+        Ok(value)
+    }
+
     /// A row; cells may have decimal commas where these do not separate.
     fn joint(&self, record: &csv::StringRecord, line: usize, commas: bool) -> Result<Joint> {
         let mut numbers: Vec<(Quantity, f64)> = Vec::new();
@@ -209,20 +234,7 @@ impl<'a> Columns<'a> {
                 }
                 Quantity::Lower | Quantity::Upper if cell.is_empty() => {}
                 _ => {
-                    let point = if commas { cell.replace(',', ".") } else { cell.to_owned() };
-                    let Some(value) = value(&point) else {
-                        let help = "give a number, or pi/2 and the like in radians; of a joint's \
-                                    variable only its constant offset, 0 if there is none";
-                        return fail(format!("\"{cell}\" is not a number"), help);
-                    };
-                    if in_turns(&point) && (quantity.is_length() || *unit != 1.0) {
-                        let help = "pi is an angle in radians: write the number in the unit of \
-                                    the column, or the column in radians";
-                        return fail(
-                            format!("\"{cell}\" where the column is not in radians"),
-                            help,
-                        );
-                    }
+                    let value = self.number(cell, (*quantity, *unit), (line, title), commas)?;
                     numbers.push((*quantity, value * unit));
                 }
             }

@@ -39,27 +39,20 @@ pub fn effects(
         for (i, term) in terms.iter().enumerate().filter(|(_, t)| of(t)) {
             let (name, joints) = (term.effect_name(), term.joints());
             let claim = weighed.names.iter().find(|n| n.name == name && n.joints == joints);
-            let own = |k: usize| of_order(claim, terms, sigmas, k);
-            // The claim is of the name at the joint: the most probable of its orders has it.
-            let other = |k: &usize| {
-                let (t, order) = (&terms[*k], terms[*k].order());
-                (t.effect_name(), t.joints()) == (name, joints.clone()) && order != term.order()
-            };
-            let more = |k: usize| own(k) > own(i) || (own(k) == own(i) && k < i);
-            let first = !(0..terms.len()).filter(other).any(more);
-            let whole = claim.map_or(0.0, |c| c.probability);
-            let probability = if first { whole } else { own(i) };
+            let probability = probability(claim, terms, sigmas, i);
             let holdout_gain = gain(gap, row);
             let rises = harmful.contains(&name).then_some(Doubt::HeldOut);
             let sure = claim.is_some_and(is_named) && probability >= POLICY.named;
             let sure = sure && rises.is_none();
-            let known = claim.is_some_and(|c| c.orders.is_empty()) || own(i) >= POLICY.named;
+            let known = claim.is_some_and(|c| c.orders.is_empty())
+                || of_order(claim, terms, sigmas, i) >= POLICY.named;
+            let order_sigma = certainty.of_order(term);
             let effect = Effect {
                 name,
                 joints,
                 order: term.order(),
-                order_sigma: certainty.of_order(term),
-                orders_alike: match certainty.of_order(term) {
+                order_sigma,
+                orders_alike: match order_sigma {
                     Some(sigma) if sigma > KNOWN => Vec::new(),
                     _ if known => alike(term, findings.problem, best, highest_order),
                     _ => others(claim, term),
@@ -82,6 +75,20 @@ pub fn effects(
         if rows.probability >= POLICY.named { &mut named } else { &mut suspected }.push(rows);
     }
     (named, suspected)
+}
+
+/// How probable the effect of a term is. The claim is of the name at the joint: the most probable
+/// of its orders has it.
+fn probability(claim: Option<&Named>, terms: &[ModelTerm], sigmas: &[f64], term: usize) -> f64 {
+    let own = |k: usize| of_order(claim, terms, sigmas, k);
+    let of = |k: usize| (terms[k].effect_name(), terms[k].joints());
+    let place = of(term);
+    let other = |k: &usize| of(*k) == place && terms[*k].order() != terms[term].order();
+    let more = |k: usize| own(k) > own(term) || (own(k) == own(term) && k < term);
+    match (0..terms.len()).filter(other).any(more) {
+        false => claim.map_or(0.0, |c| c.probability),
+        true => own(term),
+    }
 }
 
 /// How probable the order of a term is: by all models that hold it, or, of what all models of the

@@ -9,8 +9,8 @@ use crate::diagnose::crowd::crowded;
 use crate::diagnose::node::Node;
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::weigh::Covariate;
-use crate::identify::Problem;
-use crate::model::{KindId, Values};
+use crate::identify::{Linearised, Problem};
+use crate::model::{KindId, Row, Values};
 use crate::observations::{by_pose, kind};
 
 /// Sentences for what is significant, a joint that slipped first, then strongest
@@ -24,35 +24,64 @@ pub fn sentences(
     found: Option<(&Problem, &Node)>,
     lambda: f64,
 ) -> (Vec<String>, Option<(f64, String)>) {
-    let at = problem.linearise(&root.fit.fit.state);
     // Where many rows are flagged, the flags are what is to be placed.
     let all: Vec<usize> = (0..problem.data.rows.len()).collect();
     let crowded = crowded(problem, root);
     let rows = if crowded { &all } else { &root.fit.kept };
-    // Readings of one pose are one: what moves one of them moves all.
-    let poses = by_pose(&problem.data.rows, rows);
-    let mean = |readings: &Vec<usize>| {
-        let all: Vec<Values> = readings.iter().map(|k| at.scaled_residual(rows[*k])).collect();
-        let of = |c: usize| all.iter().map(|r| r[c]).sum::<f64>() / all.len() as f64;
-        (problem.data.rows[rows[readings[0]]].kind, Values::from_fn(all[0].len(), of))
-    };
-    let residuals: Vec<(KindId, Values)> = poses.iter().map(mean).collect();
-    let row = |i: usize| &problem.data.rows[rows[i]];
-    let inputs = |i: usize| &problem.conditions.rows[rows[i]];
-    let joints = problem.nominal.len();
-    // Of every name the share that functions of the rows explain which stand for it, and its p
-    // value: of many rows the functions of one at a time are enough.
-    let mut tests: Vec<(String, Option<(f64, f64)>)> = Vec::new();
-    let mut test = |name: String, functions: &dyn Fn(usize) -> Option<Vec<f64>>| {
-        let Some(each) = (0..rows.len()).map(functions).collect::<Option<Vec<_>>>() else { return };
+    let significant = significant(tests(problem, root, rows));
+    let slips =
+        !crowded && found.is_none_or(|(problem, best)| step(problem, best, lambda).is_some());
+    let slip = if slips { step(problem, root, lambda) } else { None };
+    let least = significant.iter().chain(&slip).min_by(|a, b| a.0.total_cmp(&b.0)).cloned();
+    let contradiction = if crowded { contradiction(problem, root) } else { Vec::new() };
+    let told = slip.into_iter().chain(significant).map(|(_, sentence)| sentence);
+    (contradiction.into_iter().chain(told).collect(), least)
+}
+
+/// Residuals of poses: readings of one are one, as what moves one of them moves all.
+struct Poses {
+    readings: Vec<Vec<usize>>,
+    residuals: Vec<(KindId, Values)>,
+}
+
+impl Poses {
+    /// Of some rows.
+    fn of(at: &Linearised, data: &[Row], rows: &[usize]) -> Self {
+        let readings = by_pose(data, rows);
+        let mean = |readings: &Vec<usize>| {
+            let all: Vec<Values> = readings.iter().map(|k| at.scaled_residual(rows[*k])).collect();
+            let of = |c: usize| all.iter().map(|r| r[c]).sum::<f64>() / all.len() as f64;
+            (data[rows[readings[0]]].kind, Values::from_fn(all[0].len(), of))
+        };
+        let residuals = readings.iter().map(mean).collect();
+        Self { readings, residuals }
+    }
+
+    /// [`dependence`] on functions of each row.
+    fn dependence(&self, each: &[Vec<f64>]) -> Option<(f64, f64)> {
         let mean = |readings: &Vec<usize>| {
             let sum = |j: usize| readings.iter().map(|k| each[*k][j]).sum::<f64>();
             (0..each[readings[0]].len()).map(|j| sum(j) / readings.len() as f64).collect()
         };
-        let functions: Vec<Vec<f64>> = poses.iter().map(mean).collect();
-        tests.push((name, dependence(&residuals, &functions)));
+        let functions: Vec<Vec<f64>> = self.readings.iter().map(mean).collect();
+        dependence(&self.residuals, &functions)
+    }
+}
+
+/// Of every name the share that functions of the rows explain which stand for it, and its p
+/// value.
+fn tests(problem: &Problem, root: &Node, rows: &[usize]) -> Vec<(String, Option<(f64, f64)>)> {
+    let at = problem.linearise(&root.fit.fit.state);
+    let poses = Poses::of(&at, &problem.data.rows, rows);
+    let row = |i: usize| &problem.data.rows[rows[i]];
+    let inputs = |i: usize| &problem.conditions.rows[rows[i]];
+    let mut tests: Vec<(String, Option<(f64, f64)>)> = Vec::new();
+    // Of many rows the functions of one at a time are enough.
+    let mut test = |name: String, functions: &dyn Fn(usize) -> Option<Vec<f64>>| {
+        let each = (0..rows.len()).map(functions).collect::<Option<Vec<_>>>();
+        tests.extend(each.map(|each| (name, poses.dependence(&each))));
     };
-    for j in 0..joints {
+    for j in 0..problem.nominal.len() {
         let wave = |q: f64| vec![q, q.cos(), q.sin(), (2.0 * q).cos(), (2.0 * q).sin()];
         test(Covariate::Joint(j).words(problem), &|i| Some(wave(row(i).q[j])));
         test(format!("the approach side of joint {}", j + 1), &|i| {
@@ -82,14 +111,7 @@ pub fn sentences(
         let place = if own { target } else { target.map(|x| (x / PLACE).round() * PLACE) };
         Some(place.iter().copied().collect())
     });
-    let significant = significant(tests);
-    let slips =
-        !crowded && found.is_none_or(|(problem, best)| step(problem, best, lambda).is_some());
-    let slip = if slips { step(problem, root, lambda) } else { None };
-    let least = significant.iter().chain(&slip).min_by(|a, b| a.0.total_cmp(&b.0)).cloned();
-    let contradiction = if crowded { contradiction(problem, root) } else { Vec::new() };
-    let told = slip.into_iter().chain(significant).map(|(_, sentence)| sentence);
-    (contradiction.into_iter().chain(told).collect(), least)
+    tests
 }
 
 /// What residuals go with beyond chance, the most first, and the chance.

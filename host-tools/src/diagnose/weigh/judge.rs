@@ -4,9 +4,9 @@ use rayon::prelude::*;
 use truearm::effects::{Order, Term};
 
 use super::doubts;
-use super::halves;
+use super::halves::{self, Borne};
 use super::nameless::Nameless;
-use super::partial_fits::{Explained, FOLD};
+use super::partial_fits::{Explained, FOLD, Part};
 use super::possible::{NAMELESS, What, listed};
 use super::row_parts::{Parts, joined};
 use super::sheet::ByCurves;
@@ -33,43 +33,23 @@ pub fn answer(
     let only: Vec<Claim> = claims.keys().copied().collect();
     let halves = halves::all(of, found.scale, parts, grams);
     let borne = halves::of_claims(of, &only, found, &halves);
-    let mut names = Vec::new();
-    let mut nameless: Vec<Unnamed> = Vec::new();
     let geometry = joined(grams.iter(), of.sheet.size());
     let whole = of.part(geometry, found.scale);
     let rows = parts.rows.concat();
-    for ((claim, probability), borne) in claims.into_iter().zip(borne) {
-        let half_gain = borne.gain;
-        let helps = half_gain[0] + half_gain[1] > 0.0;
-        let Some(member) = member(of, found, claim) else { continue };
+    let mut names = Vec::new();
+    let mut nameless: Vec<Unnamed> = Vec::new();
+    for (claimed, borne) in claims.into_iter().zip(borne) {
+        let helps = borne.gain[0] + borne.gain[1] > 0.0;
+        let Some(member) = member(of, found, claimed.0) else { continue };
         match &of.possible[member].what {
             // Smooth functions fit whatever a few rows say: what one half tells must help
             // to predict the other.
             What::Nameless(Nameless::Follows(_)) if !helps => {}
             What::Nameless(what) => {
-                let own = found.best.members.iter().position(|m| *m == member);
-                let coefficients = own.map(|k| of.block(&whole, &found.best, k));
-                let (instead, together) = instead(of, found, claim);
-                let what = *what;
-                nameless.push(Unnamed {
-                    what,
-                    probability,
-                    half_gain,
-                    instead,
-                    together,
-                    coefficients,
-                });
+                nameless.push(unnamed(of, found, &whole, claimed, (*what, member), borne.gain));
             }
             What::Effect(candidate) => {
-                let doubt = match halves::of_levels(of, claim, found, &rows) {
-                    _ if !borne.agree => Some(Doubt::Halves),
-                    Some(false) => Some(Doubt::Levels),
-                    _ => None,
-                };
-                let (name, joints) = (candidate.name(), candidate.joints());
-                let orders = orders(of, found, claim);
-                let named = Named { name, joints, probability, orders, half_gain, doubt };
-                names.push((named, candidate));
+                names.push((named(of, found, &rows, claimed, candidate, &borne), candidate));
             }
         }
     }
@@ -95,6 +75,40 @@ pub fn answer(
         by_curves: ByCurves::default(),
         stages: Vec::new(),
     }
+}
+
+/// A claim that a `member` without a name makes, with its coefficients fitted to all rows.
+fn unnamed(
+    of: &Explained,
+    found: &Explanation,
+    whole: &Part,
+    (claim, probability): (Claim, f64),
+    (what, member): (Nameless, usize),
+    half_gain: [f64; 2],
+) -> Unnamed {
+    let own = found.best.members.iter().position(|m| *m == member);
+    let coefficients = own.map(|k| of.block(whole, &found.best, k));
+    let (instead, together) = instead(of, found, claim);
+    Unnamed { what, probability, half_gain, instead, together, coefficients }
+}
+
+/// A claim of a name, and what halves of the rows and of the angles of its joint say against it.
+fn named(
+    of: &Explained,
+    found: &Explanation,
+    rows: &[usize],
+    (claim, probability): (Claim, f64),
+    candidate: &Candidate,
+    borne: &Borne,
+) -> Named {
+    let doubt = match halves::of_levels(of, claim, found, rows) {
+        _ if !borne.agree => Some(Doubt::Halves),
+        Some(false) => Some(Doubt::Levels),
+        _ => None,
+    };
+    let (name, joints) = (candidate.name(), candidate.joints());
+    let orders = orders(of, found, claim);
+    Named { name, joints, probability, orders, half_gain: borne.gain, doubt }
 }
 
 /// Of several ways to make a claim, the one of the most probable model.

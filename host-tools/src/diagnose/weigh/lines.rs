@@ -71,25 +71,7 @@ pub fn offered(
         let orders = Orders::of(&column.q, highest);
         let near = |a: f64, b: f64| (a - b).abs() < 2.0 * orders.step;
         let known: Vec<f64> = held.iter().filter(|h| h.0 == *joint).map(|h| h.1).collect();
-        let mut lines: Vec<(Line, Vec<f64>)> = Vec::new();
-        for order in &known {
-            let own = Wave::of(state, *joint, *order);
-            let sharp = sharpened(column, *order, orders.step, &[own]);
-            let line = Line { order: sharp, strength: 0.0 };
-            let mut variants = vec![*order, sharp];
-            let close = known.iter().filter(|k| (**k - *order).abs() < ONE * orders.step);
-            let waves: Vec<Wave> = close.map(|k| Wave::of(state, *joint, *k)).collect();
-            if waves.len() > 1 {
-                variants.push(sharpened(column, middle(&waves), orders.step, &waves));
-            }
-            let whole = |n: &f64| (n.round() - n).abs() < orders.step && n.round() > 0.0;
-            let wholes: Vec<f64> =
-                variants.iter().filter(|n| whole(n)).map(|n| n.round()).collect();
-            variants.extend(wholes);
-            variants.sort_by(f64::total_cmp);
-            variants.dedup();
-            lines.push((line, variants));
-        }
+        let mut lines = held_ones(state, column, (*joint, &known), orders.step);
         let aliases = Aliases::of(&column.q, *orders.range().end());
         if closed.contains(joint) {
             return (*joint, orders, aliases, lines);
@@ -119,6 +101,35 @@ pub fn offered(
         }
     }
     out
+}
+
+/// Lines that a joint of the model has, each with the orders that it may be of: its own, where it
+/// is sharpest, alone or as one with those near it, and whole ones next to these.
+fn held_ones(
+    state: &State,
+    column: &JointColumn,
+    (joint, known): (usize, &[f64]),
+    step: f64,
+) -> Vec<(Line, Vec<f64>)> {
+    let mut lines = Vec::new();
+    for order in known {
+        let own = Wave::of(state, joint, *order);
+        let sharp = sharpened(column, *order, step, &[own]);
+        let line = Line { order: sharp, strength: 0.0 };
+        let mut variants = vec![*order, sharp];
+        let close = known.iter().filter(|k| (**k - *order).abs() < ONE * step);
+        let waves: Vec<Wave> = close.map(|k| Wave::of(state, joint, *k)).collect();
+        if waves.len() > 1 {
+            variants.push(sharpened(column, middle(&waves), step, &waves));
+        }
+        let whole = |n: &f64| (n.round() - n).abs() < step && n.round() > 0.0;
+        let wholes: Vec<f64> = variants.iter().filter(|n| whole(n)).map(|n| n.round()).collect();
+        variants.extend(wholes);
+        variants.sort_by(f64::total_cmp);
+        variants.dedup();
+        lines.push((line, variants));
+    }
+    lines
 }
 
 /// A line in a state.

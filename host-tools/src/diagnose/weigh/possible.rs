@@ -9,8 +9,8 @@ use truearm::effects::Term;
 
 use super::curve::Curve;
 use super::nameless::{self, Nameless};
+use crate::diagnose::bending;
 use crate::diagnose::candidates::Candidate;
-use crate::diagnose::moments;
 use crate::evidence::lines::Line;
 use crate::evidence::{self, Coefficient, Explanation, lines, prior};
 use crate::identify::{Problem, measurement_column};
@@ -74,7 +74,7 @@ impl Possible {
     /// Whether moments of the links bend it.
     #[must_use]
     pub fn is_spring(&self) -> bool {
-        matches!(&self.what, What::Effect(own) if moments::bends(own.name()))
+        matches!(&self.what, What::Effect(own) if bending::bends(own.name()))
     }
 
     /// Its terms with coefficient zero, `None` for each column that is no term.

@@ -13,7 +13,7 @@ use truearm::effects::Term;
 use super::curve::Curve;
 use super::possible::{Possible, What, columns_of_member};
 use super::sheet::{Sheet, Weights};
-use crate::diagnose::moments::Bending;
+use crate::diagnose::bending::Bending;
 use crate::evidence::{Candidate, Explanation, Geometry, Gram, Noise, Projected, Subsets};
 use crate::identify::{Problem, State};
 use crate::model::ModelTerm;

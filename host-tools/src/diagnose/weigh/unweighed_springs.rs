@@ -3,8 +3,8 @@
 use super::settled::{With, settled};
 use super::sheet::Weights;
 use super::start::Bent;
+use crate::diagnose::bending::is_spring;
 use crate::diagnose::candidates::Candidate;
-use crate::diagnose::moments::is_spring;
 use crate::diagnose::node::Node;
 use crate::diagnose::question::Question;
 use crate::error::Result;

@@ -33,10 +33,13 @@ struct Sigma {
     to_si: fn(f64) -> f64,
 }
 
-const SIGMA_MM: Sigma = Sigma { unit: "mm", range: SIGMAS, such_as: 0.03, to_si: from_mm };
+const SIGMA_MM: Sigma =
+    Sigma { unit: "mm", range: SIGMAS, such_as: USUAL_SIGMA_MM, to_si: from_mm };
 const SIGMA_DEG: Sigma =
     Sigma { unit: "degrees", range: 1e-6..=10.0, such_as: 0.01, to_si: f64::to_radians };
 const SIGMA_PX: Sigma = Sigma { unit: "px", range: 1e-4..=100.0, such_as: 0.1, to_si: |px| px };
+/// Standard deviation of a measured coordinate that nothing is stated of, mm.
+pub(crate) const USUAL_SIGMA_MM: f64 = 0.03;
 /// Of an angle that nothing is stated of, rad.
 pub(crate) const USUAL_SIGMA_ANGLE: f64 = 0.01 * std::f64::consts::PI / 180.0;
 /// Of a pixel that nothing is stated of.

@@ -8,6 +8,7 @@ use super::finite::unlike_a_number;
 use super::keys::{CorrectionFile, GramFile, InstrumentFile, ModelPart, StationFile};
 use super::{SCHEMA, frame_from_file, from_file};
 use crate::error::{Error, Result};
+use crate::files::covariance::CovarianceFile;
 use crate::files::digest::digest;
 use crate::files::identified::is_identified;
 use crate::files::source::Source;
@@ -61,13 +62,7 @@ impl Model {
             robot_id: part.robot_id.as_ref().map(|id| reader.robot_id(id)).transpose()?,
             changed: part.digest != digest(text),
             gram: part.gram.as_ref().map(|g| reader.gram(g)).transpose()?,
-            covariance: match &part.covariance {
-                Some(file) => {
-                    let factor = file.get_ref().factor();
-                    Some(factor.map_err(|e| source.at(file.span(), e, HELP))?)
-                }
-                None => None,
-            },
+            covariance: part.covariance.as_ref().map(|file| reader.covariance(file)).transpose()?,
             terms: reader.terms(&part)?,
             curves: reader.curves(&part)?,
             stations: part
@@ -118,6 +113,10 @@ struct Part<'a> {
 impl Part<'_> {
     fn fail(&self, message: String) -> Error {
         self.source.whole(message, HELP)
+    }
+
+    fn covariance(&self, file: &Spanned<CovarianceFile>) -> Result<Vec<f32>> {
+        file.get_ref().factor().map_err(|e| self.source.at(file.span(), e, HELP))
     }
 
     /// The state of an identification by parts.

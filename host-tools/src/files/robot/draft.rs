@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use truearm::JointKind;
 
+use super::super::columns::USUAL_SIGMA_MM;
 use super::super::comment::on_one_line;
 use super::super::number;
 use super::prior::prior_tables;
@@ -36,8 +37,10 @@ impl RobotDraft {
         let mut text: String =
             self.origin.iter().map(|line| format!("# {}\n", on_one_line(line))).collect();
         text += &format!("name = {}\n", toml::Value::String(self.name.clone()));
-        text += "# Standard deviation of a measured coordinate; say what your tracker has.\n\
-                 # measurement_sigma_mm = 0.03\n";
+        text += &format!(
+            "# Standard deviation of a measured coordinate; say what your tracker has.\n\
+             # measurement_sigma_mm = {USUAL_SIGMA_MM}\n"
+        );
         if let Some(gravity) = &self.gravity {
             text += "# Of an arm that stands upright; it is another on a wall or a ceiling.\n";
             text += &format!("gravity_m_s2 = {}\n", vector((*gravity).into()));

@@ -10,7 +10,7 @@ use std::path::Path;
 use toml::Spanned;
 use truearm::JointKind;
 
-use super::columns::SIGMAS;
+use super::columns::{SIGMAS, USUAL_SIGMA_MM};
 use super::identified::{MODEL_KEYS, is_identified};
 use super::source::Source;
 use crate::error::Result;
@@ -27,8 +27,6 @@ pub(super) const HELP: &str = "see docs/files.md for the keys of this file";
 /// What is made of a model.toml in the place of a robot.toml.
 const AS_DRAWN: &str = "an identified model; its joints are taken as they were drawn, without its \
                         corrections, terms and curves";
-/// Standard deviation of a measured coordinate where none is given, mm.
-const USUAL_SIGMA: f64 = 0.03;
 /// Degrees or mm beyond which no joint goes.
 const FARTHEST: f64 = 1e5;
 /// Degrees Celsius to which nominal lengths refer where nothing is said.
@@ -100,8 +98,8 @@ impl Checker<'_> {
     /// Standard deviation of a coordinate, m.
     fn sigma(&mut self, given: Option<&Spanned<f64>>) -> Result<f64> {
         let Some(value) = given else {
-            self.warn(format!("no measurement_sigma_mm: {USUAL_SIGMA} mm is assumed"));
-            return Ok(from_mm(USUAL_SIGMA));
+            self.warn(format!("no measurement_sigma_mm: {USUAL_SIGMA_MM} mm is assumed"));
+            return Ok(from_mm(USUAL_SIGMA_MM));
         };
         let mm = *value.get_ref();
         if SIGMAS.contains(&mm) {

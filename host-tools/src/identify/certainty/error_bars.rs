@@ -1,130 +1,19 @@
 //! How well parameters and predicted points are known.
-//!
-//! With `A` the weighted Jacobian, `H = A'A + lambda P` and unit noise, the
-//! estimate of an arm whose true corrections are `x` scatters by
-//! `H^-1 A'A H^-1` about a point that is off by the regularisation bias
-//! `-lambda H^-1 P x`. The bias is unknown with x; its expected square over arms
-//! made to the tolerances is `lambda^2 H^-1 P E P H^-1`, E the variance of the
-//! corrections. For the maximum a posteriori estimate the two add up to the
-//! posterior covariance `H^-1`. Intervals of the sum cover the truth over many
-//! arms; for one given arm those of the noise cover the *mean* of many
-//! identifications, which is not the truth where the data are weak.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix6xX, SMatrix, Vector3};
+use nalgebra::{DMatrix, Matrix3, Matrix6xX, SMatrix, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{directed, redundancy::correlated};
-use crate::identify::fit::ANOTHER_ARM;
+use super::redundancy::correlated;
+use super::unknowns::Covariances;
+use crate::identify::State;
 use crate::identify::fit::estimate::Estimate;
 use crate::identify::problem::accumulate::{CHUNK, tree};
-use crate::identify::problem::{Problem, Scaling, Unknown};
+use crate::identify::problem::{Problem, Unknown};
 use crate::identify::start::tool;
-use crate::identify::{LambdaRule, State};
-use crate::model::Values;
-use crate::statistics::median;
-use crate::tikhonov::{self, Normal};
 
 /// Half width of a 95 % interval, in standard deviations.
 pub const FACTOR: f64 = 1.959_964;
-
-/// Covariance of all unknowns, in units of the problem.
-#[derive(Debug, Clone)]
-pub struct Covariances {
-    /// From the noise of the measurements.
-    pub noise: DMatrix<f64>,
-    /// Expected square of the regularisation bias.
-    pub bias: DMatrix<f64>,
-    units: DVector<f64>,
-}
-
-impl Covariances {
-    /// Of an estimate; the arm's corrections have a standard deviation of
-    /// `spread` tolerances.
-    #[must_use]
-    pub fn of(problem: &Problem, found: &Estimate, spread: f64) -> Self {
-        let sigma = match problem.scaling {
-            Scaling::Prior => scale(problem, found),
-            Scaling::Printed => {
-                let sigmas: Vec<f64> = problem.data.rows.iter().map(|r| r.sigma).collect();
-                scale(problem, found) * median(&sigmas)
-            }
-        };
-        let rows = &found.robust.kept;
-        let information = match problem.scattering.is_empty() {
-            true => found.fit.normal.h().into_owned(),
-            false => directed::information(problem, &problem.linearise(&found.fit.state), rows),
-        };
-        Self::of_sums(problem, (&found.fit.normal, information), (found.lambda, spread), sigma)
-    }
-
-    /// Of normal equations, of the noise that they are weighed by and of what it really
-    /// carries, with this lambda and spread; noise `sigma` times as stated.
-    #[must_use]
-    pub fn of_sums(
-        problem: &Problem,
-        (normal, information): (&Normal, DMatrix<f64>),
-        (lambda, spread): (f64, f64),
-        sigma: f64,
-    ) -> Self {
-        let free = problem.unknowns.free();
-        let inverse = tikhonov::covariance(normal, free, lambda);
-        let scatter = &inverse * information * &inverse * (sigma * sigma);
-        let units = problem.units();
-        let list = problem.unknowns.list();
-        let pull = DVector::from_fn(list.len(), |k, _| {
-            if k < free { 0.0 } else { lambda * spread * problem.tolerance(list[k]) / units[k] }
-        });
-        let root = inverse * DMatrix::from_diagonal(&pull);
-        Self { noise: scatter, bias: &root * root.transpose(), units }
-    }
-
-    /// Both together, SI.
-    #[must_use]
-    pub fn total(&self) -> DMatrix<f64> {
-        let units = DMatrix::from_diagonal(&self.units);
-        &units * (&self.noise + &self.bias) * &units
-    }
-
-    /// One standard deviation of each of some predicted quantities: from noise
-    /// alone, and with the bias. `block` says how they move with each unknown
-    /// in its unit.
-    #[must_use]
-    pub fn of_predicted(&self, block: &DMatrix<f64>) -> [Values; 2] {
-        let variance = |c: &DMatrix<f64>| {
-            let weighed = block * c;
-            Values::from_fn(block.nrows(), |k| weighed.row(k).dot(&block.row(k)).max(0.0))
-        };
-        let (noise, bias) = (variance(&self.noise), variance(&self.bias));
-        [noise, noise.zip_map(&bias, |n, b| n + b)].map(|v| v.map(f64::sqrt))
-    }
-}
-
-/// Standard deviation of an arm's corrections, in tolerances, as a rule for lambda
-/// knows it. Lambda from the marginal likelihood *is* an estimate of it, of arms made
-/// worse than the tolerances; that one is made better, it does not prove.
-#[must_use]
-pub fn spread(rule: LambdaRule, lambda: f64) -> f64 {
-    match rule {
-        LambdaRule::MaximumLikelihood => lambda.sqrt().recip().clamp(1.0, ANOTHER_ARM),
-        _ => 1.0,
-    }
-}
-
-/// By how much the noise is larger than stated: 1 unless the scale of the
-/// residuals is above that by more than three of its own standard deviations
-/// (1.17 over the root of their number, for a median of normal deviates). Else
-/// chance, which only ever raises it, would widen every interval.
-fn scale(problem: &Problem, found: &Estimate) -> f64 {
-    believed(found.robust.scale, problem.equations(&found.robust.kept))
-}
-
-/// The same of a scale of so many residuals.
-#[must_use]
-pub fn believed(scale: f64, equations: usize) -> f64 {
-    let count = equations.max(1) as f64;
-    if scale > 1.0 + 3.0 * 1.17 / count.sqrt() { scale } else { 1.0 }
-}
 
 /// Half widths of 95 % intervals of the predicted tool point at the fitted
 /// poses, a coordinate at a time, mm. What is not known of error curves of joints, from

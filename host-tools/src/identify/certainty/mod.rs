@@ -5,3 +5,4 @@ pub mod directed;
 pub mod error_bars;
 pub mod redundancy;
 pub mod scale;
+pub mod unknowns;

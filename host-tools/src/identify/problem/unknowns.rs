@@ -197,7 +197,7 @@ impl Unknown {
         if self.is_length() { TOLERANCE_LENGTH } else { TOLERANCE_ANGLE }
     }
 
-    /// Short name; joints count from 1, as the [[joints]] entries of robot.toml;
+    /// Short name; joints count from 1, as the `[[joints]]` entries of robot.toml;
     /// station and marker labels where there is more than one.
     #[must_use]
     pub fn name(self, data: &Measurements) -> String {

@@ -249,37 +249,36 @@ pub(super) fn joints_and_point(
             Ok(Some(Found { joints, point: Vec::new() }))
         }
         (None, None) => Ok(None),
-        (joints, _) => {
-            let (what, flag) = if joints.is_none() {
-                ("joints", JOINTS_FLAG)
-            } else {
-                ("measured point", POINT_FLAG)
-            };
-            let odd =
-                if joints.is_none() { no_number(clues, joint) } else { no_number(clues, axis) };
-            if let Some(error) = odd {
-                return Err(error);
-            }
-            let numbers = groups(clues, joint).iter().map(|g| g.columns.len()).max();
-            let lists: Vec<String> = clues.tables.iter().map(Table::list).collect();
-            let more = match (numbers, clues.robot, what) {
-                (Some(count), Some(robot), "joints") => {
-                    format!(
-                        " ({count} columns look like joints, {} has {})",
-                        robot.path.display(),
-                        robot.joints.len()
-                    )
-                }
-                _ => String::new(),
-            };
-            let other = match joints.is_some() {
-                true => "; rows that measured something else have a column kind that says what",
-                false => "",
-            };
-            Err(Error::usage(
-                format!("no {what} found among {}{more}", lists.join("; ")),
-                format!("name them: {flag}{other}"),
-            ))
-        }
+        (joints, _) => Err(not_found(clues, joints.is_some())),
     }
+}
+
+/// What to say where there are `joints` and no point, or no joints.
+fn not_found(clues: &Clues, joints: bool) -> Error {
+    let (what, flag) =
+        if joints { ("measured point", POINT_FLAG) } else { ("joints", JOINTS_FLAG) };
+    let odd = if joints { no_number(clues, axis) } else { no_number(clues, joint) };
+    if let Some(error) = odd {
+        return error;
+    }
+    let numbers = groups(clues, joint).iter().map(|g| g.columns.len()).max();
+    let lists: Vec<String> = clues.tables.iter().map(Table::list).collect();
+    let more = match (numbers, clues.robot, what) {
+        (Some(count), Some(robot), "joints") => {
+            format!(
+                " ({count} columns look like joints, {} has {})",
+                robot.path.display(),
+                robot.joints.len()
+            )
+        }
+        _ => String::new(),
+    };
+    let other = match joints {
+        true => "; rows that measured something else have a column kind that says what",
+        false => "",
+    };
+    Error::usage(
+        format!("no {what} found among {}{more}", lists.join("; ")),
+        format!("name them: {flag}{other}"),
+    )
 }

@@ -35,6 +35,33 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
         (Some(target), _) => format!("; the target of {target} um is reached"),
         _ => String::new(),
     };
+    let told = told(report);
+    Page {
+        title: format!("{}: {} {}", report.robot, report.poses, titled(report.kind)),
+        verdict: format!(
+            "Measured at these {} poses, the geometry of the arm will be known so well that {} is \
+             predicted to {} anywhere in the region (3-D, 1 sigma), where as many random \
+             poses give {}{target}; what geometry does not explain comes on top.",
+            report.poses,
+            report.what,
+            um(report.worst_um),
+            um(report.random_worst_um)
+        ),
+        mood: if report.target_reached == Some(false) { "doubt" } else { "good" },
+        numbers: [
+            Some(("poses".to_owned(), report.poses.to_string())),
+            Some(("worst, 1 sigma".to_owned(), um(report.worst_um))),
+            report.bound_um.map(|bound| ("no set is better than".to_owned(), um(bound))),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
+        sections: together(told, of, &report.warnings, &to_fill(report.kind)),
+    }
+}
+
+/// How well the arm will be known.
+fn told(report: &PlanReport) -> Section {
     let rows = [
         ("worst", Some(report.worst_um)),
         ("root mean square", Some(report.rms_um)),
@@ -65,31 +92,9 @@ pub fn planned(report: &PlanReport, of: &Planned) -> Page {
             report.observability.o4,
             report.observability.o5
         ));
-    let told = report.undetermined.iter().fold(told, |told, line| {
+    report.undetermined.iter().fold(told, |told, line| {
         told.say(format!("Left open, and held by the tolerances alone: {line}."))
-    });
-    Page {
-        title: format!("{}: {} {}", report.robot, report.poses, titled(report.kind)),
-        verdict: format!(
-            "Measured at these {} poses, the geometry of the arm will be known so well that {} is \
-             predicted to {} anywhere in the region (3-D, 1 sigma), where as many random \
-             poses give {}{target}; what geometry does not explain comes on top.",
-            report.poses,
-            report.what,
-            um(report.worst_um),
-            um(report.random_worst_um)
-        ),
-        mood: if report.target_reached == Some(false) { "doubt" } else { "good" },
-        numbers: [
-            Some(("poses".to_owned(), report.poses.to_string())),
-            Some(("worst, 1 sigma".to_owned(), um(report.worst_um))),
-            report.bound_um.map(|bound| ("no set is better than".to_owned(), um(bound))),
-        ]
-        .into_iter()
-        .flatten()
-        .collect(),
-        sections: together(told, of, &report.warnings, &to_fill(report.kind)),
-    }
+    })
 }
 
 /// The page of `plan --discriminate`.

@@ -1,6 +1,6 @@
 //! How each kind is measured: what there is to measure on, as instruments.toml states it,
 //! and which poses of the arm do. A kind that is planned for is a file here and a row of
-//! [`PLANNED`].
+//! `PLANNED`.
 
 mod closure;
 mod distance;

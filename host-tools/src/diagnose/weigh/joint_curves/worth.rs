@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use crate::diagnose::moments;
+use crate::diagnose::bending;
 use crate::diagnose::weigh::curve::Curve;
 use crate::diagnose::weigh::partial_fits::{Explained, Part};
 use crate::diagnose::weigh::possible::What;
@@ -98,7 +98,7 @@ pub fn stages(from: &From) -> Vec<Stage> {
     let named = |names: &[&'static str]| {
         let of = |m: &usize| name(m).is_some_and(|n| names.contains(&n));
         let own: Vec<usize> = members.iter().copied().filter(of).collect();
-        let bends = names.iter().any(|name| moments::bends(name));
+        let bends = names.iter().any(|name| bending::bends(name));
         (own, if bends { &sprung } else { &stiff })
     };
     let held_out = |names: &[&'static str]| {
@@ -108,7 +108,7 @@ pub fn stages(from: &From) -> Vec<Stage> {
     let stage = |names: Vec<&'static str>| {
         let (own, sums) = named(&names);
         let tables = sums.all.tables(&sums.whole, from.found, &own);
-        let bends = names.iter().any(|name| moments::bends(name));
+        let bends = names.iter().any(|name| bending::bends(name));
         let fitted = bends.then(|| sums.fitted(from, &own));
         Stage { fitted, tables, held_out: held_out(&names), names }
     };

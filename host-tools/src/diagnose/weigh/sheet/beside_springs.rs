@@ -8,8 +8,9 @@
 
 use nalgebra::DMatrix;
 
-use super::{PART, Sheet};
-use crate::diagnose::moments::Bending;
+use super::Sheet;
+use super::sums::PART;
+use crate::diagnose::bending::Bending;
 use crate::identify::problem::accumulate::tree;
 use crate::model::arm::Derivatives;
 

@@ -45,6 +45,37 @@ impl Along {
 }
 
 impl Block {
+    /// Of rows with so many unknowns of geometry and ways, at a noise scale.
+    fn of(
+        all: &[Row],
+        (p, count): (usize, usize),
+        geometry: &evidence::Geometry,
+        scale: f64,
+    ) -> Self {
+        let equations = all.iter().map(|row| row.ends * row.residual.len()).sum();
+        let mut block = Self {
+            before: 0,
+            first: vec![0],
+            geometry: DMatrix::zeros(p, equations),
+            residual: DVector::zeros(equations),
+            moved: DMatrix::zeros(equations, count),
+        };
+        let mut at = 0;
+        for (row, end) in all.iter().flat_map(|row| (0..row.ends).map(move |end| (row, end))) {
+            let own = row.equations.columns(p + end * count, count);
+            for component in 0..row.residual.len() {
+                let equation = row.equations.row(component).columns(0, p).transpose();
+                block.geometry.set_column(at, &(equation * (row.weight * scale)));
+                block.residual[at] = row.residual[component] * (row.weight / scale);
+                block.moved.set_row(at, &(own.row(component) * (row.weight / scale)));
+                at += 1;
+            }
+            block.first.push(at);
+        }
+        block.geometry = geometry.whiten(&block.geometry);
+        block
+    }
+
     fn postures(&self) -> usize {
         self.first.len() - 1
     }
@@ -137,28 +168,7 @@ impl Sheet<'_> {
         };
         let block = |(rows, counts): (&[usize], &[f64])| {
             let all: Vec<Row> = rows.iter().zip(counts).map(one).collect();
-            let equations = all.iter().map(|row| row.ends * row.residual.len()).sum();
-            let mut block = Block {
-                before: 0,
-                first: vec![0],
-                geometry: DMatrix::zeros(p, equations),
-                residual: DVector::zeros(equations),
-                moved: DMatrix::zeros(equations, count),
-            };
-            let mut at = 0;
-            for (row, end) in all.iter().flat_map(|row| (0..row.ends).map(move |end| (row, end))) {
-                let own = row.equations.columns(p + end * count, count);
-                for component in 0..row.residual.len() {
-                    let equation = row.equations.row(component).columns(0, p).transpose();
-                    block.geometry.set_column(at, &(equation * (row.weight * scale)));
-                    block.residual[at] = row.residual[component] * (row.weight / scale);
-                    block.moved.set_row(at, &(own.row(component) * (row.weight / scale)));
-                    at += 1;
-                }
-                block.first.push(at);
-            }
-            block.geometry = geometry.whiten(&block.geometry);
-            block
+            Block::of(&all, (p, count), geometry, scale)
         };
         let blocks = rows.par_chunks(ROWS).zip(counts.par_chunks(ROWS)).map(block);
         let mut blocks: Vec<Block> = blocks.collect();

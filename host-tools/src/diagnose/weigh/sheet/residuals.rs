@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::{Sheet, Solution, TOGETHER, counted};
+use super::sums::TOGETHER;
+use super::{Sheet, Solution, counted};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
 use crate::observations::Residual;

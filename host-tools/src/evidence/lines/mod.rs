@@ -2,110 +2,25 @@
 //! joint, in O(n (p + 2) K) and without a matrix of all orders; the best and
 //! their neighbours become candidates.
 
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+mod column;
+mod scan;
+
+pub use column::JointColumn;
+use scan::Scan;
 
 /// Below lies eccentricity, and what a limited range of a joint cannot tell
 /// from geometry. Cycles a turn.
 pub const LOWEST: f64 = 2.6;
 /// Orders tried in one matrix product.
 const BATCH: usize = 64;
-/// Rows that are taken together.
-const ROWS: usize = 256;
-/// Sums side by side.
-const LANES: usize = 4;
-/// So many rows say as well as all what geometry imitates of an order...
+/// So many rows say as well as all what geometry imitates of an order, to rank orders by...
 const LOOKS: usize = 3000;
-/// ...up to this share of its squares, to rank orders by: a line that geometry does four fifths
-/// of was lost beyond it...
-const IMITATED: f64 = 0.05;
 /// ...of so many times as many as are asked for it is summed over all.
 const AGAIN: usize = 4;
-/// Share of a column's square that geometry must leave.
-const SEEN: f64 = 1e-4;
 /// Lines closer than this in steps of the grid are one line.
 const APART: f64 = 2.0;
 /// Neighbours of a peak that become candidates, in steps of the grid.
 const NEIGHBOURS: [f64; 5] = [0.0, -0.5, 0.5, -1.0, 1.0];
-
-/// A joint's geometric column at every row, over sigma and the noise scale.
-#[derive(Debug, Clone, Default)]
-pub struct JointColumn {
-    /// Joint values, rad.
-    pub q: Vec<f64>,
-    /// Squared length of the column.
-    pub square: Vec<f64>,
-    /// Its product with the residual, geometry projected out.
-    pub right: Vec<f64>,
-    /// [`super::Geometry::whiten`] of `G_i' c_i`, one column a row.
-    pub imitated: DMatrix<f64>,
-}
-
-/// Products of a line's cosine and sine, with each other and with the residual, geometry
-/// projected out.
-struct Pair {
-    /// Of cos cos, cos sin and sin sin with the squares, of cos and sin with the right sides.
-    sums: [f64; 5],
-    /// What geometry imitates of either, a column each.
-    imitated: DMatrix<f64>,
-}
-
-impl JointColumn {
-    /// What cosine and sine of an order explain together, of all rows, where this is left.
-    #[must_use]
-    pub fn strength(&self, right: &[f64], order: f64) -> f64 {
-        self.pair(right, order).strength()
-    }
-
-    /// Coefficients of cosine and sine of an order by least squares.
-    #[must_use]
-    pub fn fitted(&self, order: f64) -> [f64; 2] {
-        let ([cc, cs, ss], right) = self.pair(&self.right, order).normal();
-        let normal = Matrix2::new(cc, cs, cs, ss);
-        normal.lu().solve(&Vector2::from(right)).map_or([0.0; 2], Into::into)
-    }
-
-    /// Adds something that the joint does to the residual so many times, less what geometry
-    /// imitates of it.
-    pub fn move_by(&mut self, moved: &[f64], times: f64) {
-        let imitated = &self.imitated * DVector::from_column_slice(moved);
-        let imitated = self.imitated.tr_mul(&imitated);
-        for (i, right) in self.right.iter_mut().enumerate() {
-            *right += times * (self.square[i] * moved[i] - imitated[i]);
-        }
-    }
-
-    fn pair(&self, right: &[f64], order: f64) -> Pair {
-        let waves = Waves::new(&self.q, order, None);
-        let mut sums = [0.0; 5];
-        waves.add(&self.square, right, &mut sums);
-        let mut imitated = DMatrix::zeros(self.imitated.nrows(), 2);
-        let (mut cos, mut sin) = imitated.columns_range_pair_mut(0, 1);
-        for (i, own) in self.imitated.column_iter().enumerate() {
-            cos.axpy(waves.cos[i], &own, 1.0);
-            sin.axpy(waves.sin[i], &own, 1.0);
-        }
-        Pair { sums, imitated }
-    }
-}
-
-impl Pair {
-    fn normal(&self) -> ([f64; 3], [f64; 2]) {
-        let [cc, cs, ss, rc, rs] = self.sums;
-        let (pc, ps) = (self.imitated.column(0), self.imitated.column(1));
-        ([cc - pc.norm_squared(), cs - pc.dot(&ps), ss - ps.norm_squared()], [rc, rs])
-    }
-
-    fn strength(&self) -> f64 {
-        let [full_c, _, full_s, ..] = self.sums;
-        let ([cc, cs, ss], [rc, rs]) = self.normal();
-        let determinant = cc * ss - cs * cs;
-        // Hardly anything left that geometry cannot imitate: no test.
-        if cc <= SEEN * full_c || ss <= SEEN * full_s || determinant <= 1e-6 * cc * ss {
-            return 0.0;
-        }
-        (ss * rc * rc - 2.0 * cs * rc * rs + cc * rs * rs) / determinant
-    }
-}
 
 /// Orders that are tried at a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -218,106 +133,10 @@ impl Orders {
     }
 }
 
-/// A column ready for many orders.
-struct Scan<'c> {
-    column: &'c JointColumn,
-    /// What geometry imitates is summed over each so many-th row, which stands for the others:
-    /// of thousands of rows it is little, and takes most of the time.
-    every: usize,
-    /// Of those rows, one row a row.
-    imitated: DMatrix<f64>,
-}
-
-impl<'c> Scan<'c> {
-    fn new(column: &'c JointColumn, every: usize) -> Self {
-        let rows: Vec<usize> = (0..column.q.len()).step_by(every).collect();
-        let mut imitated = column.imitated.select_columns(&rows).transpose();
-        imitated *= every as f64;
-        Self { column, every, imitated }
-    }
-
-    /// What cosine and sine of `count` orders from `first` on would each explain. Rows are taken
-    /// a few hundred at a time, so that their waves stay in the cache.
-    fn strengths(&self, first: f64, step: f64, count: usize) -> Vec<f64> {
-        let n = self.column.q.len();
-        let mut sums = vec![[0.0; 5]; count];
-        let mut imitated = DMatrix::zeros(2 * count, self.imitated.ncols());
-        let mut seen = 0;
-        for start in (0..n).step_by(self.every * ROWS) {
-            let block = start..n.min(start + self.every * ROWS);
-            let mut waves = Waves::new(&self.column.q[block.clone()], first, Some(step));
-            let (square, right) = (&self.column.square[block.clone()], &self.column.right[block]);
-            let rows = square.len().div_ceil(self.every);
-            let mut few = DMatrix::zeros(2 * count, rows);
-            for (k, sums) in sums.iter_mut().enumerate() {
-                waves.add(square, right, sums);
-                for (j, i) in (0..square.len()).step_by(self.every).enumerate() {
-                    few[(2 * k, j)] = waves.cos[i];
-                    few[(2 * k + 1, j)] = waves.sin[i];
-                }
-                waves.turn();
-            }
-            imitated.gemm(1.0, &few, &self.imitated.rows(seen, rows), 1.0);
-            seen += rows;
-        }
-        // Waves are a column of both.
-        let imitated = imitated.transpose();
-        let of = |(k, sums): (usize, &[f64; 5])| {
-            let imitated = imitated.columns(2 * k, 2).into_owned();
-            // What geometry does much of hangs on how much exactly.
-            match self.every > 1 && imitated.norm_squared() > IMITATED * (sums[0] + sums[2]) {
-                true => self.column.strength(&self.column.right, first + step * k as f64),
-                false => Pair { sums: *sums, imitated }.strength(),
-            }
-        };
-        sums.iter().enumerate().map(of).collect()
-    }
-}
-
-/// Cosine and sine of an order at some values; from one order to the next by a rotation, no
-/// sine for each.
-struct Waves {
-    cos: Vec<f64>,
-    sin: Vec<f64>,
-    step: Vec<(f64, f64)>,
-}
-
-impl Waves {
-    fn new(q: &[f64], first: f64, step: Option<f64>) -> Self {
-        let (sin, cos) = q.iter().map(|q| (q * first).sin_cos()).unzip();
-        let turn = |step: f64| q.iter().map(|q| (q * step).sin_cos()).collect();
-        Self { cos, sin, step: step.map_or_else(Vec::new, turn) }
-    }
-
-    fn turn(&mut self) {
-        let waves = self.cos.iter_mut().zip(&mut self.sin);
-        for ((cos, sin), (step_sin, step_cos)) in waves.zip(&self.step) {
-            (*sin, *cos) = (*sin * step_cos + *cos * step_sin, *cos * step_cos - *sin * step_sin);
-        }
-    }
-
-    /// Adds cos cos, cos sin and sin sin times the squares, cos and sin times the right sides:
-    /// several sums side by side, as a processor has them.
-    fn add(&self, square: &[f64], right: &[f64], sums: &mut [f64; 5]) {
-        let mut side = [[0.0; LANES]; 5];
-        for first in (0..square.len()).step_by(LANES) {
-            let count = LANES.min(square.len() - first);
-            for lane in 0..count {
-                let i = first + lane;
-                let (cos, sin) = (self.cos[i], self.sin[i]);
-                let (c, s) = (cos * square[i], sin * square[i]);
-                let more = [cos * c, cos * s, sin * s, cos * right[i], sin * right[i]];
-                side.iter_mut().zip(more).for_each(|(side, more)| side[lane] += more);
-            }
-        }
-        for (sum, side) in sums.iter_mut().zip(side) {
-            *sum += side.iter().sum::<f64>();
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+
     use super::*;
 
     /// No geometry: a column of length 1 and a residual along it.
