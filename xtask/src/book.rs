@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::run::{Result, call, cargo, exists, root, step, target_dir};
+use crate::run::{Result, call, exists, root, step};
+use crate::tools;
 
 const PROGRAM: &str = "mdbook";
 /// What the pages were tried with; later ones of 0.5 should do.
@@ -16,17 +17,10 @@ pub fn run() -> Result {
     Ok(())
 }
 
-/// The user's own, or one that is installed beside what is built; that takes minutes.
+/// The user's own, or one that is installed.
 fn program() -> Result<PathBuf> {
-    if exists(PROGRAM) {
-        return Ok(PROGRAM.into());
+    match exists(PROGRAM) {
+        true => Ok(PROGRAM.into()),
+        false => tools::installed(PROGRAM, VERSION, "--no-default-features --features search"),
     }
-    let tools = target_dir().join("tools");
-    let own = tools.join("bin").join(PROGRAM);
-    if !own.is_file() {
-        let mut install =
-            cargo(&root(), "install --locked --no-default-features --features search");
-        call(install.args([PROGRAM, "--version", VERSION]).arg("--root").arg(&tools))?;
-    }
-    Ok(own)
 }

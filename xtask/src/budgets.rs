@@ -1,5 +1,5 @@
 //! `cargo xtask budgets`: what the images cost, held against
-//! `tests/firmware/budgets.toml`.
+//! `tests/firmware/budgets.toml`. Other costs are held against files of the same form.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -12,13 +12,28 @@ use crate::image::{
     CURVES, build_for, build_in, command_of, dir_of, directory, image, image_in, read_toml,
 };
 use crate::qemu;
-use crate::run::{Result, call};
+use crate::run::{Result, call, root};
 use crate::tools::TARGET;
 use crate::vectors::{shipped, shipped_terms};
 
-/// What is budgeted, and its unit.
-const TABLES: [(&str, &str); 4] =
-    [("instructions", "instructions"), ("text", "bytes"), ("stack", "bytes"), ("ram", "bytes")];
+/// A file of budgets.
+pub struct Budgets {
+    /// Where it is in the repository.
+    pub file: &'static str,
+    /// What is budgeted, and its unit.
+    pub tables: &'static [(&'static str, &'static str)],
+}
+
+/// Of the controller's images.
+pub const IMAGES: Budgets = Budgets {
+    file: "tests/firmware/budgets.toml",
+    tables: &[
+        ("instructions", "instructions"),
+        ("text", "bytes"),
+        ("stack", "bytes"),
+        ("ram", "bytes"),
+    ],
+};
 
 /// Parts of names by which a heap is known.
 const HEAP: [&str; 6] = ["__rust_alloc", "__rg_alloc", "__rdl_alloc", "malloc", "_sbrk", "realloc"];
@@ -88,32 +103,40 @@ pub fn sizes(path: &Path, entry: &str) -> Result<(u64, u64)> {
     Ok((text, ram))
 }
 
-/// Holds what was printed, as lines `TABLE NAME VALUE`, against the budgets.
-pub fn check(output: &str) -> Result {
-    let budgets = read_toml(&directory().join("budgets.toml"))?;
-    let compiler = Command::new("rustc").arg("--version").current_dir(directory()).output()?;
-    let compiler = String::from_utf8_lossy(&compiler.stdout).trim().to_owned();
-    let judged = budgets.get("rustc").and_then(toml::Value::as_str) == Some(&compiler);
-    let mut over = Vec::new();
-    for (table, unit) in TABLES {
-        let limits = budgets.get(table).and_then(toml::Value::as_table);
-        let limits = limits.ok_or_else(|| format!("no [{table}] in budgets.toml"))?;
-        for (name, limit) in limits {
-            let limit = limit.as_integer().ok_or_else(|| format!("{name}: not an integer"))?;
-            let value = value(output, table, name);
-            let value = value.ok_or_else(|| format!("no image printed `{table} {name}`"))?;
-            println!("{table:12} {name:22} {value:8} of {limit:6} {unit}");
-            if value > limit as f64 {
-                over.push(format!("{table} {name}"));
+impl Budgets {
+    /// Holds what was printed, as lines `TABLE NAME VALUE`, against the budgets.
+    pub fn check(&self, output: &str) -> Result {
+        let file = root().join(self.file);
+        let budgets = read_toml(&file)?;
+        // Where the file is: the firmware could ask for a compiler of its own.
+        let directory = file.parent().ok_or("no directory")?;
+        let compiler = Command::new("rustc").arg("--version").current_dir(directory).output()?;
+        self.judge(output, &budgets, String::from_utf8_lossy(&compiler.stdout).trim())
+    }
+
+    fn judge(&self, output: &str, budgets: &toml::Table, compiler: &str) -> Result {
+        let judged = budgets.get("rustc").and_then(toml::Value::as_str) == Some(compiler);
+        let mut over = Vec::new();
+        for (table, unit) in self.tables {
+            let limits = budgets.get(*table).and_then(toml::Value::as_table);
+            let limits = limits.ok_or_else(|| format!("no [{table}] in {}", self.file))?;
+            for (name, limit) in limits {
+                let limit = limit.as_integer().ok_or_else(|| format!("{name}: not an integer"))?;
+                let value = value(output, table, name);
+                let value = value.ok_or_else(|| format!("nothing printed `{table} {name}`"))?;
+                println!("{table:12} {name:22} {value:8} of {limit:6} {unit}");
+                if value > limit as f64 {
+                    over.push(format!("{table} {name}"));
+                }
             }
         }
+        if !judged {
+            eprintln!("not judged: the budgets are not for {compiler}");
+        } else if !over.is_empty() {
+            return Err(format!("over budget: {}", over.join(", ")).into());
+        }
+        Ok(())
     }
-    if !judged {
-        eprintln!("not judged: the budgets are not for {compiler}");
-    } else if !over.is_empty() {
-        return Err(format!("over budget: {}", over.join(", ")).into());
-    }
-    Ok(())
 }
 
 /// From a line `TABLE NAME VALUE`.
@@ -123,4 +146,32 @@ fn value(output: &str, table: &str, name: &str) -> Option<f64> {
         let found = iter::zip([table, name], words.by_ref()).all(|(a, b)| a == b);
         found.then(|| words.next()?.parse().ok()).flatten()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Budgets;
+
+    /// What is said of `output` where `forward` may take ten instructions.
+    fn said(output: &str, compiler: &str) -> String {
+        let budgets = Budgets { file: "the file", tables: &[("instructions", "a pose")] };
+        let file = "rustc = \"this one\"\n[instructions]\nforward = 10".parse().expect("TOML");
+        let judged = budgets.judge(output, &file, compiler);
+        judged.map_or_else(|error| error.to_string(), |()| "within".to_owned())
+    }
+
+    #[test]
+    fn a_count_over_budget_fails_with_the_compiler_that_the_budget_is_for() {
+        assert_eq!(said("instructions forward 10.0", "this one"), "within");
+        let over = "instructions forward 10.1";
+        assert_eq!(said(over, "this one"), "over budget: instructions forward");
+        assert_eq!(said(over, "another"), "within");
+    }
+
+    #[test]
+    fn a_budget_of_what_was_not_counted_fails() {
+        let nothing = "nothing printed `instructions forward`";
+        assert_eq!(said("instructions backward 1", "this one"), nothing);
+        assert_eq!(said("", "another"), nothing);
+    }
 }

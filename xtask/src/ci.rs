@@ -5,7 +5,7 @@ use std::process::Stdio;
 
 use crate::image::directory;
 use crate::run::{Result, call, cargo, root, step};
-use crate::{c, package, pages, python, test, tools};
+use crate::{c, counts, package, pages, python, test, tools};
 
 /// Every workspace.
 const LOCKED: [&str; 5] = [".", "tests/firmware", "capi", "fuzz", "host-tools/python"];
@@ -37,6 +37,7 @@ pub fn run() -> Result {
         call(&mut cargo(&python::directory(), "fmt --all --check"))
     })?;
     test::run(true)?;
+    counts::run()?;
     package::run()?;
     match python::found() {
         true => python::run()?,

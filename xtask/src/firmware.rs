@@ -46,5 +46,5 @@ fn run_all(files: &Files) -> Result {
     output += &step("re-identification", reidentify::check)?;
     output += &step("touches of a plate", touches::check)?;
     output += &step("a controller and nothing else", budgets::controller)?;
-    step("budgets", || budgets::check(&output))
+    step("budgets", || budgets::IMAGES.check(&output))
 }

@@ -9,6 +9,7 @@ mod budgets;
 mod c;
 mod ci;
 mod controller;
+mod counts;
 mod demo;
 mod embassy;
 mod end_to_end;
@@ -21,6 +22,8 @@ mod m7;
 mod package;
 mod pages;
 mod peers;
+#[path = "../../batch/benches/arm/poses.rs"]
+mod poses;
 mod proof;
 mod python;
 mod qemu;
@@ -86,6 +89,8 @@ enum Verb {
     Python,
     /// Times of a pose, alone and in batches, as ratios of one run
     Bench,
+    /// Instructions of the host's kernels, counted by valgrind
+    Counts,
     /// Pinocchio, k and others beside truearm: sets them up in target/peers, times all
     Peers,
     /// Open report.html of every verb, or these, in Chromium where there is one
@@ -126,6 +131,7 @@ fn main() -> ExitCode {
         Verb::Package => package::run(),
         Verb::Python => python::run(),
         Verb::Bench => bench::run(),
+        Verb::Counts => counts::run(),
         Verb::Peers => peers::run(),
         Verb::Pages { pages } => pages::run(&pages),
         Verb::Book => book::run(),

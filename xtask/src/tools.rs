@@ -1,8 +1,9 @@
-//! The compilers' targets and the programs that the firmware needs.
+//! The compilers' targets and the programs that the firmware and others need.
 
+use std::path::PathBuf;
 use std::process::Command;
 
-use crate::run::{Result, call, exists, step};
+use crate::run::{Result, call, cargo, exists, root, step, target_dir};
 
 /// What rustc calls the controller.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
@@ -59,6 +60,18 @@ pub fn ensure_program(program: &str, packages: &str, how: &str) -> Result {
     apt(&["update"])?;
     let install = ["install", "-y", "--no-install-recommends"];
     apt(&install.into_iter().chain(packages.split_whitespace()).collect::<Vec<_>>())
+}
+
+/// A program of crates.io in one version, installed beside what is built; that takes
+/// minutes, once. `options` are cargo's.
+pub fn installed(program: &str, version: &str, options: &str) -> Result<PathBuf> {
+    let folder = target_dir().join("tools").join(format!("{program}-{version}"));
+    let path = folder.join("bin").join(program);
+    if !path.is_file() {
+        let mut install = cargo(&root(), &format!("install --locked {options}"));
+        call(install.args([program, "--version", version]).arg("--root").arg(&folder))?;
+    }
+    Ok(path)
 }
 
 #[cfg(test)]
