@@ -37,16 +37,17 @@ impl<T: Scalar, const N: usize> Bent<T, N> {
         }
     }
 
-    /// Keeps of what bends each joint the `share` that is taken back at it; the rest is
-    /// added to where the rigid chain `stands`.
+    /// Keeps of what bends each joint what is taken back at one of this `share`, its square as
+    /// of the rigid chain's correction; the rest is added to where the rigid chain `stands`.
     #[cold]
     #[inline(never)]
     pub fn share_out(&mut self, share: &[T; N], stands: &mut [T; N]) {
         let bends = self.deflection.joints.iter_mut().zip(&mut self.slopes);
         for ((bend, slope), (share, stands)) in bends.zip(share.iter().zip(stands)) {
-            *stands += *bend * (T::ONE - *share);
-            *bend *= *share;
-            *slope *= *share;
+            let taken = *share * *share;
+            *stands += *bend * (T::ONE - taken);
+            *bend *= taken;
+            *slope *= taken;
         }
     }
 }
@@ -67,8 +68,8 @@ impl<T: Scalar, const N: usize> Arm<'_, T, N> {
     }
 
     /// What all terms do near joint values whose sines are known. `offset`, of
-    /// the joints from `command`, becomes what takes back at each joint its
-    /// `share` of what bends it smoothly, so that the rigid chain stands where
+    /// the joints from `command`, becomes what takes back at each joint, by the
+    /// square of its `share`, what bends it smoothly, so that the rigid chain stands where
     /// `rigid` wants it; there the periodic terms and the curves are taken.
     #[inline(never)]
     pub(crate) fn bend(
@@ -84,7 +85,7 @@ impl<T: Scalar, const N: usize> Arm<'_, T, N> {
         let smooth = bent.deflection.joints.iter().zip(share);
         let places = offset.iter_mut().zip(joints.iter_mut().zip(command));
         for ((offset, (joint, q)), (rigid, (bend, share))) in places.zip(rigid.iter().zip(smooth)) {
-            *offset = *rigid - *share * *bend;
+            *offset = *rigid - *share * *share * *bend;
             *joint = *q + *offset;
         }
         bent.slopes = [T::ZERO; N];

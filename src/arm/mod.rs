@@ -128,12 +128,16 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     /// The same arm with the production tool, a pose in the flange frame.
     #[must_use]
     pub fn with_tool(&self, tool: Pose<T>) -> Self {
-        Self {
-            nominal: self.nominal.with_tool(tool),
-            real: self.real.with_tool(tool),
-            production_tool: true,
-            ..self.clone()
-        }
+        let mut other = self.clone();
+        other.set_tool(&tool);
+        other
+    }
+
+    /// The production tool, a pose in the flange frame.
+    pub fn set_tool(&mut self, tool: &Pose<T>) {
+        self.nominal.set_tool(tool);
+        self.real.set_tool(tool);
+        self.production_tool = true;
     }
 
     /// The arm of other parameters, as a re-identification gives them, with this one's
@@ -157,8 +161,11 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
     /// ```
     #[must_use]
     pub fn with_parameters<'p>(&self, parameters: &ArmParameters<'p, T, N>) -> Arm<'p, T, N> {
-        let arm = Arm::new(parameters);
-        if self.production_tool { arm.with_tool(*self.real.tool()) } else { arm }
+        let mut arm = Arm::new(parameters);
+        if self.production_tool {
+            arm.set_tool(self.real.tool());
+        }
+        arm
     }
 
     /// Id of the robot, see [`crate::blob::robot_id`].

@@ -39,6 +39,7 @@ mod outcome;
 mod settings;
 
 use crate::arm::{Arm, State};
+use crate::kinematics::Pose;
 use crate::scalar::Scalar;
 use correction::Correction;
 use law::Law;
@@ -123,6 +124,15 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         self.law = Law::new(&arm, &self.settings);
         self.arm = arm;
         Ok(())
+    }
+
+    /// The production tool, a pose in the flange frame, also while compensation is on: what is
+    /// applied goes over to its correction by at most `max_change` a tick. In place, so that a
+    /// control task can call it between two ticks: [`Self::set_arm`] of
+    /// [`Arm::with_tool`] does the same and takes ten times the stack.
+    pub fn set_tool(&mut self, tool: &Pose<T>) {
+        // Of the law nothing depends on what is behind the last joint.
+        self.arm.set_tool(tool);
     }
 
     /// Switches compensation on or off from the next tick on; it is faded in

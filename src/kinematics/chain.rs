@@ -39,6 +39,18 @@ pub struct Chain<T, const N: usize> {
     pub(super) tip: Pose<T>,
 }
 
+/// All behind the last joint of these links.
+#[inline(never)]
+fn behind<T: Scalar, const N: usize>(links: &[Link<T>; N], tool: &Pose<T>) -> Pose<T> {
+    let Some(last) = links.last() else { return *tool };
+    let ((s, c), o, l) = (last.parameters.beta.sin_cos_once(), T::ZERO, T::ONE);
+    let behind = Pose {
+        rotation: Matrix3::new(c, o, s, o, l, o, -s, o, c),
+        translation: Vector3::new(o, o, last.parameters.d),
+    };
+    behind.compose(tool)
+}
+
 impl<T: Scalar, const N: usize> Chain<T, N> {
     /// Folds `links`, the pose of the robot base and the pose of the tool in
     /// the last frame. Costs about 5N sine-cosines; call it at load time.
@@ -55,21 +67,22 @@ impl<T: Scalar, const N: usize> Chain<T, N> {
             });
         }
         let joints = FoldedJoint::between(links);
-        Self { links: *links, joints, base, tool, root, alpha, tip: tool }.with_tool(tool)
+        let tip = behind(links, &tool);
+        Self { links: *links, joints, base, tool, root, alpha, tip }
     }
 
     /// The same chain with another tool pose in the last frame.
     #[must_use]
     pub fn with_tool(&self, tool: Pose<T>) -> Self {
-        let tip = self.links.last().map_or(tool, |last| {
-            let ((s, c), o, l) = (last.parameters.beta.sin_cos_once(), T::ZERO, T::ONE);
-            let behind = Pose {
-                rotation: Matrix3::new(c, o, s, o, l, o, -s, o, c),
-                translation: Vector3::new(o, o, last.parameters.d),
-            };
-            behind.compose(&tool)
-        });
-        Self { tool, tip, ..*self }
+        let mut other = *self;
+        other.set_tool(&tool);
+        other
+    }
+
+    /// Another tool pose in the last frame.
+    pub fn set_tool(&mut self, tool: &Pose<T>) {
+        self.tip = behind(&self.links, tool);
+        self.tool = *tool;
     }
 
     /// The links it was made of.

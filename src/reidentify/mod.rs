@@ -34,6 +34,12 @@ use crate::solve::{SolveError, Triangle};
 
 /// Steps at most; three are usual.
 const MOST_STEPS: u8 = 10;
+/// A step that no longer matters, rad or m.
+const FINE: f32 = 1e-6;
+/// After all steps one that matters little, in `f32`: so far, and by that share of what its
+/// parameter is uncertain by.
+const COARSE: f32 = 1e-5;
+const NOTHING: f32 = 0.01;
 
 /// What to identify anew, and how well it is measured: at the `tool` of the stored
 /// parameters, not at a production tool.
@@ -216,15 +222,22 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         all: impl Iterator<Item = Measurement<T, N>> + Clone,
         freedom: Freedom,
     ) -> Result<Triangle<T, P>, ReidentifyError> {
-        let (fine, coarse) = (T::from_f32(1e-6), T::from_f32(1e-5));
         for step_number in 1..=MOST_STEPS {
             let triangle = self.triangle(out, all.clone(), freedom)?;
             let x = triangle.solve(T::ONE, &self.scale)?.x;
-            let largest = self.step(out, &x);
+            let steps = self.step(out, &x);
             out.steps = step_number;
-            // In f32 a weak direction may go on trembling by some 1e-6.
-            if largest < fine || (step_number == MOST_STEPS && largest < coarse) {
+            if steps.iter().all(|step| *step < T::from_f32(FINE)) {
                 return Ok(triangle);
+            }
+            // In f32 a weak direction goes on trembling, by as much more as it is weaker.
+            if step_number == MOST_STEPS {
+                let certain = Certainty::of(&triangle, T::ONE, &self.scale)?;
+                let coarse = |sigma: T| T::from_f32(COARSE) + sigma * T::from_f32(NOTHING);
+                let mut all = steps.iter().zip(&certain.sigma);
+                if all.all(|(step, sigma)| *step < coarse(*sigma)) {
+                    return Ok(triangle);
+                }
             }
         }
         Err(ReidentifyError::NotConverged)
@@ -259,14 +272,15 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         Ok(triangle)
     }
 
-    /// Moves the arm and the tracker to the solution `x`; the largest step, in the
-    /// units of the parameters.
-    fn step<const N: usize>(&self, out: &mut Reidentified<'_, T, N, P>, x: &[T; P]) -> T {
+    /// Moves the arm and the tracker to the solution `x`; how far each went, in the
+    /// unit of its parameter.
+    fn step<const N: usize>(&self, out: &mut Reidentified<'_, T, N, P>, x: &[T; P]) -> [T; P] {
         let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
-        let (mut turn, mut shift, mut largest) = (none, none, T::ZERO);
-        let mut steps = [T::ZERO; P];
-        let all = self.parameters.iter().zip(&mut out.change).zip(x).zip(&mut steps);
-        for (((parameter, change), x), step) in all {
+        let (mut turn, mut shift) = (none, none);
+        let (mut steps, mut sizes) = ([T::ZERO; P], [T::ZERO; P]);
+        let moved = steps.iter_mut().zip(&mut sizes);
+        let all = self.parameters.iter().zip(&mut out.change).zip(x).zip(moved);
+        for (((parameter, change), x), (step, size)) in all {
             match parameter {
                 Parameter::StationRotation(axis) => turn += axis.unit() * *x,
                 Parameter::StationTranslation(axis) => shift += axis.unit() * *x,
@@ -275,16 +289,13 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
                     *change = *x;
                 }
             }
-            let size = if parameter.is_station() { x.abs() } else { step.abs() };
-            if size > largest {
-                largest = size;
-            }
+            *size = if parameter.is_station() { x.abs() } else { step.abs() };
         }
         apply(&mut out.parameters, &self.parameters, &steps);
         let turn = Pose::from_rotation_vector(none, turn);
         out.station.rotation = turn.compose(&out.station).rotation;
         out.station.translation += shift;
-        largest
+        sizes
     }
 
     /// RMS distance of the measurements from the model, m.

@@ -123,6 +123,26 @@ fn a_jump_of_the_state_is_spread_over_ticks() {
     assert!(compensator.tick(&command, &state).clamped.is_empty());
 }
 
+/// A tool that is set between two ticks is the tool of another arm, to the last bit.
+#[test]
+fn a_tool_that_is_set_is_that_of_another_arm() {
+    let p = arm();
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    for task in [Task::Position, Task::Pose] {
+        let [mut placed, mut replaced] = [(); 2].map(|()| compensator(&p, at_once(task)));
+        for _ in 0..300 {
+            let command = anywhere(&mut rng, placed.arm());
+            assert_eq!(placed.tick(&command, &state()), replaced.tick(&command, &state()));
+            let at = [(); 3].map(|()| rng.random_range(-0.3..0.3));
+            let turn = [(); 3].map(|()| rng.random_range(-2.0..2.0));
+            let tool = Pose::from_rotation_vector(at.into(), turn.into());
+            placed.set_tool(&tool);
+            replaced.set_arm(replaced.arm().with_tool(tool)).unwrap();
+            assert_eq!(placed, replaced);
+        }
+    }
+}
+
 /// Ticks until the joints stand: `max_change` a tick, and not one more.
 fn arrives<T: Scalar, const N: usize>(p: &ArmParameters<T, N>, task: Task) {
     let mut rng = ChaCha8Rng::seed_from_u64(7);

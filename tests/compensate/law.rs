@@ -210,6 +210,46 @@ fn it_is_continuous_in_command_payload_temperature_and_torques() {
     continuous(&parameters::<f64, 7>(&rail(), 5e-4, Terms::Smooth), 100.0);
 }
 
+/// How far the correction of any joint is from that a trifle further from a limit, rad or m:
+/// where the limit is the command itself, and at any share of the largest correction before it.
+fn jump_at_a_limit<const N: usize>(p: &ArmParameters<f64, N>, task: Task, most: f64) -> f64 {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let mut largest = 0.0_f64;
+    for k in 0..1500 {
+        let mut p = p.clone();
+        let q = anywhere(&mut rng, &Arm::new(&p));
+        let joint = rng.random_range(0..N);
+        let share = if k % 2 == 0 { 0.0 } else { rng.random_range(0.0..1.0) };
+        p.limits[joint] = Some([q[joint] - share * most, q[joint] + 2.0]);
+        let mut settings = Settings::new(task);
+        (settings.max_correction, settings.max_change) = ([most; N], [most.min(1e-3); N]);
+        let compensator = Compensator::new(Arm::new(&p), settings, &q).unwrap();
+        let mut inside = q;
+        inside[joint] += 1e-12;
+        let state = State { payload: 8.0, ..state() };
+        let [a, b] = [q, inside].map(|q| compensator.correction(&q, &state).unwrap());
+        let jump = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        largest = largest.max(jump);
+    }
+    largest
+}
+
+/// Also of joints that bend by more than they may be corrected by: of what is taken back more is
+/// left out at a limit than the bound leaves.
+#[test]
+fn no_joint_jumps_at_a_limit_however_little_it_may_be_corrected() {
+    let bending = shipped::<f64>(UR10_TERMS);
+    let rail = parameters::<f64, 7>(&rail(), 3e-3, Terms::Smooth);
+    for most in [0.03, 3e-3, 2e-3, 1e-3, 3e-4] {
+        for task in [Task::Position, Task::Pose] {
+            for jump in [jump_at_a_limit(&bending, task, most), jump_at_a_limit(&rail, task, most)]
+            {
+                assert!(jump < 1e-8, "{task:?}, at most {most}: {jump}");
+            }
+        }
+    }
+}
+
 /// What is applied, tick by tick, turns back and forth no more than the law
 /// itself, sampled finer.
 #[test]

@@ -164,6 +164,46 @@ fn sigma_is_what_noise_does() {
 }
 
 /// A turned last joint is a moved tool; an offset of joint 1 a turned base.
+/// Few points near each other and many unknowns: a weak direction trembles in `f32`, by more than
+/// a fixed threshold and by little of what it is uncertain by.
+#[test]
+fn single_precision_settles_wherever_double_does() {
+    let unknowns: [Parameter; 13] = core::array::from_fn(|k| match k {
+        0..6 => Parameter::STATION[k],
+        6..10 => Parameter::JointOffset(k as u8 - 5),
+        _ => Parameter::TOOL[k - 10],
+    });
+    let about = [0.1, -1.2, 1.6, -1.2, -1.57, 0.8];
+    let mut rng = ChaCha8Rng::seed_from_u64(31);
+    for count in [5, 10] {
+        for _ in 0..60 {
+            let mut truth = Truth::same();
+            for link in &mut truth.links[1..5] {
+                link[2] += rng.random_range(-1e-3..1e-3);
+            }
+            let point = |_| {
+                let near = about.map(|q: f64| f64::from((q + rng.random_range(-0.2..0.2)) as f32));
+                let noise = Vector3::from_fn(|_, _| rng.random_range(-35e-6..35e-6));
+                (near, truth.point(&near) + noise)
+            };
+            let points: Vec<([f64; 6], Vector3<f64>)> = (0..count).map(point).collect();
+            let single: Vec<_> = points
+                .iter()
+                .map(|(q, p)| CheckPoint::plain(q.map(|q| q as f32), p.map(|p| p as f32), 20.0))
+                .collect();
+            let double: Vec<_> =
+                points.iter().map(|(q, p)| CheckPoint::plain(*q, *p, 20.0)).collect();
+            let (own, exact) = (stored::<f32>(), stored::<f64>());
+            let single = Reidentify::new(&own, unknowns, 20e-6).run(&own, &single).unwrap();
+            let double = Reidentify::new(&exact, unknowns, 20e-6).run(&exact, &double).unwrap();
+            for ((a, b), sigma) in single.change.iter().zip(double.change).zip(double.sigma) {
+                let off = (f64::from(*a) - b).abs() / sigma;
+                assert!(off < 0.05, "{count} points: {off} of what it is uncertain by");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_the_points_cannot_tell_is_said() {
     let [x, y, z] = Parameter::TOOL;

@@ -48,6 +48,8 @@ fn run() -> Option<()> {
     let load_stack = stack::used(&mut || load(&mut memory));
     let compensator = memory.as_mut()?;
     let terms = compensator.arm().terms().len();
+    let tool = *compensator.arm().nominal().tool();
+    let tool_stack = stack::used(&mut || compensator.set_tool(&tool));
     compensator.set_active(true);
     let vectors = Vectors::parse(memory::vector_region()).ok()?;
     let mut poses = vectors.poses();
@@ -65,6 +67,7 @@ fn run() -> Option<()> {
         ramped += usize::from(cycle.tick.as_ref()?.status == Status::On);
     }
     print("stack load", terms, load_stack)?;
+    print("stack set_tool", terms, tool_stack)?;
     print("stack tick", terms, tick_stack)?;
     (ramped > 0).then_some(())
 }
