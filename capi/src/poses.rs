@@ -2,8 +2,9 @@
 
 use truearm::{Arm6, Pose, Scalar, State};
 
+use crate::convert::state_of;
 use crate::pointer::{handle, input, optional, writable};
-use crate::types::{TRUEARM_JOINTS, TruearmError, TruearmPose, TruearmState, state_of};
+use crate::types::{TRUEARM_JOINTS, TruearmError, TruearmPose, TruearmState};
 use crate::{Result, Truearm, code};
 
 /// Where the tool really is at encoder readings, rad. Without a state (NULL):
@@ -100,7 +101,7 @@ unsafe fn asked<'a, P>(
 
 /// # Safety
 /// `state` is NULL or as typed.
-unsafe fn state_or_neutral(
+pub unsafe fn state_or_neutral(
     arm: &Arm6<'_, f32>,
     state: *const TruearmState,
 ) -> Result<State<f32, TRUEARM_JOINTS>> {
