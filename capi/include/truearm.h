@@ -14,6 +14,21 @@
 #include <stddef.h>
 
 /*
+ On every function: who does not look at its error is warned. Nothing for compilers that
+ cannot, and where it is defined as nothing.
+ */
+#ifndef TRUEARM_NODISCARD
+#if (defined(__cplusplus) && __cplusplus >= 201703L) || \
+    (defined(__STDC_VERSION__) && __STDC_VERSION__ >= 202311L)
+#define TRUEARM_NODISCARD [[nodiscard]]
+#elif defined(__GNUC__) || defined(__clang__)
+#define TRUEARM_NODISCARD __attribute__((warn_unused_result))
+#else
+#define TRUEARM_NODISCARD
+#endif
+#endif
+
+/*
  Joints of the arm.
  */
 #define TRUEARM_JOINTS 6
@@ -392,6 +407,7 @@ extern "C" {
  # Safety
  `memory` is NULL or `size` writable bytes, `arm` is NULL or writable.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_init(uint32_t version,
                           void *memory,
                           size_t size,
@@ -415,6 +431,7 @@ TruearmError truearm_init(uint32_t version,
  `blob` is NULL or `size` bytes, readable and unchanged as long as the arm is
  used; other pointers NULL or as typed.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_load(struct Truearm *arm,
                           const uint8_t *blob,
                           size_t size,
@@ -429,7 +446,9 @@ TruearmError truearm_load(struct Truearm *arm,
  # Safety
  `settings` is NULL or writable.
  */
-TruearmError truearm_default_settings(uint8_t task, struct TruearmSettings *settings);
+TRUEARM_NODISCARD
+TruearmError truearm_default_settings(uint8_t task,
+                                      struct TruearmSettings *settings);
 
 /*
  Starts over with other settings, switched off; `joints` are where the arm
@@ -438,6 +457,7 @@ TruearmError truearm_default_settings(uint8_t task, struct TruearmSettings *sett
  # Safety
  Every pointer is NULL or as typed.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_set_settings(struct Truearm *arm,
                                   const struct TruearmSettings *settings,
                                   const float *joints);
@@ -453,7 +473,7 @@ TruearmError truearm_set_settings(struct Truearm *arm,
  # Safety
  Every pointer is NULL or as typed; `tool` points to 12 floats.
  */
-TruearmError truearm_set_tool(struct Truearm *arm, const float *tool);
+TRUEARM_NODISCARD TruearmError truearm_set_tool(struct Truearm *arm, const float *tool);
 
 /*
  Switches compensation on (any number but 0) or off from the next tick on;
@@ -462,7 +482,7 @@ TruearmError truearm_set_tool(struct Truearm *arm, const float *tool);
  # Safety
  `arm` is NULL or came from `truearm_init`.
  */
-TruearmError truearm_set_active(struct Truearm *arm, int32_t active);
+TRUEARM_NODISCARD TruearmError truearm_set_active(struct Truearm *arm, int32_t active);
 
 /*
  Where the tool really is at encoder readings, rad. Without a state (NULL):
@@ -471,6 +491,7 @@ TruearmError truearm_set_active(struct Truearm *arm, int32_t active);
  # Safety
  Every pointer is NULL or as typed; `encoders` points to 6 floats.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_real_pose(struct Truearm *arm,
                                const float *encoders,
                                const struct TruearmState *state,
@@ -482,6 +503,7 @@ TruearmError truearm_real_pose(struct Truearm *arm,
  # Safety
  Every pointer is NULL or as typed; `joints` points to 6 floats.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_nominal_pose(struct Truearm *arm,
                                   const float *joints,
                                   struct TruearmPose *pose);
@@ -496,6 +518,7 @@ TruearmError truearm_nominal_pose(struct Truearm *arm,
  # Safety
  Every pointer is NULL or as typed; `encoders` points to 6 floats, `sigma` to 3.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_point_sigma(struct Truearm *arm,
                                  const float *encoders,
                                  const struct TruearmState *state,
@@ -508,7 +531,9 @@ TruearmError truearm_point_sigma(struct Truearm *arm,
  # Safety
  Every pointer is NULL or as typed.
  */
-TruearmError truearm_default_state(struct Truearm *arm, struct TruearmState *state);
+TRUEARM_NODISCARD
+TruearmError truearm_default_state(struct Truearm *arm,
+                                   struct TruearmState *state);
 
 /*
  The temperature of the arm for `temperature_c` of a state, degrees Celsius, at a
@@ -521,6 +546,7 @@ TruearmError truearm_default_state(struct Truearm *arm, struct TruearmState *sta
  # Safety
  Every pointer is NULL or as typed.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_arm_temperature(struct Truearm *arm,
                                      float dt_s,
                                      float reading_c,
@@ -547,6 +573,7 @@ TruearmError truearm_arm_temperature(struct Truearm *arm,
  # Safety
  Every pointer is NULL or as typed; `command` points to 6 floats.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_tick(struct Truearm *arm,
                           const float *command,
                           const struct TruearmState *state,

@@ -106,6 +106,7 @@ unsafe fn at_rest<'a>(
 ///
 /// # Safety
 /// `memory` is NULL or `size` writable bytes, `arm` is NULL or writable.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_init(
     version: u32,
@@ -159,6 +160,7 @@ pub unsafe extern "C" fn truearm_init(
 /// # Safety
 /// `blob` is NULL or `size` bytes, readable and unchanged as long as the arm is
 /// used; other pointers NULL or as typed.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_load(
     arm: *mut Truearm,
@@ -203,6 +205,7 @@ pub unsafe extern "C" fn truearm_load(
 ///
 /// # Safety
 /// `settings` is NULL or writable.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_default_settings(
     task: u8,
@@ -222,6 +225,7 @@ pub unsafe extern "C" fn truearm_default_settings(
 ///
 /// # Safety
 /// Every pointer is NULL or as typed.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_set_settings(
     arm: *mut Truearm,
@@ -245,6 +249,7 @@ pub unsafe extern "C" fn truearm_set_settings(
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `tool` points to 12 floats.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_set_tool(arm: *mut Truearm, tool: *const f32) -> TruearmError {
     code((|| {
@@ -262,6 +267,7 @@ pub unsafe extern "C" fn truearm_set_tool(arm: *mut Truearm, tool: *const f32) -
 ///
 /// # Safety
 /// `arm` is NULL or came from `truearm_init`.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_set_active(arm: *mut Truearm, active: i32) -> TruearmError {
     code((|| {

@@ -12,6 +12,7 @@ use crate::{Result, Truearm, code};
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `encoders` points to 6 floats.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_real_pose(
     arm: *mut Truearm,
@@ -33,6 +34,7 @@ pub unsafe extern "C" fn truearm_real_pose(
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `joints` points to 6 floats.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_nominal_pose(
     arm: *mut Truearm,
@@ -57,6 +59,7 @@ pub unsafe extern "C" fn truearm_nominal_pose(
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `encoders` points to 6 floats, `sigma` to 3.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_point_sigma(
     arm: *mut Truearm,

@@ -17,6 +17,7 @@ type Joints = [f32; TRUEARM_JOINTS];
 ///
 /// # Safety
 /// Every pointer is NULL or as typed.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_default_state(
     arm: *mut Truearm,
@@ -42,6 +43,7 @@ pub unsafe extern "C" fn truearm_default_state(
 ///
 /// # Safety
 /// Every pointer is NULL or as typed.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_arm_temperature(
     arm: *mut Truearm,
@@ -80,6 +82,7 @@ pub unsafe extern "C" fn truearm_arm_temperature(
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `command` points to 6 floats.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_tick(
     arm: *mut Truearm,

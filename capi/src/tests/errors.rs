@@ -158,3 +158,23 @@ fn a_flag_that_was_not_set_is_refused() {
         assert_eq!(error, TruearmError::BadSetting);
     }
 }
+
+/// A C compiler is told to warn of every error that is not looked at; `c/ignored.c` is what it
+/// warns of.
+#[test]
+fn every_function_of_the_header_says_that_its_error_counts() {
+    let header = include_str!("../../include/truearm.h");
+    let header = header.split_whitespace().collect::<Vec<_>>().join(" ");
+    let ignored = include_str!("../../c/ignored.c");
+    let mut prototypes = header.split(" TruearmError truearm_");
+    let mut before = prototypes.next().unwrap();
+    let mut count = 0;
+    for prototype in prototypes {
+        let (name, _) = prototype.split_once('(').unwrap();
+        assert!(before.ends_with("TRUEARM_NODISCARD"), "{name}");
+        assert!(ignored.contains(&format!("\n    truearm_{name}(")), "{name}");
+        before = prototype;
+        count += 1;
+    }
+    assert_eq!(count, ignored.matches("\n    truearm_").count());
+}
