@@ -131,6 +131,86 @@ static void ticks(Truearm *arm, uint32_t count)
     compare("hash ticks: ", crc, vectors + 32);
 }
 
+/* What a start that says no more than it has to begins with, and what stays when
+ * parameters are loaded anew. */
+static void starts(Truearm *arm, uint64_t robot)
+{
+    static const float tool[12] = {1, 0, 0, 0.1f, 0, 1, 0, 0.05f, 0, 0, 1, 0.25f};
+    TruearmPose measured, before, after, by_default, by_null;
+    TruearmSettings settings;
+    TruearmState now = {.payload_kg = 7};
+    TruearmTick with_state, without;
+
+    EXPECT(truearm_nominal_pose(arm, pose(0), &measured), TRUEARM_ERROR_OK);
+    EXPECT(truearm_set_tool(arm, tool), TRUEARM_ERROR_OK);
+    EXPECT(truearm_nominal_pose(arm, pose(0), &before), TRUEARM_ERROR_OK);
+    EXPECT(truearm_default_settings(TRUEARM_TASK_POSITION, &settings), TRUEARM_ERROR_OK);
+    settings.ramp_ticks = 0;
+    EXPECT(truearm_load(arm, blob, blob_size, robot, &settings, pose(0)), TRUEARM_ERROR_OK);
+    EXPECT(truearm_nominal_pose(arm, pose(0), &after), TRUEARM_ERROR_OK);
+    for (int row = 0; row < 3; row++) {
+        EXPECT(after.matrix[row][3] == before.matrix[row][3], 1);
+        EXPECT(after.matrix[row][3] == measured.matrix[row][3], 0);
+    }
+
+    EXPECT(truearm_default_state(arm, &now), TRUEARM_ERROR_OK);
+    EXPECT(now.payload_kg == 0, 1);
+    EXPECT(truearm_real_pose(arm, pose(0), &now, &by_default), TRUEARM_ERROR_OK);
+    EXPECT(truearm_real_pose(arm, pose(0), NULL, &by_null), TRUEARM_ERROR_OK);
+    EXPECT(truearm_set_active(arm, 1), TRUEARM_ERROR_OK);
+    for (int i = 0; i < 1000; i++)
+        EXPECT(truearm_tick(arm, pose(0), &now, &with_state), TRUEARM_ERROR_OK);
+    EXPECT(truearm_tick(arm, pose(0), NULL, &without), TRUEARM_ERROR_OK);
+    EXPECT(without.status, TRUEARM_STATUS_ON);
+    for (int i = 0; i < TRUEARM_JOINTS; i++)
+        EXPECT(without.joints[i] == with_state.joints[i], 1);
+    for (int row = 0; row < 3; row++)
+        EXPECT(by_default.matrix[row][3] == by_null.matrix[row][3], 1);
+}
+
+/* Whoever does not look at an error sends joints all the same: near to those of the
+ * tick before, and of a status that says what they are. */
+static void errors(Truearm *arm)
+{
+    union {
+        uint8_t bytes[sizeof(TruearmState)];
+        TruearmState state;
+    } unset;
+    TruearmSettings settings;
+    TruearmTick last, tick = {.status = TRUEARM_STATUS_ON, .complete = 1};
+
+    for (size_t i = 0; i < sizeof unset.bytes; i++)
+        unset.bytes[i] = 0xaa;
+    EXPECT(truearm_default_settings(TRUEARM_TASK_POSITION, &settings), TRUEARM_ERROR_OK);
+    EXPECT(truearm_tick(arm, pose(0), NULL, &last), TRUEARM_ERROR_OK);
+    EXPECT(truearm_tick(arm, NULL, NULL, &tick), TRUEARM_ERROR_NULL);
+    EXPECT(tick.status, TRUEARM_STATUS_COMMAND_NOT_FINITE);
+    for (int i = 0; i < TRUEARM_JOINTS; i++)
+        EXPECT(tick.joints[i] == last.joints[i], 1);
+    for (int ticks = 0; ticks < 5000; ticks++) {
+        EXPECT(truearm_tick(arm, pose(0), &unset.state, &tick), TRUEARM_ERROR_BAD_APPROACH);
+        EXPECT(tick.status, TRUEARM_STATUS_STATE_NOT_FINITE);
+        EXPECT(tick.complete, 0);
+        for (int i = 0; i < TRUEARM_JOINTS; i++) {
+            float step = tick.joints[i] - last.joints[i];
+            EXPECT(step * step <= 1.1f * settings.max_change[i] * settings.max_change[i], 1);
+        }
+        last = tick;
+    }
+    for (int i = 0; i < TRUEARM_JOINTS; i++)
+        EXPECT(tick.joints[i] == pose(0)[i], 1);
+    EXPECT(truearm_default_state(arm, &unset.state), TRUEARM_ERROR_OK);
+    unset.state.has_torque = 7;
+    EXPECT(truearm_tick(arm, pose(0), &unset.state, &tick), TRUEARM_ERROR_BAD_STATE);
+    EXPECT(tick.status, TRUEARM_STATUS_STATE_NOT_FINITE);
+    settings.trust_nominal_orientation = 77;
+    EXPECT(truearm_set_active(arm, 0), TRUEARM_ERROR_OK);
+    EXPECT(truearm_tick(arm, pose(0), NULL, &tick), TRUEARM_ERROR_OK);
+    EXPECT(truearm_set_settings(arm, &settings, pose(0)), TRUEARM_ERROR_BAD_SETTING);
+    settings.trust_nominal_orientation = 0;
+    EXPECT(truearm_set_settings(arm, &settings, pose(0)), TRUEARM_ERROR_OK);
+}
+
 /* Every error that a mistake of the caller gives. */
 static void refusals(Truearm *arm, uint64_t robot)
 {
@@ -168,7 +248,6 @@ static void refusals(Truearm *arm, uint64_t robot)
     EXPECT(truearm_set_settings(arm, (TruearmSettings *)((uintptr_t)&settings + 1), q),
            TRUEARM_ERROR_ALIGNMENT);
     EXPECT(truearm_tick(arm, NULL, &now, &tick), TRUEARM_ERROR_NULL);
-    EXPECT(truearm_tick(arm, q, NULL, &tick), TRUEARM_ERROR_NULL);
     EXPECT(truearm_tick(arm, q, &now, NULL), TRUEARM_ERROR_NULL);
     EXPECT(truearm_tick(NULL, q, &now, &tick), TRUEARM_ERROR_NULL);
     now.approach[2] = 2;
@@ -217,6 +296,8 @@ int check(const uint8_t *slot, size_t size, const uint8_t *expected)
         return 1;
     poses(arm, count);
     ticks(arm, count);
+    starts(arm, robot);
+    errors(arm);
     refusals(arm, robot);
     say(failed ? "" : "ok: C gives the bits of Rust\n");
     return failed;

@@ -14,6 +14,21 @@
 #include <stddef.h>
 
 /*
+ On every function: who does not look at its error is warned. Nothing for compilers that
+ cannot, and where it is defined as nothing.
+ */
+#ifndef TRUEARM_NODISCARD
+#if (defined(__cplusplus) && __cplusplus >= 201703L) || \
+    (defined(__STDC_VERSION__) && __STDC_VERSION__ >= 202311L)
+#define TRUEARM_NODISCARD [[nodiscard]]
+#elif defined(__GNUC__) || defined(__clang__)
+#define TRUEARM_NODISCARD __attribute__((warn_unused_result))
+#else
+#define TRUEARM_NODISCARD
+#endif
+#endif
+
+/*
  Joints of the arm.
  */
 #define TRUEARM_JOINTS 6
@@ -22,7 +37,7 @@
  Version of this interface: changes whenever a function, a structure or the
  memory it needs does.
  */
-#define TRUEARM_VERSION 5
+#define TRUEARM_VERSION 6
 
 /*
  Bytes of memory that `truearm_init` needs.
@@ -140,11 +155,13 @@ enum TruearmStatus
    */
   TRUEARM_STATUS_ON = 2,
   /*
-   Refused, a command is infinite or NaN: the joints of the last tick.
+   Refused, a command is infinite or NaN, or its pointer is bad: the joints of the last
+   tick.
    */
   TRUEARM_STATUS_COMMAND_NOT_FINITE = 3,
   /*
-   Refused, the state is infinite or NaN: fading back to the command.
+   Refused, the state is infinite or NaN, or the tick returned an error of it: fading back
+   to the command.
    */
   TRUEARM_STATUS_STATE_NOT_FINITE = 4,
   /*
@@ -155,6 +172,10 @@ enum TruearmStatus
    Refused, terms need torques and the state has none: fading back to the command.
    */
   TRUEARM_STATUS_TORQUE_UNKNOWN = 6,
+  /*
+   Refused, there is no arm or it has no parameters: the command as it is.
+   */
+  TRUEARM_STATUS_NO_ARM = 7,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -235,7 +256,7 @@ typedef struct TruearmSettings {
   uint8_t task;
   /*
    1: take the task of a pose although the arm's orientation was not
-   identified, what points cannot see of it being nominal.
+   identified, what points cannot see of it being nominal. Otherwise 0.
    */
   uint8_t trust_nominal_orientation;
   /*
@@ -267,7 +288,8 @@ typedef struct TruearmSettings {
 } TruearmSettings;
 
 /*
- What the terms of an arm depend on besides the joint values.
+ What the terms of an arm depend on besides the joint values; begin with
+ `truearm_default_state`. All zero is an arm at 0 degrees Celsius.
  */
 typedef struct TruearmState {
   /*
@@ -296,11 +318,27 @@ typedef struct TruearmState {
 } TruearmState;
 
 /*
+ A pose of the tool in the nominal base frame.
+ */
+typedef struct TruearmPose {
+  /*
+   3 rows of 4: rotation, whose columns are the axes of the tool frame,
+   and the tool point, m.
+   */
+  float matrix[3][4];
+  /*
+   1 within the joint ranges that the identification covered.
+   */
+  uint8_t covered;
+} TruearmPose;
+
+/*
  What a tick did. Sets of joints are bits: joint 1 is bit 0.
  */
 typedef struct TruearmTick {
   /*
-   Joints to command, rad (m): always finite.
+   Joints to command, rad (m): always finite, but that with TRUEARM_STATUS_NO_ARM a
+   command that is no number leaves them as they were.
    */
   float joints[TRUEARM_JOINTS];
   /*
@@ -355,21 +393,6 @@ typedef struct TruearmTick {
   uint8_t orientation_identified;
 } TruearmTick;
 
-/*
- A pose of the tool in the nominal base frame.
- */
-typedef struct TruearmPose {
-  /*
-   3 rows of 4: rotation, whose columns are the axes of the tool frame,
-   and the tool point, m.
-   */
-  float matrix[3][4];
-  /*
-   1 within the joint ranges that the identification covered.
-   */
-  uint8_t covered;
-} TruearmPose;
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -384,6 +407,7 @@ extern "C" {
  # Safety
  `memory` is NULL or `size` writable bytes, `arm` is NULL or writable.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_init(uint32_t version,
                           void *memory,
                           size_t size,
@@ -395,6 +419,10 @@ TruearmError truearm_init(uint32_t version,
  ignored, so that a whole memory slot may be given. It must stay there as long
  as the arm is used: tables of effects and the covariance are not copied.
 
+ The tool is that of `truearm_set_tool`, kept from parameters to parameters. Until that
+ was called it is the point that was measured (the reflector of the calibration), and
+ ticks correct that one.
+
  `robot_id` is the id of this robot, as `truearm inspect` prints it: another
  robot's blob is refused. `joints` are where the arm stands, rad. Refused
  while compensation is on or being faded out; on an error nothing changes.
@@ -403,6 +431,7 @@ TruearmError truearm_init(uint32_t version,
  `blob` is NULL or `size` bytes, readable and unchanged as long as the arm is
  used; other pointers NULL or as typed.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_load(struct Truearm *arm,
                           const uint8_t *blob,
                           size_t size,
@@ -417,7 +446,9 @@ TruearmError truearm_load(struct Truearm *arm,
  # Safety
  `settings` is NULL or writable.
  */
-TruearmError truearm_default_settings(uint8_t task, struct TruearmSettings *settings);
+TRUEARM_NODISCARD
+TruearmError truearm_default_settings(uint8_t task,
+                                      struct TruearmSettings *settings);
 
 /*
  Starts over with other settings, switched off; `joints` are where the arm
@@ -426,6 +457,7 @@ TruearmError truearm_default_settings(uint8_t task, struct TruearmSettings *sett
  # Safety
  Every pointer is NULL or as typed.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_set_settings(struct Truearm *arm,
                                   const struct TruearmSettings *settings,
                                   const float *joints);
@@ -434,11 +466,14 @@ TruearmError truearm_set_settings(struct Truearm *arm,
  The production tool: a rigid transform from the tool frame to the flange
  frame, 3 rows of 4 (rotation, then translation in m). Also while
  compensation is on; what is applied goes over to it by max_change a tick.
+ Call it once after the first `truearm_load`: until then the tool is the point
+ that was measured in the calibration. It is kept, whatever is loaded or set,
+ until it is given another one or `truearm_init` begins anew.
 
  # Safety
  Every pointer is NULL or as typed; `tool` points to 12 floats.
  */
-TruearmError truearm_set_tool(struct Truearm *arm, const float *tool);
+TRUEARM_NODISCARD TruearmError truearm_set_tool(struct Truearm *arm, const float *tool);
 
 /*
  Switches compensation on (any number but 0) or off from the next tick on;
@@ -447,37 +482,7 @@ TruearmError truearm_set_tool(struct Truearm *arm, const float *tool);
  # Safety
  `arm` is NULL or came from `truearm_init`.
  */
-TruearmError truearm_set_active(struct Truearm *arm, int32_t active);
-
-/*
- The temperature of the arm for `temperature_c` of a state, degrees Celsius, at a
- reading of its thermometer that was taken `dt_s` seconds after the one before: the
- reading itself, unless the arm was found to follow it late. The first reading after
- `truearm_init` is where the arm begins, as nothing is known of what was before. Call
- it with every reading, once a second or in every tick; one that is no number lets
- time pass.
-
- # Safety
- Every pointer is NULL or as typed.
- */
-TruearmError truearm_arm_temperature(struct Truearm *arm,
-                                     float dt_s,
-                                     float reading_c,
-                                     float *temperature_c);
-
-/*
- One control tick: the joints, rad, at which the real tool is where the
- nominal model has it at `command`, rad. Returns an error for a bad pointer
- or approach, or without parameters only; whatever the numbers, `tick` then
- holds finite joints, and its status says whether they are compensated.
-
- # Safety
- Every pointer is NULL or as typed; `command` points to 6 floats.
- */
-TruearmError truearm_tick(struct Truearm *arm,
-                          const float *command,
-                          const struct TruearmState *state,
-                          struct TruearmTick *tick);
+TRUEARM_NODISCARD TruearmError truearm_set_active(struct Truearm *arm, int32_t active);
 
 /*
  Where the tool really is at encoder readings, rad. Without a state (NULL):
@@ -486,6 +491,7 @@ TruearmError truearm_tick(struct Truearm *arm,
  # Safety
  Every pointer is NULL or as typed; `encoders` points to 6 floats.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_real_pose(struct Truearm *arm,
                                const float *encoders,
                                const struct TruearmState *state,
@@ -497,6 +503,7 @@ TruearmError truearm_real_pose(struct Truearm *arm,
  # Safety
  Every pointer is NULL or as typed; `joints` points to 6 floats.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_nominal_pose(struct Truearm *arm,
                                   const float *joints,
                                   struct TruearmPose *pose);
@@ -511,10 +518,66 @@ TruearmError truearm_nominal_pose(struct Truearm *arm,
  # Safety
  Every pointer is NULL or as typed; `encoders` points to 6 floats, `sigma` to 3.
  */
+TRUEARM_NODISCARD
 TruearmError truearm_point_sigma(struct Truearm *arm,
                                  const float *encoders,
                                  const struct TruearmState *state,
                                  float *sigma);
+
+/*
+ The state to begin with: no payload, at the reference temperature of the parameters,
+ approach unknown, no torques read. What is known of the arm is then written over it.
+
+ # Safety
+ Every pointer is NULL or as typed.
+ */
+TRUEARM_NODISCARD
+TruearmError truearm_default_state(struct Truearm *arm,
+                                   struct TruearmState *state);
+
+/*
+ The temperature of the arm for `temperature_c` of a state, degrees Celsius, at a
+ reading of its thermometer that was taken `dt_s` seconds after the one before: the
+ reading itself, unless the arm was found to follow it late. The first reading after
+ `truearm_init` is where the arm begins, as nothing is known of what was before. Call
+ it with every reading, once a second or in every tick; one that is no number lets
+ time pass.
+
+ # Safety
+ Every pointer is NULL or as typed.
+ */
+TRUEARM_NODISCARD
+TruearmError truearm_arm_temperature(struct Truearm *arm,
+                                     float dt_s,
+                                     float reading_c,
+                                     float *temperature_c);
+
+/*
+ One control tick: the joints, rad, at which the real tool is where the
+ nominal model has it at `command`, rad. Without a state (NULL) as for
+ `truearm_real_pose`. TRUEARM_ERROR_OK whatever the numbers: `tick` then holds
+ finite joints, and its status says whether they are compensated.
+
+ On an error stop, as on a status from TRUEARM_STATUS_COMMAND_NOT_FINITE on. `tick` is
+ written all the same, so that what is sent until the arm stands is no garbage:
+
+ - TRUEARM_ERROR_NULL, TRUEARM_ERROR_ALIGNMENT: a pointer is bad. That of `command`: the
+   joints of the last tick, TRUEARM_STATUS_COMMAND_NOT_FINITE. That of `state`, not aligned:
+   as for a bad state. That of `arm`: as without an arm. That of `tick`: nothing happens.
+ - TRUEARM_ERROR_BAD_STATE, TRUEARM_ERROR_BAD_APPROACH: a field of the state is none of its
+   values. The correction fades, as if switched off for this tick, without a step:
+   TRUEARM_STATUS_STATE_NOT_FINITE.
+ - TRUEARM_ERROR_NOT_INITIALISED, TRUEARM_ERROR_NOT_LOADED: there is no arm, or it has no
+   parameters. The command as it is, uncorrected: TRUEARM_STATUS_NO_ARM.
+
+ # Safety
+ Every pointer is NULL or as typed; `command` points to 6 floats.
+ */
+TRUEARM_NODISCARD
+TruearmError truearm_tick(struct Truearm *arm,
+                          const float *command,
+                          const struct TruearmState *state,
+                          struct TruearmTick *tick);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -5,28 +5,31 @@
 
 #![cfg_attr(not(test), no_std)]
 
+mod convert;
 mod pointer;
 mod poses;
 #[cfg(test)]
 mod tests;
+mod tick;
 mod types;
 
 use core::ffi::c_void;
 
 use truearm::blob::{Acceptance, AcceptanceError, Covariance};
-use truearm::{Arm6, Compensator, ThermalLag};
+use truearm::{Arm6, Compensator, Pose, ThermalLag};
 
+use convert::settings_of;
 use pointer::{handle, input, writable};
 pub use poses::{truearm_nominal_pose, truearm_point_sigma, truearm_real_pose};
+pub use tick::{truearm_arm_temperature, truearm_default_state, truearm_tick};
 pub use types::{
     TRUEARM_JOINTS, TruearmApproach, TruearmError, TruearmPose, TruearmSettings, TruearmState,
     TruearmStatus, TruearmTask, TruearmTick,
 };
-use types::{settings_of, state_of};
 
 /// Version of this interface: changes whenever a function, a structure or the
 /// memory it needs does.
-pub const TRUEARM_VERSION: u32 = 5;
+pub const TRUEARM_VERSION: u32 = 6;
 /// Bytes of memory that `truearm_init` needs.
 pub const TRUEARM_MEMORY_SIZE: usize = 4288;
 /// Alignment of that memory.
@@ -103,6 +106,7 @@ unsafe fn at_rest<'a>(
 ///
 /// # Safety
 /// `memory` is NULL or `size` writable bytes, `arm` is NULL or writable.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_init(
     version: u32,
@@ -145,6 +149,10 @@ pub unsafe extern "C" fn truearm_init(
 /// ignored, so that a whole memory slot may be given. It must stay there as long
 /// as the arm is used: tables of effects and the covariance are not copied.
 ///
+/// The tool is that of `truearm_set_tool`, kept from parameters to parameters. Until that
+/// was called it is the point that was measured (the reflector of the calibration), and
+/// ticks correct that one.
+///
 /// `robot_id` is the id of this robot, as `truearm inspect` prints it: another
 /// robot's blob is refused. `joints` are where the arm stands, rad. Refused
 /// while compensation is on or being faded out; on an error nothing changes.
@@ -152,6 +160,7 @@ pub unsafe extern "C" fn truearm_init(
 /// # Safety
 /// `blob` is NULL or `size` bytes, readable and unchanged as long as the arm is
 /// used; other pointers NULL or as typed.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_load(
     arm: *mut Truearm,
@@ -176,7 +185,11 @@ pub unsafe extern "C" fn truearm_load(
             _ => TruearmError::BadBlob,
         })?;
         let parameters = blob.parameters().map_err(|_| TruearmError::OtherArm)?;
-        this.start(Arm6::new(&parameters), &settings, &joints)?;
+        let next = match &this.compensator {
+            Some(running) => running.arm().with_parameters(&parameters),
+            None => Arm6::new(&parameters),
+        };
+        this.start(next, &settings, &joints)?;
         this.covariance = blob.covariance();
         // An arm is as warm as it was before parameters came that say the same of it.
         let lag = this.arm()?.thermal_lag();
@@ -192,6 +205,7 @@ pub unsafe extern "C" fn truearm_load(
 ///
 /// # Safety
 /// `settings` is NULL or writable.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_default_settings(
     task: u8,
@@ -199,7 +213,7 @@ pub unsafe extern "C" fn truearm_default_settings(
 ) -> TruearmError {
     code((|| {
         writable(settings)?;
-        let usual = types::usual(task)?;
+        let usual = convert::usual(task)?;
         // SAFETY: the caller's promise; not NULL and aligned.
         unsafe { settings.write(usual) };
         Ok(())
@@ -211,6 +225,7 @@ pub unsafe extern "C" fn truearm_default_settings(
 ///
 /// # Safety
 /// Every pointer is NULL or as typed.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_set_settings(
     arm: *mut Truearm,
@@ -228,15 +243,19 @@ pub unsafe extern "C" fn truearm_set_settings(
 /// The production tool: a rigid transform from the tool frame to the flange
 /// frame, 3 rows of 4 (rotation, then translation in m). Also while
 /// compensation is on; what is applied goes over to it by max_change a tick.
+/// Call it once after the first `truearm_load`: until then the tool is the point
+/// that was measured in the calibration. It is kept, whatever is loaded or set,
+/// until it is given another one or `truearm_init` begins anew.
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `tool` points to 12 floats.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_set_tool(arm: *mut Truearm, tool: *const f32) -> TruearmError {
     code((|| {
         // SAFETY: the caller's promise.
         let (this, rows) = unsafe { (handle(arm)?, input(tool.cast::<[[f32; 4]; 3]>())?) };
-        let tool = types::rigid(&rows)?;
+        let tool = Pose::from_rows(&rows).ok_or(TruearmError::BadTool)?;
         let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
         let arm = compensator.arm().with_tool(tool);
         compensator.set_arm(arm).map_err(|_| TruearmError::BadSetting)
@@ -248,6 +267,7 @@ pub unsafe extern "C" fn truearm_set_tool(arm: *mut Truearm, tool: *const f32) -
 ///
 /// # Safety
 /// `arm` is NULL or came from `truearm_init`.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_set_active(arm: *mut Truearm, active: i32) -> TruearmError {
     code((|| {
@@ -255,63 +275,6 @@ pub unsafe extern "C" fn truearm_set_active(arm: *mut Truearm, active: i32) -> T
         let this = unsafe { handle(arm)? };
         let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
         compensator.set_active(active != 0);
-        Ok(())
-    })())
-}
-
-/// The temperature of the arm for `temperature_c` of a state, degrees Celsius, at a
-/// reading of its thermometer that was taken `dt_s` seconds after the one before: the
-/// reading itself, unless the arm was found to follow it late. The first reading after
-/// `truearm_init` is where the arm begins, as nothing is known of what was before. Call
-/// it with every reading, once a second or in every tick; one that is no number lets
-/// time pass.
-///
-/// # Safety
-/// Every pointer is NULL or as typed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn truearm_arm_temperature(
-    arm: *mut Truearm,
-    dt_s: f32,
-    reading_c: f32,
-    temperature_c: *mut f32,
-) -> TruearmError {
-    code((|| {
-        // SAFETY: the caller's promise.
-        let this = unsafe { handle(arm)? };
-        writable(temperature_c)?;
-        this.arm()?;
-        let arm = this.lag.step(dt_s, reading_c);
-        // SAFETY: the caller's promise; not NULL and aligned.
-        unsafe { temperature_c.write(arm) };
-        Ok(())
-    })())
-}
-
-/// One control tick: the joints, rad, at which the real tool is where the
-/// nominal model has it at `command`, rad. Returns an error for a bad pointer
-/// or approach, or without parameters only; whatever the numbers, `tick` then
-/// holds finite joints, and its status says whether they are compensated.
-///
-/// # Safety
-/// Every pointer is NULL or as typed; `command` points to 6 floats.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn truearm_tick(
-    arm: *mut Truearm,
-    command: *const f32,
-    state: *const TruearmState,
-    tick: *mut TruearmTick,
-) -> TruearmError {
-    code((|| {
-        // SAFETY: the caller's promise.
-        let (this, command, state) = unsafe {
-            (handle(arm)?, input(command.cast::<[f32; TRUEARM_JOINTS]>())?, input(state)?)
-        };
-        let state = state_of(&state)?;
-        writable(tick)?;
-        let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
-        let done = TruearmTick::from(&compensator.tick(&command, &state));
-        // SAFETY: the caller's promise; not NULL and aligned.
-        unsafe { tick.write(done) };
         Ok(())
     })())
 }

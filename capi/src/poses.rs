@@ -2,8 +2,9 @@
 
 use truearm::{Arm6, Pose, Scalar, State};
 
+use crate::convert::state_of;
 use crate::pointer::{handle, input, optional, writable};
-use crate::types::{TRUEARM_JOINTS, TruearmError, TruearmPose, TruearmState, state_of};
+use crate::types::{TRUEARM_JOINTS, TruearmError, TruearmPose, TruearmState};
 use crate::{Result, Truearm, code};
 
 /// Where the tool really is at encoder readings, rad. Without a state (NULL):
@@ -11,6 +12,7 @@ use crate::{Result, Truearm, code};
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `encoders` points to 6 floats.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_real_pose(
     arm: *mut Truearm,
@@ -32,6 +34,7 @@ pub unsafe extern "C" fn truearm_real_pose(
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `joints` points to 6 floats.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_nominal_pose(
     arm: *mut Truearm,
@@ -56,6 +59,7 @@ pub unsafe extern "C" fn truearm_nominal_pose(
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `encoders` points to 6 floats, `sigma` to 3.
+#[must_use]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn truearm_point_sigma(
     arm: *mut Truearm,
@@ -100,7 +104,7 @@ unsafe fn asked<'a, P>(
 
 /// # Safety
 /// `state` is NULL or as typed.
-unsafe fn state_or_neutral(
+pub unsafe fn state_or_neutral(
     arm: &Arm6<'_, f32>,
     state: *const TruearmState,
 ) -> Result<State<f32, TRUEARM_JOINTS>> {

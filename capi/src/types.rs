@@ -1,10 +1,5 @@
 //! The structures of the header. All bytes are valid for those that come in.
 
-use truearm::compensate::Status;
-use truearm::{Approach, Pose, Scalar, Settings, State, Task, Tick};
-
-use crate::Result;
-
 /// Joints of the arm.
 pub const TRUEARM_JOINTS: usize = 6;
 
@@ -65,7 +60,7 @@ pub struct TruearmSettings {
     /// Of `TruearmTask`.
     pub task: u8,
     /// 1: take the task of a pose although the arm's orientation was not
-    /// identified, what points cannot see of it being nominal.
+    /// identified, what points cannot see of it being nominal. Otherwise 0.
     pub trust_nominal_orientation: u8,
     /// How often what is left is looked at and solved for again, 1 to 4.
     pub refinements: u8,
@@ -95,7 +90,8 @@ pub enum TruearmApproach {
     Positive = 1,
 }
 
-/// What the terms of an arm depend on besides the joint values.
+/// What the terms of an arm depend on besides the joint values; begin with
+/// `truearm_default_state`. All zero is an arm at 0 degrees Celsius.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct TruearmState {
@@ -124,21 +120,26 @@ pub enum TruearmStatus {
     Ramping = 1,
     /// The whole correction, but for what was held back.
     On = 2,
-    /// Refused, a command is infinite or NaN: the joints of the last tick.
+    /// Refused, a command is infinite or NaN, or its pointer is bad: the joints of the last
+    /// tick.
     CommandNotFinite = 3,
-    /// Refused, the state is infinite or NaN: fading back to the command.
+    /// Refused, the state is infinite or NaN, or the tick returned an error of it: fading back
+    /// to the command.
     StateNotFinite = 4,
     /// Refused, no finite pose at this command: fading back to the command.
     OutOfRange = 5,
     /// Refused, terms need torques and the state has none: fading back to the command.
     TorqueUnknown = 6,
+    /// Refused, there is no arm or it has no parameters: the command as it is.
+    NoArm = 7,
 }
 
 /// What a tick did. Sets of joints are bits: joint 1 is bit 0.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct TruearmTick {
-    /// Joints to command, rad (m): always finite.
+    /// Joints to command, rad (m): always finite, but that with TRUEARM_STATUS_NO_ARM a
+    /// command that is no number leaves them as they were.
     pub joints: [f32; TRUEARM_JOINTS],
     /// How far it went.
     pub status: TruearmStatus,
@@ -179,130 +180,4 @@ pub struct TruearmPose {
     pub matrix: [[f32; 4]; 3],
     /// 1 within the joint ranges that the identification covered.
     pub covered: u8,
-}
-
-fn task_of(task: u8) -> Result<Task> {
-    [(TruearmTask::Position, Task::Position), (TruearmTask::Pose, Task::Pose)]
-        .into_iter()
-        .find_map(|(c, rust)| (c as u8 == task).then_some(rust))
-        .ok_or(TruearmError::BadSetting)
-}
-
-pub fn settings_of(c: &TruearmSettings) -> Result<Settings<f32, TRUEARM_JOINTS>> {
-    Ok(Settings {
-        task: task_of(c.task)?,
-        trust_nominal_orientation: c.trust_nominal_orientation != 0,
-        refinements: c.refinements,
-        max_correction: c.max_correction,
-        max_change: c.max_change,
-        ramp_ticks: c.ramp_ticks,
-        rotation_length: c.rotation_length_m,
-        singular: c.singular_m,
-    })
-}
-
-pub fn usual(task: u8) -> Result<TruearmSettings> {
-    let usual = Settings::<f32, TRUEARM_JOINTS>::new(task_of(task)?);
-    Ok(TruearmSettings {
-        task,
-        trust_nominal_orientation: u8::from(usual.trust_nominal_orientation),
-        refinements: usual.refinements,
-        ramp_ticks: usual.ramp_ticks,
-        rotation_length_m: usual.rotation_length,
-        singular_m: usual.singular,
-        max_correction: usual.max_correction,
-        max_change: usual.max_change,
-    })
-}
-
-/// A pose from 3 rows of 4, if its rotation is one.
-pub fn rigid(rows: &[[f32; 4]; 3]) -> Result<Pose<f32>> {
-    let mut pose = Pose::identity();
-    for (row, values) in rows.iter().enumerate() {
-        let [x, y, z, t] = *values;
-        for (column, value) in [x, y, z].into_iter().enumerate() {
-            if let Some(entry) = pose.rotation.get_mut((row, column)) {
-                *entry = value;
-            }
-        }
-        if let Some(entry) = pose.translation.get_mut(row) {
-            *entry = t;
-        }
-    }
-    let dot = |a: &[f32; 4], b: &[f32; 4]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let [x, y, z] = rows;
-    // Orthonormal rows, right-handed; a NaN fails every comparison.
-    let cross =
-        [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0], 0.0];
-    let wrong =
-        [dot(x, x) - 1.0, dot(y, y) - 1.0, dot(x, y), dot(&cross, z) - 1.0, dot(z, z) - 1.0];
-    let lengths = rows.iter().all(|row| Scalar::is_finite(row[3]));
-    if lengths && wrong.iter().all(|error| Scalar::abs(*error) < 1e-4) {
-        Ok(pose)
-    } else {
-        Err(TruearmError::BadTool)
-    }
-}
-
-pub fn state_of(c: &TruearmState) -> Result<State<f32, TRUEARM_JOINTS>> {
-    const NEGATIVE: i8 = TruearmApproach::Negative as i8;
-    const UNKNOWN: i8 = TruearmApproach::Unknown as i8;
-    const POSITIVE: i8 = TruearmApproach::Positive as i8;
-    let mut approach = [Approach::Unknown; TRUEARM_JOINTS];
-    for (rust, c) in approach.iter_mut().zip(&c.approach) {
-        *rust = match *c {
-            NEGATIVE => Approach::Negative,
-            UNKNOWN => Approach::Unknown,
-            POSITIVE => Approach::Positive,
-            _ => return Err(TruearmError::BadApproach),
-        };
-    }
-    let torque = match c.has_torque {
-        0 => None,
-        1 => Some(c.torque),
-        _ => return Err(TruearmError::BadState),
-    };
-    Ok(State { approach, payload: c.payload_kg, temperature: c.temperature_c, torque })
-}
-
-impl From<&Tick<f32, TRUEARM_JOINTS>> for TruearmTick {
-    fn from(tick: &Tick<f32, TRUEARM_JOINTS>) -> Self {
-        use truearm::compensate::Refusal;
-        Self {
-            joints: tick.joints,
-            status: match tick.status {
-                Status::Off => TruearmStatus::Off,
-                Status::Ramping => TruearmStatus::Ramping,
-                Status::On => TruearmStatus::On,
-                Status::Refused(Refusal::CommandNotFinite { .. }) => {
-                    TruearmStatus::CommandNotFinite
-                }
-                Status::Refused(Refusal::StateNotFinite) => TruearmStatus::StateNotFinite,
-                Status::Refused(Refusal::TorqueUnknown) => TruearmStatus::TorqueUnknown,
-                _ => TruearmStatus::OutOfRange,
-            },
-            position_error_m: tick.left.map_or([0.0; 3], |left| left.position),
-            rotation_error_rad: tick.left.map_or([0.0; 3], |left| left.rotation),
-            damping_m2: tick.damping.unwrap_or(0.0),
-            held_by_correction: tick.clamped.bound.0,
-            held_by_change: tick.clamped.change.0,
-            held_by_limit: tick.clamped.limit.0,
-            complete: u8::from(tick.is_complete()),
-            has_error: u8::from(tick.left.is_some()),
-            covered: u8::from(tick.covered == Some(true)),
-            orientation_identified: u8::from(tick.orientation_identified),
-        }
-    }
-}
-
-impl TruearmPose {
-    pub(crate) fn new(pose: &Pose<f32>, covered: bool) -> Self {
-        let Pose { rotation: r, translation: t } = pose;
-        let matrix = [
-            [r[(0, 0)], r[(0, 1)], r[(0, 2)], t[0]],
-            [r[(1, 0)], r[(1, 1)], r[(1, 2)], t[1]],
-            [r[(2, 0)], r[(2, 1)], r[(2, 2)], t[2]],
-        ];
-        Self { matrix, covered: u8::from(covered) }
-    }
 }

@@ -125,7 +125,9 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         }
     }
 
-    /// The same arm with the production tool, a pose in the flange frame.
+    /// The same arm with the production tool, a pose in the flange frame. Not looked at: where
+    /// it comes from outside as a matrix, [`Pose::from_rows`] refuses one that is scaled or
+    /// left-handed, of which the third axis would be made anew here from the first two.
     #[must_use]
     pub fn with_tool(&self, tool: Pose<T>) -> Self {
         let mut other = self.clone();

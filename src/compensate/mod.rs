@@ -13,7 +13,8 @@
 //!   `sqrt(|dp|^2 + rotation_length^2 |dw|^2)`. This is for arms that are off by
 //!   thousandths of their reach, tools within it, joints that turn, `singular` 0.02 to 0.1 of the
 //!   reach, `max_correction` up to `singular` over the reach, and in `f32` for
-//!   commands within 100 rad. Where it is damped, what terms bend a joint by may
+//!   commands within 100 rad, and within 8192 rad over the highest order of a periodic term of
+//!   the joint, 81 rad with an order of 101: beyond it a tick is refused. Where it is damped, what terms bend a joint by may
 //!   add up to 0.07 mm a mrad, and play its own size. `docs/compensation.md` has
 //!   what was seen beyond.
 //! * no joint is corrected by more than `max_correction`, but for four roundings of it, nor

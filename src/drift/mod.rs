@@ -78,6 +78,7 @@ impl FalseAlarms {
 /// What one point says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[must_use = "it may ask for a re-calibration"]
 pub struct Verdict<T> {
     /// Squared normalised innovation of this point, chi-square of 3 degrees.
     pub chi_square: T,

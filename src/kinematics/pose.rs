@@ -81,6 +81,46 @@ impl<T: Scalar> Pose<T> {
         Self { rotation, translation }
     }
 
+    /// From three rows of four, the rotation and the translation in m, as matrices are written
+    /// and a controller's tool comes; `None` where it [is no rigid transform](Self::is_rigid).
+    ///
+    /// ```
+    /// use truearm::Pose;
+    ///
+    /// let tool = [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.15]];
+    /// assert!(Pose::from_rows(&tool).is_some());
+    /// let left_handed = tool.map(|[x, y, z, t]| [-x, y, z, t]);
+    /// assert_eq!(Pose::from_rows(&left_handed), None);
+    /// ```
+    #[must_use]
+    pub fn from_rows(rows: &[[T; 4]; 3]) -> Option<Self> {
+        let [[a, b, c, x], [d, e, f, y], [g, h, i, z]] = *rows;
+        let rotation = Matrix3::new(a, b, c, d, e, f, g, h, i);
+        let pose = Self { rotation, translation: Vector3::new(x, y, z) };
+        pose.is_rigid().then_some(pose)
+    }
+
+    /// Whether it is what a pose has to be: a finite translation and a rotation, axes of length
+    /// one at right angles, right-handed, within 1e-4. Its fields are public and hold anything;
+    /// what this crate computes of a matrix that is scaled, skew or left-handed is of another
+    /// one, without a word.
+    #[must_use]
+    pub fn is_rigid(&self) -> bool {
+        let [x, y, z] = axes(&self.rotation);
+        let off = |product: T, wanted: T| (product - wanted).abs();
+        let errors = [
+            off(dot(&x, &x), T::ONE),
+            off(dot(&y, &y), T::ONE),
+            off(dot(&x, &y), T::ZERO),
+            // Both together: z is the third axis.
+            off(dot(&cross(&x, &y), &z), T::ONE),
+            off(dot(&z, &z), T::ONE),
+        ];
+        // A NaN fails every comparison.
+        errors.iter().all(|error| *error < T::from_f32(1e-4))
+            && self.translation.iter().all(|length| length.is_finite())
+    }
+
     /// The rotation as a vector, axis times angle, of at most half a turn, rad: by the
     /// quaternion, from its largest component.
     #[must_use]

@@ -169,6 +169,7 @@ impl<E> From<Fault<E>> for WriteError<E> {
 /// What [`super::Store::store`] did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[must_use = "nothing may have been written"]
 pub enum Stored {
     /// These parameters are stored already; nothing was written.
     Unchanged,

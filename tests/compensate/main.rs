@@ -9,6 +9,7 @@ mod blobs;
 mod common;
 mod law;
 mod paths;
+mod range;
 mod shortcuts;
 mod torques;
 mod valid;

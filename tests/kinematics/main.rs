@@ -11,4 +11,5 @@ mod error_curves;
 mod loads;
 mod oracle;
 mod parameters;
+mod poses;
 mod scalar;

@@ -124,9 +124,7 @@ fn the_group_that_moved_is_suspected() {
         let mut shop = Shop::new(21, shifted);
         let right = (0..100).filter(|_| {
             let (_, mut watch) = shop.until_alarm(FalseAlarms::OneIn1000);
-            (0..5).for_each(|_| {
-                shop.push(&mut watch);
-            });
+            (0..5).for_each(|_| assert!(shop.push(&mut watch).recalibrate));
             watch.suspect().is_some_and(|s| s.group == group)
         });
         let right = right.count();
@@ -139,9 +137,7 @@ fn the_group_that_moved_is_suspected() {
 fn the_shift_is_measured_and_a_baseline_hides_what_was_always_there() {
     let mut shop = Shop::new(31, |p| p.corrections[2].theta += 1e-3);
     let (_, mut watch) = shop.until_alarm(FalseAlarms::OneIn10000);
-    (0..20).for_each(|_| {
-        shop.push(&mut watch);
-    });
+    (0..20).for_each(|_| assert!(shop.push(&mut watch).recalibrate));
     let suspect = watch.suspect().unwrap();
     assert_eq!(suspect.group, Group::JointOffset(2));
     assert!((suspect.shift - 1e-3).abs() < 5e-5, "{suspect:?}");
@@ -217,7 +213,7 @@ fn bad_input_is_an_error_and_changes_nothing() {
     }
     let mut shop = Shop::new(41, |p| p.tool.x += 1e-3);
     let mut watch = DriftWatch::new(SIGMA, FalseAlarms::default()).unwrap();
-    shop.push(&mut watch);
+    let _ = shop.push(&mut watch);
     let before = watch;
     let good = shop.point();
     let mut bad = [good; 3];
@@ -257,4 +253,14 @@ proptest! {
             }
         }
     }
+}
+
+/// The compiler warns of a verdict that nobody looks at, which may ask for a re-calibration.
+#[test]
+#[expect(unused_must_use)]
+#[deny(unfulfilled_lint_expectations)]
+fn a_verdict_that_is_dropped_is_warned_of() {
+    let mut shop = Shop::new(1, |_| ());
+    let mut watch = DriftWatch::new(SIGMA, FalseAlarms::default()).unwrap();
+    shop.push(&mut watch);
 }

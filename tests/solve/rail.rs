@@ -9,7 +9,7 @@ use truearm::blob::{Acceptance, encode};
 use truearm::drift::{DriftWatch, FalseAlarms, Group};
 use truearm::parameters::Parameter;
 use truearm::reidentify::Reidentify;
-use truearm::store::{NorSlots, Store};
+use truearm::store::{NorSlots, Store, Stored};
 use truearm::streaming::{Lambda, Settings};
 use truearm::{Arm, ArmParameters, Link, LinkParameter, Scalar};
 
@@ -165,7 +165,7 @@ fn what_was_reidentified_is_stored_and_driven_with_after_power_up() {
         let mut buffer = [0; 2000];
         let slots = NorSlots::new(&mut flash, [0, 2048], 2048).unwrap();
         let (mut store, _) = Store::open(slots, &mut buffer, Acceptance::of(7, 7)).unwrap();
-        store.store(&bytes[..length]).unwrap();
+        assert!(matches!(store.store(&bytes[..length]).unwrap(), Stored::Written(_)));
     }
     // The power was off.
     let mut buffer = [0; 2000];

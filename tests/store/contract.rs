@@ -11,7 +11,7 @@ use truearm::store::{
 
 use super::rig::cells::{Cells, Cut, NorPart, Part, Shared, Tear};
 use super::rig::samples::{full, seal, short};
-use super::rules::{Error, Flash, SLOT, flash, mine, open, source, store};
+use super::rules::{Error, Flash, SLOT, flash, fresh, mine, open, source, store};
 
 /// The full blob with some bytes changed and the checksum mended.
 fn forged(sequence: u32, offset: usize, bytes: &[u8]) -> Vec<u8> {
@@ -79,7 +79,7 @@ fn what_is_whole_and_refused_is_never_erased() {
                 let cells = flash();
                 let put = if good { Slot::B } else { Slot::A };
                 if good {
-                    store(&cells, &full(1, 1)).expect("an empty store");
+                    fresh(&cells, &full(1, 1));
                 }
                 if unfinished {
                     store_without_end(&cells, &blob, put);
@@ -176,7 +176,7 @@ fn a_short_buffer_erases_nothing() {
         if unfinished {
             store_without_end(&cells, &long, Slot::A);
         } else {
-            store(&cells, &long).expect("an empty store");
+            fresh(&cells, &long);
         }
         let before = cells.borrow().bytes.clone();
         let mut buffer = [0; 600];
@@ -246,7 +246,7 @@ fn a_fault_erases_nothing() {
 #[test]
 fn what_is_in_use_is_not_discarded() {
     let cells = flash();
-    store(&cells, &full(5, 1)).expect("an empty store");
+    fresh(&cells, &full(5, 1));
     let mut buffer = [0; SLOT];
     let (mut store, _) = open(&cells, &mut buffer);
     assert_eq!(store.discard(Slot::A), Err(StoreError::InUse(Slot::A)));

@@ -37,6 +37,12 @@ pub fn store(cells: &Shared, blob: &[u8]) -> Result<Stored, StoreError<Error>> {
     open(cells, &mut [0; SLOT]).0.store(blob)
 }
 
+/// Where there is none, or an older one.
+pub fn fresh(cells: &Shared, blob: &[u8]) {
+    let stored = store(cells, blob).expect("an empty store or a newer blob");
+    assert!(matches!(stored, Stored::Written(_)));
+}
+
 pub fn source(cells: &Shared) -> Source<Error> {
     open(cells, &mut [0; SLOT]).1.source
 }
@@ -57,7 +63,7 @@ fn slots_take_turns_and_the_newest_is_found() {
 #[test]
 fn the_same_parameters_write_nothing() {
     let cells = flash();
-    store(&cells, &full(5, 1)).expect("an empty store");
+    fresh(&cells, &full(5, 1));
     let before = cells.borrow().bytes.clone();
     for sequence in [4, 5, 6] {
         assert_eq!(store(&cells, &full(sequence, 1)), Ok(Stored::Unchanged));
@@ -68,7 +74,7 @@ fn the_same_parameters_write_nothing() {
 #[test]
 fn what_a_programmer_writes_is_taken_as_it_is() {
     let cells = flash();
-    store(&cells, &full(5, 1)).expect("an empty store");
+    fresh(&cells, &full(5, 1));
     cells.borrow_mut().flash(SLOT, &full(6, 2), SLOT);
     let before = cells.borrow().bytes.clone();
     assert_eq!(source(&cells), Source::Newest(Slot::B));
@@ -79,7 +85,7 @@ fn what_a_programmer_writes_is_taken_as_it_is() {
 #[test]
 fn an_older_sequence_is_refused_and_writes_nothing() {
     let cells = flash();
-    store(&cells, &full(5, 1)).expect("an empty store");
+    fresh(&cells, &full(5, 1));
     for offered in [0, 4, 5] {
         let refused = StoreError::NotNewer { stored: 5, offered };
         assert_eq!(store(&cells, &full(offered, 2)), Err(refused));
@@ -96,7 +102,7 @@ fn another_robot_is_refused_and_left_alone() {
     let robot = Blob::check(&full(9, 1)).expect("a blob").robot_id();
     let wrong = AcceptanceError::WrongRobot { blob: robot ^ 1, robot };
     assert_eq!(store(&cells, &other), Err(StoreError::Blob(wrong)));
-    store(&cells, &full(5, 1)).expect("an empty store");
+    fresh(&cells, &full(5, 1));
     cells.borrow_mut().flash(SLOT, &other, SLOT);
     let rejected = Rejection::Blob(wrong);
     assert_eq!(source(&cells), Source::LastGood { slot: Slot::A, rejected });
@@ -120,8 +126,8 @@ fn damaged_blobs_are_refused_by_the_store() {
 #[test]
 fn bit_rot_falls_back_to_the_last_good() {
     let cells = flash();
-    store(&cells, &full(1, 1)).expect("an empty store");
-    store(&cells, &full(2, 2)).expect("a newer blob");
+    fresh(&cells, &full(1, 1));
+    fresh(&cells, &full(2, 2));
     let whole = cells.borrow().clone();
     for bit in 0..8 * full(2, 2).len() {
         let mut rotten = whole.clone();
@@ -142,8 +148,8 @@ fn bit_rot_falls_back_to_the_last_good() {
 #[test]
 fn bit_rot_of_the_marks_loses_nothing() {
     let cells = flash();
-    store(&cells, &full(1, 1)).expect("an empty store");
-    store(&cells, &full(2, 2)).expect("a newer blob");
+    fresh(&cells, &full(1, 1));
+    fresh(&cells, &full(2, 2));
     let whole = cells.borrow().clone();
     for bit in 0..8 * 16 {
         let mut rotten = whole.clone();
@@ -159,7 +165,7 @@ fn bit_rot_of_the_marks_loses_nothing() {
 #[test]
 fn a_dead_device_is_reported() {
     let cells = flash();
-    store(&cells, &full(1, 1)).expect("an empty store");
+    fresh(&cells, &full(1, 1));
     cells.borrow_mut().dead = true;
     let mut buffer = [0; SLOT];
     let slots = Flash::mount(&cells, SLOT);
@@ -181,4 +187,12 @@ fn slots_must_fit_the_device() {
     assert_eq!(nor([512, 0], 1024), Some(GeometryError::Overlap));
     assert_eq!(nor([0, 1536], 1024), Some(GeometryError::Capacity { capacity: 2048 }));
     assert_eq!(nor([0, u32::MAX - 511], 512), Some(GeometryError::Capacity { capacity: 2048 }));
+}
+
+/// The compiler warns of what was stored, or was not as it was there, when nobody looks.
+#[test]
+#[expect(unused_must_use)]
+#[deny(unfulfilled_lint_expectations)]
+fn what_was_stored_and_is_dropped_is_warned_of() {
+    store(&flash(), &full(1, 1)).unwrap();
 }

@@ -62,7 +62,32 @@ pub fn run() -> Result {
         step(&format!("C program {name}"), || platform.check())?;
         step(&format!("C program {name} with a panic built in"), || platform.must_not_link())?;
     }
-    step("C of the book", of_the_book)
+    step("C of the book", of_the_book)?;
+    step("C that looks at no error", ignored)
+}
+
+/// A program that looks at no error is warned of every one: by the attribute of C23 and C++17
+/// as by that of the compiler.
+fn ignored() -> Result {
+    let source = directory().join("c/ignored.c");
+    let calls = fs::read_to_string(&source)?.matches("\n    truearm_").count();
+    for (gcc, language) in
+        [(HOST.gcc, "c11"), (HOST.gcc, "c2x"), (HOST.gcc, "c++17"), (BOARD.gcc, "c11")]
+    {
+        let mut compile = Command::new(gcc);
+        let name = if language.starts_with("c++") { "c++" } else { "c" };
+        compile.args(["-x", name, &format!("-std={language}"), "-Wall", "-Wextra", "-Wpedantic"]);
+        compile.arg("-I").arg(directory().join("include")).arg("-c").arg(&source);
+        compile.env("LC_ALL", "C");
+        let output = compile.arg("-o").arg(build_dir().join("ignored.o")).output()?;
+        let said = String::from_utf8_lossy(&output.stderr);
+        let (all, unused) =
+            (said.matches(" warning: ").count(), said.matches("[-Wunused-result]").count());
+        if !output.status.success() || all != calls || unused != calls {
+            return Err(format!("{gcc} -std={language}: {unused} of {calls}:\n{said}").into());
+        }
+    }
+    Ok(())
 }
 
 /// The page that shows how a C program uses the library compiles.

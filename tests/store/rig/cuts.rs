@@ -8,7 +8,7 @@ use std::rc::Rc;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truearm::blob::{Acceptance, Blob};
-use truearm::store::{Medium, Store};
+use truearm::store::{self, Medium, Store};
 
 use super::cells::{Cells, Cut, Part, Shared, Tear};
 use super::samples;
@@ -180,7 +180,8 @@ impl<P: Part> Bench<P> {
             } else if let Some(blob) = opened.blob {
                 assert_eq!(self.blobs.mine().judge(&blob), Ok(()));
             }
-            store.store(newest).expect("a newer blob than any");
+            let stored = store.store(newest).expect("a newer blob than any");
+            assert!(matches!(stored, store::Stored::Written(_)));
         }
     }
 

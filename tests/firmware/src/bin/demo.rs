@@ -198,7 +198,8 @@ impl<'t, M: Medium> Controller<'t, M> {
         let mut bytes = [0; SLOT as usize];
         let size = encode(&mended.parameters, &mut bytes).map_err(|error| failed(port, error))?;
         let blob = bytes.get(..size).unwrap_or_default();
-        self.store.store(blob).map_err(|error| failed(port, error))?;
+        // Written or there already: it is what the next power-up finds.
+        let _ = self.store.store(blob).map_err(|error| failed(port, error))?;
         let _ = write!(port, "stored {} {}", mended.parameters.sequence, Name(suspect));
         for (group, _) in GROUPS.iter().zip(mended.moved).filter(|(_, moved)| *moved) {
             let _ = write!(port, " {}", Name(Some(*group)));

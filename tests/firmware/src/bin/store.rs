@@ -132,7 +132,8 @@ fn churn<M: Medium>(
         parameters.tool.x = (parameters.sequence % 1000) as f32 * 1e-4;
         let size = encode(&parameters, &mut bytes).map_err(|error| failed("encode", error))?;
         hprintln!("storing: {}", parameters.sequence);
-        store.store(&bytes[..size]).map_err(|error| failed("store", error))?;
+        // Never there already: each has a number of its own.
+        let _ = store.store(&bytes[..size]).map_err(|error| failed("store", error))?;
         hprintln!("stored: {}", parameters.sequence);
     }
 }
