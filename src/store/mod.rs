@@ -37,8 +37,8 @@
 //! A driver of a flash with ECC reports a word that a cut left half programmed
 //! as an error, and `embedded-storage` has one kind of error for that and for a
 //! bus that does not answer. They are told apart by trying: a slot is torn where
-//! one word fails at eight readings in a row while after each of them another
-//! word of the same slot is read; in [`Store::store`], if nothing of the slot
+//! one word fails, or reads differently, at eight pairs of readings in a row while
+//! after each of them another word of the same slot is read; in [`Store::store`], if nothing of the slot
 //! can be read, while after each the first word of the blob in use is. Where
 //! neither slot answers nothing is erased, and the blob in use never is. A slot
 //! of which nothing can be read while nothing is in use is left to
@@ -122,7 +122,7 @@
 //! that is [`Settled::Failed`], and `store` still tries both slots; should the
 //! torn blob then read valid once and be newer, it is returned, as `Failed`.
 //!
-//! # When the power fails: the memory
+//! # Assumptions
 //! What is asked of a memory, and why it can be had:
 //!
 //! | asked | without it | why it holds |

@@ -141,9 +141,9 @@ impl<M: Medium> Store<M> {
         Ok(None)
     }
 
-    /// Whether a word of a slot fails at every reading, while after each another
-    /// one of the slot is read, or where there is none the first of the slot in
-    /// use: a device that does not answer is no torn word.
+    /// Whether a word of a slot fails, or reads otherwise, at every two readings,
+    /// while after these another one of the slot is read, or where there is none
+    /// the first of the slot in use: a device that does not answer is no torn word.
     fn is_torn(&mut self, slot: Slot) -> bool {
         let all = 0..self.medium.slot_size();
         let Some(torn) = all.step_by(M::WORD).find(|at| !self.reads(slot, *at)) else {
@@ -162,11 +162,17 @@ impl<M: Medium> Store<M> {
         (0..self.medium.slot_size()).step_by(M::WORD).find(|at| self.reads(slot, *at))
     }
 
-    /// Whether a word can be read.
+    /// Whether a word can be read, and reads the same again.
     #[inline(never)]
     fn reads(&mut self, slot: Slot, offset: usize) -> bool {
-        let mut word = [0; MAX_WORD];
-        self.medium.read(slot, offset, word.get_mut(..M::WORD).unwrap_or(&mut [])).is_ok()
+        let mut words = [[0; MAX_WORD]; 2];
+        let [a, b] = &mut words;
+        [a, b].into_iter().all(|word| {
+            self.medium.read(slot, offset, word.get_mut(..M::WORD).unwrap_or(&mut [])).is_ok()
+        }) && {
+            let [a, b] = &words;
+            a.get(..M::WORD) == b.get(..M::WORD)
+        }
     }
 
     /// Places of the marks, behind the room for a blob.

@@ -25,15 +25,15 @@ impl<M: Medium> Store<M> {
         }
         let sequence = blob.sequence();
         let bytes = bytes.get(..blob.size()).unwrap_or(bytes);
-        if let Some((slot, stored)) = self.live {
-            if sequence <= stored {
-                let content = blob.content();
-                return if self.compare(slot, bytes, &content).map_err(WriteError::Fault)? {
-                    Ok(Stored::Unchanged { sequence: stored })
-                } else {
-                    Err(StoreError::NotNewer { stored, offered: sequence })
-                };
-            }
+        if let Some((slot, stored)) = self.live
+            && sequence <= stored
+        {
+            let content = blob.content();
+            return if self.compare(slot, bytes, &content).map_err(WriteError::Fault)? {
+                Ok(Stored::Unchanged { sequence: stored })
+            } else {
+                Err(StoreError::NotNewer { stored, offered: sequence })
+            };
         }
         let target = match self.live {
             Some((slot, _)) => slot.other(),

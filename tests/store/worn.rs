@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use std::rc::Rc;
 
 use proptest::prelude::*;
-use truearm::store::{Medium, Settled, Slot, Store, StoreError, WriteError};
+use truearm::store::{Medium, Settled, Slot, Store, StoreError, Stored, WriteError};
 
 use super::rig::cells::{Cells, Cut, EccPart, EepromPart, NorPart, Part, Shared, Tear};
 use super::rig::memory::Worn;
@@ -171,6 +171,24 @@ fn an_outage_erases_nothing() {
         assert!(found.is_some_and(|n| may_be.contains(&n)), "{found:?}: {first:?}, {second:?}");
     }
     assert!(beside_unread > 100, "{beside_unread}");
+}
+
+/// Where neither slot answers and nothing is in use only the caller knows.
+#[test]
+fn silent_slots_are_discarded_on_purpose() {
+    let cells = flash();
+    store(&cells, &full(5, 5)).expect("an empty store");
+    cells.borrow_mut().power_up(None);
+    cells.borrow_mut().fail_reads(0, usize::MAX);
+    let mut buffer = [0; SLOT];
+    let slots = Flash::mount(&cells, SLOT);
+    let (mut store, _) = Store::open(slots, &mut buffer, mine()).expect("room for a blob");
+    let occupied = StoreError::Write(WriteError::Occupied(Slot::B));
+    assert_eq!(store.store(&full(6, 6)), Err(occupied));
+    assert_eq!(cells.borrow().operations, 0);
+    cells.borrow_mut().fail_reads(0, 0);
+    assert_eq!(store.discard(Slot::A), Ok(()));
+    assert_eq!(store.store(&full(6, 6)), Ok(Stored::Written(Slot::A)));
 }
 
 proptest! {
