@@ -38,8 +38,9 @@
 //! as an error, and `embedded-storage` has one kind of error for that and for a
 //! bus that does not answer. They are told apart by trying: a slot is torn where
 //! one word fails, or reads differently, at eight pairs of readings in a row while
-//! after each of them another word of the same slot is read; in [`Store::store`], if nothing of the slot
-//! can be read, while after each the first word of the blob in use is. Where
+//! after each of them another word of the same slot is read; in [`Store::store`],
+//! if nothing of the slot can be read, while after each the first word of the
+//! blob in use is. A mark is torn that fails so at eight readings. Where
 //! neither slot answers nothing is erased, and the blob in use never is. A slot
 //! of which nothing can be read while nothing is in use is left to
 //! [`Store::discard`]. A driver that ends in a fault handler instead of an error
@@ -56,14 +57,13 @@
 //! is the newest valid blob, it writes that anew from memory: in place where the
 //! other slot has an older blob to fall back to or is not the store's to erase,
 //! otherwise to the other slot, for what is the only blob may have been in use.
-//! A `DONE` with more than
-//! two wrong bits may read as none tomorrow, so such a blob, which is solid, is
-//! copied to the other slot as well, and one of which `DONE` is torn in the sense
-//! above, as blank words can be read. With `BEGN` torn a valid blob is unfinished.
-//! A copy begins with `CPY` and the number of
-//! copies in place of `BEGN`: an unfinished copy is given up for its original,
-//! and a solid copy is preferred to its original, which may have been erased in
-//! part since. Only when all this is done does `open` return.
+//! A `DONE` with more than two wrong bits may read as none tomorrow, so such a
+//! blob, which is solid, is copied to the other slot as well, and one of which
+//! `DONE` is torn in the sense above, as blank words can be read. With `BEGN` torn
+//! a valid blob is unfinished. A copy begins with `CPY` and the number of copies
+//! in place of `BEGN`: an unfinished copy is given up for its original, and a
+//! solid copy is preferred to its original, which may have been erased in part
+//! since. Only when all this is done does `open` return.
 //!
 //! What `open` returned is final, unless it says [`Settled::Failed`]: from then
 //! on there is that blob or one that was stored after it.

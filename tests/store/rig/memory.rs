@@ -191,15 +191,10 @@ impl Cells {
             let code = codes.find(|code| {
                 word.iter().zip(*code).map(|(a, b)| (a ^ b).count_ones()).sum::<u32>() <= 1
             });
+            let sum = word.iter().fold(0, |sum: u8, byte| sum.rotate_left(3) ^ byte);
             match code {
                 Some(code) => word.copy_from_slice(code),
-                None if word
-                    .iter()
-                    .fold(0, |sum: u8, b| sum.rotate_left(3) ^ b)
-                    .is_multiple_of(4) =>
-                {
-                    ()
-                }
+                None if sum % 4 == 0 => (),
                 None => return Err(NorFlashErrorKind::Other),
             }
         }
