@@ -119,7 +119,8 @@ impl Acceptance {
 
     /// Only from this sequence number on: what a store demands of a new blob.
     /// At power-up it is left out, so that the older slot can stand in for a
-    /// damaged newer one.
+    /// damaged newer one; or it is a counter that is never ahead of
+    /// [`Store::live`](crate::store::Store::live).
     #[must_use]
     pub const fn not_before(self, sequence: u32) -> Self {
         Self { oldest: sequence, ..self }

@@ -65,7 +65,9 @@ pub trait Medium {
     /// Reads whole words.
     ///
     /// # Errors
-    /// When the device does not answer.
+    /// When the device does not answer, or cannot read a word, as an ECC one that
+    /// was cut. A word that always fails beside others that do not is torn (see
+    /// the [module](super)), so do not hand on an error of another part.
     fn read(
         &mut self,
         slot: Slot,

@@ -68,7 +68,7 @@ pub enum Progress {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Rejection<E> {
-    /// It could not be read.
+    /// It could not be read, at any of several attempts.
     Fault(Fault<E>),
     /// It reads differently every time.
     Unstable,
@@ -110,7 +110,9 @@ pub enum Settled<E> {
     /// A store that had not ended was undone: its slot was erased.
     Erased,
     /// One of these was needed and failed. The blob can be used, but may be
-    /// gone at the next power-up, and [`super::Store::store`] refuses.
+    /// gone at the next power-up, or an unfinished one may be in its place, and
+    /// [`super::Store::store`] refuses. Without a blob it does not: there is
+    /// nothing to lose.
     Failed(WriteError<E>),
 }
 
@@ -121,7 +123,8 @@ pub enum Settled<E> {
 pub enum WriteError<E> {
     /// The memory failed.
     Fault(Fault<E>),
-    /// The slot does not read back as written.
+    /// The slot does not read back as written: worn, or disturbed. Without a
+    /// blob in use the other one was tried as well.
     ReadBack(Slot),
     /// The blob does not fit, and [`super::Store::open`] could not read it back.
     TooLong {
@@ -131,8 +134,9 @@ pub enum WriteError<E> {
         /// write words, where that is less.
         room: usize,
     },
-    /// The slot that is needed holds what is not the store's to erase: see
-    /// [`super::Store::discard`].
+    /// The slot that is needed holds what is not the store's to erase, or what
+    /// cannot be read and may be more than torn: see [`super::Store::discard`].
+    /// Nothing was written.
     Occupied(Slot),
 }
 
@@ -145,7 +149,7 @@ impl<E: fmt::Debug> fmt::Display for WriteError<E> {
                 write!(f, "the blob has {needed} bytes, slot and buffer have room for {room}")
             }
             Self::Occupied(slot) => {
-                write!(f, "slot {slot} holds what is not the store's to erase")
+                write!(f, "slot {slot} holds what is not the store's to erase, or cannot be read")
             }
         }
     }
@@ -171,8 +175,12 @@ impl<E> From<Fault<E>> for WriteError<E> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use = "nothing may have been written"]
 pub enum Stored {
-    /// These parameters are stored already; nothing was written.
-    Unchanged,
+    /// These parameters are in force already, under the same number or a later
+    /// one; nothing was written.
+    Unchanged {
+        /// Of the blob in force.
+        sequence: u32,
+    },
     /// Written, read back, committed.
     Written(Slot),
 }

@@ -65,10 +65,28 @@ fn the_same_parameters_write_nothing() {
     let cells = flash();
     fresh(&cells, &full(5, 1));
     let before = cells.borrow().bytes.clone();
-    for sequence in [4, 5, 6] {
-        assert_eq!(store(&cells, &full(sequence, 1)), Ok(Stored::Unchanged));
+    for offered in [4, 5] {
+        assert_eq!(store(&cells, &full(offered, 1)), Ok(Stored::Unchanged { sequence: 5 }));
     }
     assert_eq!((cells.borrow().operations, &cells.borrow().bytes), (0, &before));
+}
+
+/// A counter that only goes up follows what was stored or offered: the next
+/// power-up finds the parameters, also where they differ in their number alone.
+#[test]
+fn a_counter_that_follows_the_store_refuses_nothing() {
+    let cells = flash();
+    for offered in [2, 12, 12, 7, 13] {
+        store(&cells, &full(offered, 1)).expect("the same parameters");
+        let mut buffer = [0; SLOT];
+        let (store, _) = open(&cells, &mut buffer);
+        let (_, sequence) = store.live().expect("parameters");
+        assert!(sequence >= offered, "{sequence} in force after {offered} was stored");
+        let slots = Flash::mount(&cells, SLOT);
+        let (store, _) =
+            Store::open(slots, &mut buffer, mine().not_before(sequence)).expect("room for a blob");
+        assert_eq!(store.live().map(|(_, sequence)| sequence), Some(sequence));
+    }
 }
 
 #[test]

@@ -5,4 +5,5 @@
 
 pub mod cells;
 pub mod cuts;
+pub mod memory;
 pub mod samples;
