@@ -257,8 +257,8 @@ pub unsafe extern "C" fn truearm_set_tool(arm: *mut Truearm, tool: *const f32) -
         let (this, rows) = unsafe { (handle(arm)?, input(tool.cast::<[[f32; 4]; 3]>())?) };
         let tool = Pose::from_rows(&rows).ok_or(TruearmError::BadTool)?;
         let compensator = this.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
-        let arm = compensator.arm().with_tool(tool);
-        compensator.set_arm(arm).map_err(|_| TruearmError::BadSetting)
+        compensator.set_tool(&tool);
+        Ok(())
     })())
 }
 
