@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::node::Node;
-use super::weigh::along;
+use super::weigh::Moved;
 use crate::identify::{Problem, Scatterer};
 use crate::units::joint_micro;
 
@@ -42,9 +42,11 @@ pub fn all(problem: &Problem, best: &Node, scattering: &[(Scatterer, f64)]) -> V
     let of_joint = |(source, _): &(Scatterer, f64)| {
         let joint = source.joint()?;
         let others = scattering.iter().filter(|(other, _)| other != source);
-        let others: Vec<(Scatterer, f64)> = others.map(|(j, size)| (*j, size * size)).collect();
+        let (sources, others): (Vec<Scatterer>, Vec<(usize, f64)>) =
+            others.enumerate().map(|(k, (other, size))| (*other, (k + 1, size * size))).unzip();
+        let sources = [&[*source][..], &sources].concat();
         let told = |row: &usize| {
-            let (ways, residual) = along(&at, problem, *row, *source, &others);
+            let (ways, residual) = Moved::of(&at, problem, *row, &sources).beside(0, &others);
             let way = ways.column(0);
             let square = way.norm_squared();
             let off = way.dot(&DVector::from_column_slice(&residual)) / square;

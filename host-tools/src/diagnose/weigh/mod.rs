@@ -37,7 +37,7 @@ mod weighed;
 mod weights;
 
 use super::candidates::Candidate;
-use super::node::{Node, fitted};
+use super::node::Node;
 use super::question::Question;
 use crate::error::Result;
 use curve::Curve;
@@ -50,7 +50,7 @@ use partial_fits::FIRST;
 pub use possible::What;
 use search::{AT_FIRST, BESIDE_SCATTER, WHOLE, search};
 use search_result::Searched;
-pub use sheet::{Scattered, Weights, along};
+pub use sheet::{Moved, Scattered, Weights};
 use start::Start;
 pub use start::with_curves;
 use unweighed_springs::sprung;
@@ -134,14 +134,19 @@ fn from_geometry(q: &Question, root: &Node, progress: &dyn Fn()) -> Result<(Star
 fn replicated(q: &Question, mut found: Searched, progress: &dyn Fn()) -> Result<Searched> {
     let mut dropped = Vec::new();
     loop {
-        found = match (scattering::next(q, &found, &dropped), found.ended) {
-            (Some(change), _) => {
-                dropped.extend(change.dropped());
-                search(q, scattering::after(q, &found, change)?, BESIDE_SCATTER, progress)?
-            }
-            (None, false) => search(q, found.again(), WHOLE, progress)?,
-            (None, true) => break,
-        };
+        if let Some(change) = scattering::next(q, &found, &dropped) {
+            dropped.extend(change.dropped());
+            found = search(q, scattering::after(q, &found, change)?, BESIDE_SCATTER, progress)?;
+            continue;
+        }
+        if found.ended {
+            break;
+        }
+        found = search(q, found.again(), WHOLE, progress)?;
+        // Of what is as it was, no other question has another answer.
+        if found.still {
+            break;
+        }
     }
     for _ in 0..RESCANS {
         let ghosts = rescan::ghosts(q, &found);
@@ -150,10 +155,8 @@ fn replicated(q: &Question, mut found: Searched, progress: &dyn Fn()) -> Result<
         }
         let (out, kept): (Vec<Candidate>, Vec<Candidate>) =
             found.best.added.iter().cloned().partition(|c| ghosts.contains(c));
-        let problem = found.bent.problem(q.problem);
         let mut start = found.again();
-        start.node =
-            fitted(&Question { problem: &problem, ..*q }, kept, &found.best.fit.fit.state)?;
+        start.fit(q, kept)?;
         start.refused.extend(out);
         start.closed.extend(ghosts.iter().flat_map(|c| c.joints()).map(|joint| joint - 1));
         found = search(q, start, WHOLE, progress)?;

@@ -9,9 +9,8 @@ use super::possible::{What, members_of};
 use super::search_result::Searched;
 use super::sheet::{Scattered, Sheet, Weights};
 use super::start::Start;
-use super::weights;
+use super::weights::Left;
 use crate::diagnose::candidates;
-use crate::diagnose::node::fitted;
 use crate::diagnose::policy::POLICY;
 use crate::diagnose::question::Question;
 use crate::error::Result;
@@ -73,11 +72,16 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
     let nameless = found.nameless();
     // What has no name and is of no joint is set aside, or it is scatter.
     let others: Vec<_> = nameless.iter().filter(|held| held.0.joint().is_none()).cloned().collect();
+    let joints = (0..problem.nominal.len()).map(Scatterer::Joint);
+    let sight = has_sight(&problem, state).then_some(Scatterer::Sight);
+    let asked_of = |s: &Scatterer| !known.contains(s) && !dropped.contains(s);
+    let unknown: Vec<Scatterer> = joints.chain(sight).filter(asked_of).collect();
+    let bare = nameless::without(&problem, state, &nameless);
     let compared = Compared {
         q,
         found,
         problem: &nameless::without(&problem, state, &others),
-        left: &nameless::without(&problem, state, &nameless),
+        left: Left::of(&bare, &found.best, &[&known[..], &unknown].concat()),
     };
     let members = asked(found);
     let plain = compared.noise(&known);
@@ -92,17 +96,10 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
         // Nothing that it has may be its scatter: what is left has to say so by itself.
         let alone = bare.len() == members.len() && noise.whole() < plain.whole() + enough;
         let ratio = noise.weights.scattering.last().map_or(0.0, |s| s.1);
-        let denied = || {
-            let all = &noise.weights.scattering;
-            weights::denied(compared.left, &found.best, all) > enough
-        };
+        let denied = || compared.left.denied(&noise.weights.scattering) > enough;
         (ratio > 0.0 && !alone && !denied()).then_some((source, bare, noise))
     };
-    let joints = (0..problem.nominal.len()).map(Scatterer::Joint);
-    let sight = has_sight(&problem, state).then_some(Scatterer::Sight);
-    let all: Vec<Scatterer> = joints.chain(sight).collect();
-    let others = all.into_par_iter().filter(|s| !known.contains(s) && !dropped.contains(s));
-    let asked: Vec<_> = others.filter_map(scattered).collect();
+    let asked: Vec<_> = unknown.into_par_iter().filter_map(scattered).collect();
     if asked.is_empty() && known.is_empty() {
         return None;
     }
@@ -146,8 +143,6 @@ const APART: f64 = 0.5;
 /// # Errors
 /// When a fit does not converge.
 pub fn after(q: &Question, found: &Searched, change: Change) -> Result<Start> {
-    let problem = found.bent.problem(q.problem);
-    let asked = Question { problem: &problem, ..*q };
     let mut start = found.again();
     match change {
         Change::Add(source) => {
@@ -158,7 +153,8 @@ pub fn after(q: &Question, found: &Searched, change: Change) -> Result<Start> {
         }
         Change::Drop(source) => start.scattering.retain(|s| s.0 != source),
     }
-    start.node = fitted(&asked, start.node.added, &found.best.fit.fit.state)?;
+    let added = start.node.added.clone();
+    start.fit(q, added)?;
     Ok(start)
 }
 
@@ -183,8 +179,8 @@ struct Compared<'a> {
     q: &'a Question<'a>,
     found: &'a Searched,
     problem: &'a Problem<'a>,
-    /// The same without anything that has no name.
-    left: &'a Problem<'a>,
+    /// What it leaves without anything that has no name, and how all that may scatter moves it.
+    left: Left<'a>,
 }
 
 /// Noise of a fit beside what scatters.
@@ -203,10 +199,8 @@ impl Noise {
 impl Compared<'_> {
     /// That of these, as large as what is left says.
     fn noise(&self, sources: &[Scatterer]) -> Noise {
-        let Self { found, left, .. } = self;
-        let weights = weights::after(left, &found.best, sources);
-        let fit = &found.best.fit;
-        let scattered = Scattered::of(left, &fit.fit.state, &fit.kept, &weights.scattering);
+        let weights = self.left.weights(sources);
+        let scattered = self.left.scattered(&weights.scattering);
         Noise { weights, scattered }
     }
 

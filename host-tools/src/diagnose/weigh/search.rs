@@ -78,7 +78,8 @@ pub fn search(q: &Question, mut now: Start, reach: Reach, progress: &dyn Fn()) -
         let settled = still && !moved;
         if !again && (settled || round >= reach.rounds) {
             let ended = settled || reach.rounds >= WHOLE.rounds;
-            return Ok(searched(ended, now, before, here, found));
+            let still = settled && round == 1;
+            return Ok(searched((ended, still), now, before, here, found));
         }
     }
 }
@@ -195,9 +196,16 @@ impl Start {
 }
 
 /// Where it ended; curves and moments that its last round was `held` at.
-fn searched(ended: bool, now: Start, held: Bent, here: Here, found: Explanation) -> Searched {
+fn searched(
+    (ended, still): (bool, bool),
+    now: Start,
+    held: Bent,
+    here: Here,
+    found: Explanation,
+) -> Searched {
     Searched {
         ended,
+        still,
         best: now.node,
         curves: now.curves,
         bent: now.bent,

@@ -22,6 +22,8 @@ use crate::identify::State;
 pub struct Searched {
     /// Nothing changed any more, or rounds were over: not only as far as it was let.
     pub ended: bool,
+    /// Its first round changed nothing.
+    pub still: bool,
     pub best: Node,
     pub curves: Vec<Curve>,
     pub bent: Bent,

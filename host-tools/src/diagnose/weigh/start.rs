@@ -9,8 +9,9 @@ use super::sheet::{Sheet, Solution};
 use crate::diagnose::bending::Bending;
 use crate::diagnose::candidates::Candidate;
 use crate::diagnose::moments::Moments;
-use crate::diagnose::node::Node;
+use crate::diagnose::node::{Node, fitted};
 use crate::diagnose::question::Question;
+use crate::error::Result;
 use crate::evidence::Geometry;
 use crate::identify::{Problem, Scatterer, State};
 use crate::model::ErrorCurve;
@@ -55,6 +56,18 @@ impl Start {
             even: false,
             nameless: Vec::new(),
         }
+    }
+
+    /// Fits these candidates as a search does: what has no name is set aside.
+    ///
+    /// # Errors
+    /// When the fit does not converge.
+    pub fn fit(&mut self, q: &Question, added: Vec<Candidate>) -> Result<()> {
+        let state = &self.node.fit.fit.state;
+        let apart = nameless::without(q.problem, state, &self.nameless);
+        let problem = self.bent.problem(&apart);
+        self.node = fitted(&Question { problem: &problem, ..*q }, added, state)?;
+        Ok(())
     }
 
     /// A curve that is no longer wanted must not stay in what is predicted.

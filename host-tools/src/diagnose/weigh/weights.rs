@@ -4,101 +4,169 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::sheet::{Weights, along, counted, seen, turning};
+use super::sheet::{Moved, Scattered, Weights, counted, seen, turning};
 use crate::diagnose::node::Node;
 use crate::evidence::directed::{self, Seen};
 use crate::evidence::poses::{self, Readings, Scatter, Used, common_share};
 use crate::evidence::tails::{Rest, Tails};
-use crate::identify::{Linearised, Problem, Scatterer};
+use crate::identify::{Problem, Scatterer};
 use crate::observations::{by_pose, by_target, equations_of, kind, repeat};
+
+/// What a fit leaves of the rows that it kept, and how each of some sources moves them.
+pub struct Left<'a> {
+    problem: &'a Problem<'a>,
+    node: &'a Node,
+    sources: Vec<Scatterer>,
+    rows: Vec<Moved>,
+}
+
+impl<'a> Left<'a> {
+    /// Of a fit, for sources that may scatter.
+    #[must_use]
+    pub fn of(problem: &'a Problem, node: &'a Node, sources: &[Scatterer]) -> Self {
+        let at = problem.linearise(&node.fit.fit.state);
+        let moved = |row: &usize| Moved::of(&at, problem, *row, sources);
+        let rows = node.fit.kept.par_iter().map(moved).collect();
+        Self { problem, node, sources: sources.to_vec(), rows }
+    }
+
+    /// What rows weigh beside those of the sources that scatter.
+    #[must_use]
+    pub fn weights(&self, scattering: &[Scatterer]) -> Weights {
+        let Self { problem, node, .. } = *self;
+        let kept = &node.fit.kept;
+        let (residuals, scattering) = self.without(scattering);
+        let used = node.fit.used;
+        // Share of the noise that the readings of a pose have in common.
+        let readings = readings(&by_pose(&problem.data.rows, kept), &residuals);
+        let common = common_share(&readings, by_means(problem, kept, used));
+        let counted = counted(problem, kept, common);
+        let rest = |(r, count): (&Vec<f64>, &f64)| Rest {
+            square: r.iter().map(|x| x * x).sum(),
+            equations: r.len(),
+            count: *count,
+        };
+        let rests: Vec<Rest> = residuals.iter().zip(&counted).map(rest).collect();
+        let tails = Tails::of(&rests, used.min(counted.iter().sum()));
+        let mut rows = vec![1.0; problem.data.rows.len()];
+        for (row, rest) in kept.iter().zip(&rests) {
+            rows[*row] = tails.weight(*rest);
+        }
+        let turning = turning(problem, kept, &residuals, common);
+        Weights { rows, common, turning, scattering, tailed: tails.tailed(&rests) }
+    }
+
+    /// What they make of the noise of the rows.
+    #[must_use]
+    pub fn scattered(&self, scattering: &[(Scatterer, f64)]) -> Scattered {
+        Scattered::of_moved(&self.rows, &self.placed(scattering))
+    }
+
+    /// Each at its place among the sources.
+    fn placed(&self, scattering: &[(Scatterer, f64)]) -> Vec<(usize, f64)> {
+        let place = |source: &Scatterer| self.sources.iter().position(|s| s == source);
+        scattering.iter().filter_map(|(source, ratio)| Some((place(source)?, *ratio))).collect()
+    }
+
+    /// Residuals without what these scatter, and the ratio of variance of each.
+    fn without(&self, sources: &[Scatterer]) -> (Vec<Vec<f64>>, Vec<(Scatterer, f64)>) {
+        let beside = |source: Scatterer, others: &[(Scatterer, f64)]| {
+            let (own, others) = (self.placed(&[(source, 0.0)]), self.placed(others));
+            let of_row = |moved: &Moved| {
+                let (ways, residual) = moved.beside(own[0].0, &others);
+                seen(source, &ways, &residual)
+            };
+            let seen: Vec<Seen> = self.rows.par_iter().flat_map_iter(of_row).collect();
+            (source, directed::ratio(&seen))
+        };
+        let mut out: Vec<(Scatterer, f64)> = Vec::new();
+        for source in sources {
+            out.push(beside(*source, &out));
+        }
+        // The first takes what others scatter, too: each anew beside all others. So for joints and
+        // a sight alike, as their evidence is compared.
+        for _ in 0..if out.len() > 1 { TURNS } else { 0 } {
+            let before = out.clone();
+            for k in 0..out.len() {
+                let (source, _) = out.remove(k);
+                out.insert(k, beside(source, &out));
+            }
+            if out == before {
+                break;
+            }
+        }
+        let all = self.placed(&out);
+        (self.rows.par_iter().map(|moved| moved.without(&all).to_vec()).collect(), out)
+    }
+
+    /// By how much, in nats, readings of a pose, the arm away in between, speak against the
+    /// scatter of the last of these: what returns with the pose is no scatter.
+    #[must_use]
+    pub fn denied(&self, scattering: &[(Scatterer, f64)]) -> f64 {
+        let all = self.placed(scattering);
+        let Some(((source, ratio), others)) = all.split_last() else { return 0.0 };
+        let rows = &self.problem.data.rows;
+        let (mut every, mut apart) = (Vec::new(), Vec::new());
+        let mut contrasts = 0;
+        for readings in by_pose(rows, &self.node.fit.kept) {
+            let of_row = |k: &usize| (self.node.fit.kept[*k], &self.rows[*k]);
+            let (own, moved): (Vec<usize>, Vec<&Moved>) = readings.iter().map(of_row).unzip();
+            let mut mean = DVector::zeros(0);
+            let mut visits = 0.0;
+            for (k, row) in own.iter().enumerate() {
+                let (ways, residual) = moved[k].beside(*source, others);
+                let seen = seen(self.sources[*source], &ways, &residual);
+                if seen.is_empty() {
+                    continue;
+                }
+                every.extend(seen);
+                let residual = DVector::from_column_slice(&residual);
+                let pose = |row: usize| rows[row].pose;
+                let stayed = |before: usize| (before..*row).all(|r| pose(r) == pose(*row));
+                if k > 0 && (stayed(own[k - 1]) || !repeat(rows, &own)) {
+                    continue;
+                }
+                if visits > 0.0 {
+                    // Contrasts of Helmert are as independent as the readings, and scatter as
+                    // they do.
+                    let root = f64::sqrt(visits / (visits + 1.0));
+                    apart.extend(Seen::each(&ways, &((&mean - &residual) * root)));
+                    contrasts += 1;
+                    mean += (residual - &mean) / (visits + 1.0);
+                } else {
+                    mean = residual;
+                }
+                visits += 1.0;
+            }
+        }
+        if contrasts < REPEATED {
+            return 0.0;
+        }
+        let variance = ratio * directed::other_variance(&every, *ratio);
+        directed::less_likely(&apart, variance)
+    }
+}
+
+/// Times that ratios are found anew, each beside the others.
+const TURNS: usize = 8;
 
 /// What rows weigh after a fit beside what scatters.
 #[must_use]
 pub fn after(problem: &Problem, node: &Node, scattering: &[Scatterer]) -> Weights {
-    let kept = &node.fit.kept;
-    let (residuals, scattering) = scattered(problem, node, scattering);
-    let used = node.fit.used;
-    // Share of the noise that the readings of a pose have in common.
-    let readings = readings(&by_pose(&problem.data.rows, kept), &residuals);
-    let common = common_share(&readings, by_means(problem, kept, used));
-    let counted = counted(problem, kept, common);
-    let rest = |(r, count): (&Vec<f64>, &f64)| Rest {
-        square: r.iter().map(|x| x * x).sum(),
-        equations: r.len(),
-        count: *count,
-    };
-    let rests: Vec<Rest> = residuals.iter().zip(&counted).map(rest).collect();
-    let tails = Tails::of(&rests, used.min(counted.iter().sum()));
-    let mut rows = vec![1.0; problem.data.rows.len()];
-    for (row, rest) in kept.iter().zip(&rests) {
-        rows[*row] = tails.weight(*rest);
-    }
-    let turning = turning(problem, kept, &residuals, common);
-    Weights { rows, common, turning, scattering, tailed: tails.tailed(&rests) }
+    Left::of(problem, node, scattering).weights(scattering)
 }
 
 /// What a fit leaves of each pose, in the mean of its readings.
 #[must_use]
 pub fn left(problem: &Problem, node: &Node, scattering: &[Scatterer]) -> Vec<Rest> {
     let kept = &node.fit.kept;
-    let (residuals, _) = scattered(problem, node, scattering);
+    let (residuals, _) = Left::of(problem, node, scattering).without(scattering);
     let of = |readings: &Readings| Rest {
         square: readings.norm_squared() / readings.ncols() as f64,
         equations: readings.nrows(),
         count: 1.0,
     };
     readings(&by_pose(&problem.data.rows, kept), &residuals).iter().map(of).collect()
-}
-
-/// Residuals without what these scatter, and the ratio of variance of each.
-fn scattered(
-    problem: &Problem,
-    node: &Node,
-    sources: &[Scatterer],
-) -> (Vec<Vec<f64>>, Vec<(Scatterer, f64)>) {
-    let at = problem.linearise(&node.fit.fit.state);
-    let kept = &node.fit.kept;
-    let beside = |source: Scatterer, others: &[(Scatterer, f64)]| {
-        let of_row = |row: &usize| {
-            let (ways, residual) = along(&at, problem, *row, source, others);
-            seen(source, &ways, &residual)
-        };
-        let seen: Vec<Seen> = kept.par_iter().flat_map_iter(of_row).collect();
-        (source, directed::ratio(&seen))
-    };
-    let mut out: Vec<(Scatterer, f64)> = Vec::new();
-    for source in sources {
-        out.push(beside(*source, &out));
-    }
-    // The first takes what others scatter, too: each anew beside all others. So for joints and
-    // a sight alike, as their evidence is compared.
-    for _ in 0..if out.len() > 1 { TURNS } else { 0 } {
-        let before = out.clone();
-        for k in 0..out.len() {
-            let (source, _) = out.remove(k);
-            out.insert(k, beside(source, &out));
-        }
-        if out == before {
-            break;
-        }
-    }
-    (kept.iter().map(|row| without(&at, problem, *row, &out)).collect(), out)
-}
-
-/// Times that ratios are found anew, each beside the others.
-const TURNS: usize = 8;
-
-/// Residual of a row without what these scatter.
-fn without(
-    at: &Linearised,
-    problem: &Problem,
-    row: usize,
-    scattering: &[(Scatterer, f64)],
-) -> Vec<f64> {
-    match scattering.first() {
-        Some((first, _)) => along(at, problem, row, *first, scattering).1.to_vec(),
-        None => at.scaled_residual(row).to_vec(),
-    }
 }
 
 /// What a fit leaves of the rows that it kept, and of those that it flagged, beside what scatters.
@@ -112,8 +180,10 @@ pub fn kept_and_flagged(
     let at = problem.linearise(&node.fit.fit.state);
     let flagged: Vec<usize> = node.fit.outliers.iter().map(|outlier| outlier.row).collect();
     let rows = [&node.fit.kept[..], &flagged].concat();
+    let sources: Vec<Scatterer> = scattering.iter().map(|own| own.0).collect();
+    let ratios: Vec<(usize, f64)> = scattering.iter().map(|own| own.1).enumerate().collect();
     let rest = |(row, count): (&usize, f64)| {
-        let residual = without(&at, problem, *row, &scattering);
+        let residual = Moved::of(&at, problem, *row, &sources).without(&ratios);
         let square = residual.iter().map(|x| x * x).sum();
         Rest { square, equations: residual.len(), count }
     };
@@ -121,47 +191,6 @@ pub fn kept_and_flagged(
     let mut kept: Vec<Rest> = rows.iter().zip(counts).map(rest).collect();
     let flagged = kept.split_off(node.fit.kept.len());
     [kept, flagged]
-}
-
-/// By how much, in nats, readings of a pose, the arm away in between, speak against the scatter
-/// of the last of these: what returns with the pose is no scatter.
-#[must_use]
-pub fn denied(problem: &Problem, node: &Node, scattering: &[(Scatterer, f64)]) -> f64 {
-    let Some(((source, ratio), others)) = scattering.split_last() else { return 0.0 };
-    let (at, kept) = (problem.linearise(&node.fit.fit.state), &node.fit.kept);
-    let (mut all, mut apart) = (Vec::new(), Vec::new());
-    let mut contrasts = 0;
-    for readings in by_pose(&problem.data.rows, kept) {
-        let rows: Vec<usize> = readings.iter().map(|k| kept[*k]).collect();
-        let mut mean = DVector::zeros(0);
-        let mut visits = 0.0;
-        for (k, row) in rows.iter().enumerate() {
-            let (ways, residual) = along(&at, problem, *row, *source, others);
-            let own = seen(*source, &ways, &residual);
-            if own.is_empty() {
-                continue;
-            }
-            all.extend(own);
-            let residual = DVector::from_column_slice(&residual);
-            let pose = |row: usize| problem.data.rows[row].pose;
-            let stayed = |before: usize| (before..*row).all(|r| pose(r) == pose(*row));
-            if k > 0 && (stayed(rows[k - 1]) || !repeat(&problem.data.rows, &rows)) {
-                continue;
-            }
-            if visits > 0.0 {
-                // Contrasts of Helmert are as independent as the readings, and scatter as they do.
-                let root = f64::sqrt(visits / (visits + 1.0));
-                apart.extend(Seen::each(&ways, &((&mean - &residual) * root)));
-                contrasts += 1;
-                mean += (residual - &mean) / (visits + 1.0);
-            } else {
-                mean = residual;
-            }
-            visits += 1.0;
-        }
-    }
-    let variance = ratio * directed::other_variance(&all, *ratio);
-    if contrasts < REPEATED { 0.0 } else { directed::less_likely(&apart, variance) }
 }
 
 /// Fewer readings of poses read before tell nothing of what returns with the pose.

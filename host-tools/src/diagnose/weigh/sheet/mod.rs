@@ -29,7 +29,7 @@ use held::held;
 pub use line_scan::{Along, Way};
 pub use repeats::counted;
 use repeats::differs;
-pub use scattered::{Scattered, along, seen};
+pub use scattered::{Moved, Scattered, seen};
 pub use tool_point::ByCurves;
 pub use turning::ratio as turning;
 

@@ -1,5 +1,7 @@
 //! What scatters by itself: the noise of a row is larger the way that moves its target.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
@@ -10,22 +12,64 @@ use crate::identify::{Linearised, Problem, Scatterer, State};
 use crate::model::Values;
 use crate::model::arm::Derivatives;
 
-/// How this moves the target of a row, in stated sigmas a rad or m, a column for each place where
-/// the arm stood for it or each axis of a sight, and the row's residual: both without what others
-/// scatter.
-#[must_use]
-pub fn along(
-    at: &Linearised,
-    problem: &Problem,
-    index: usize,
-    source: Scatterer,
-    others: &[(Scatterer, f64)],
-) -> (DMatrix<f64>, Values) {
-    let all = || std::iter::once(source).chain(others.iter().map(|other| other.0));
-    let e = at.equations_beside(index, &|i, d| ways(problem, all(), index, (i, d)));
-    let (_, mut each) = columns(problem, all(), index, &e.block);
-    let own = each.remove(0);
-    apart(own, e.scaled_residual(), each.into_iter().zip(others.iter().map(|other| other.1)))
+/// How each of some sources moves the target of a row, in stated sigmas a rad or m: a column for
+/// each place where the arm stood for it or each axis of a sight.
+#[derive(Debug, Clone)]
+pub struct Moved {
+    /// The columns of one source after the other, then the row's residual.
+    wide: DMatrix<f64>,
+    /// Where the columns of each end.
+    ends: Vec<usize>,
+}
+
+impl Moved {
+    /// A row's.
+    #[must_use]
+    pub fn of(at: &Linearised, problem: &Problem, index: usize, sources: &[Scatterer]) -> Self {
+        let all = || sources.iter().copied();
+        let e = at.equations_beside(index, &|i, d| ways(problem, all(), index, (i, d)));
+        let (_, each) = columns(problem, all(), index, &e.block);
+        let widths = each.iter().map(DMatrix::ncols);
+        let ends: Vec<usize> = widths
+            .scan(0, |end, width| {
+                *end += width;
+                Some(*end)
+            })
+            .collect();
+        let residual = e.scaled_residual();
+        let columns = each.iter().flat_map(|own| own.iter());
+        let all: Vec<f64> = columns.chain(residual.iter()).copied().collect();
+        Self { wide: DMatrix::from_vec(residual.len(), ends.last().unwrap_or(&0) + 1, all), ends }
+    }
+
+    fn columns(&self, source: usize) -> Range<usize> {
+        let first = source.checked_sub(1).map_or(0, |before| self.ends[before]);
+        first..self.ends[source]
+    }
+
+    /// The columns of one and the residual, both without what others scatter, each at its place
+    /// among the sources and with its ratio of variance.
+    #[must_use]
+    pub fn beside(&self, source: usize, others: &[(usize, f64)]) -> (DMatrix<f64>, Values) {
+        self.apart(self.columns(source), others)
+    }
+
+    /// The residual without what these scatter.
+    #[must_use]
+    pub fn without(&self, others: &[(usize, f64)]) -> Values {
+        self.apart(0..0, others).1
+    }
+
+    fn apart(&self, own: Range<usize>, others: &[(usize, f64)]) -> (DMatrix<f64>, Values) {
+        let last = self.wide.ncols() - 1;
+        let residual = Values::from_fn(self.wide.nrows(), |i| self.wide[(i, last)]);
+        let group = |&(source, ratio): &(usize, f64)| {
+            let own = self.columns(source);
+            (self.wide.columns(own.start, own.len()).into_owned(), ratio)
+        };
+        let own = self.wide.columns(own.start, own.len()).into_owned();
+        apart(own, residual, others.iter().map(group))
+    }
 }
 
 /// A row, as noise sees it that is larger the way of such a source; nothing of a row that does
@@ -106,23 +150,34 @@ impl Scattered {
     #[must_use]
     pub fn of(problem: &Problem, state: &State, rows: &[usize], all: &[(Scatterer, f64)]) -> Self {
         let at = problem.linearise(state);
-        let of_source = |row: usize, k: usize| {
-            let (source, ratio) = all[k];
-            let (ways, _) = along(&at, problem, row, source, &[]);
-            let (beside, _) = along(&at, problem, row, source, &all[..k]);
-            let more = beside.tr_mul(&beside) * ratio;
+        let sources: Vec<Scatterer> = all.iter().map(|own| own.0).collect();
+        let ratios: Vec<(usize, f64)> = all.iter().map(|own| own.1).enumerate().collect();
+        let of_row = |row: &usize| Self::of_row(&Moved::of(&at, problem, *row, &sources), &ratios);
+        Self::sum(rows.par_iter().map(of_row))
+    }
+
+    /// Of rows that are so moved by some sources and scattered by these, each at its place among
+    /// them.
+    #[must_use]
+    pub fn of_moved(rows: &[Moved], all: &[(usize, f64)]) -> Self {
+        Self::sum(rows.par_iter().map(|row| Self::of_row(row, all)))
+    }
+
+    fn of_row(moved: &Moved, all: &[(usize, f64)]) -> Self {
+        let of_source = |(k, (source, ratio)): (usize, &(usize, f64))| {
+            let (ways, _) = moved.beside(*source, &[]);
+            let (beside, _) = moved.beside(*source, &all[..k]);
+            let more = beside.tr_mul(&beside) * *ratio;
             let log_det = (DMatrix::identity(more.nrows(), more.nrows()) + more).determinant().ln();
             Self { log_det, more: ratio * ways.norm_squared(), equations: ways.nrows() }
         };
-        let of_row = |row: &usize| {
-            let each = (0..all.len()).map(|k| of_source(*row, k));
-            each.fold(Self::default(), |sum, own| Self {
-                equations: own.equations,
-                ..sum.plus(own)
-            })
-        };
-        let each: Vec<Self> = rows.par_iter().map(of_row).collect();
-        each.into_iter().fold(Self::default(), Self::plus)
+        let each = all.iter().enumerate().map(of_source);
+        each.fold(Self::default(), |sum, own| Self { equations: own.equations, ..sum.plus(own) })
+    }
+
+    /// In the order of rows, whatever the number of threads.
+    fn sum(rows: impl IndexedParallelIterator<Item = Self>) -> Self {
+        rows.collect::<Vec<_>>().into_iter().fold(Self::default(), Self::plus)
     }
 
     fn plus(self, other: Self) -> Self {
