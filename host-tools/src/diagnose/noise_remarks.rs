@@ -6,7 +6,7 @@ use super::policy::POLICY;
 use super::rounding;
 use super::weigh::Weighed;
 use crate::error::count;
-use crate::identify::{Problem, Scatterer};
+use crate::identify::{Place, Problem, Scatterer};
 use crate::observations::kind;
 use crate::statistics::median;
 use crate::units::{joint_micro, to_mm};
@@ -52,20 +52,23 @@ fn scattering(problem: &Problem, (joint, size): (usize, f64)) -> String {
 /// A remark on an instrument whose line of sight scatters.
 fn sight(problem: &Problem, (source, size): (Scatterer, f64)) -> Option<String> {
     let data = problem.data;
-    let ranges: Vec<f64> =
-        data.rows.iter().filter_map(|row| kind(row).point(row)).map(|p| p.norm()).collect();
-    let range = median(&ranges);
-    (source == Scatterer::Sight).then(|| {
-        format!(
-            "{}: points scatter by {:.3} mm (one standard deviation, at {range:.1} m from the origin \
-             of their coordinates) beyond the noise along the line from there, across it and in \
-             proportion to the distance, {:.0} urad, as where an instrument there reads angles: it is \
-             counted as noise of the measurement, and what is near tells more",
-            data.path.display(),
-            to_mm(size * range),
-            size * 1e6,
-        )
-    })
+    let from = source.sight()?;
+    let at = from.point();
+    let distance = |row| Some((kind(row).point(row)? - at).norm());
+    let range = median(&data.rows.iter().filter_map(distance).collect::<Vec<f64>>());
+    let place = match from {
+        Place::ORIGIN => "the origin of their coordinates".to_owned(),
+        _ => format!("about x {:.1}, y {:.1}, z {:.1} m of their coordinates", at.x, at.y, at.z),
+    };
+    Some(format!(
+        "{}: points scatter by {:.3} mm (one standard deviation, at {range:.1} m from {place}) \
+         beyond the noise along the line from there, across it and in proportion to the distance, \
+         {:.0} urad, as where an instrument there reads angles: it is counted as noise of the \
+         measurement, and what is near tells more",
+        data.path.display(),
+        to_mm(size * range),
+        size * 1e6,
+    ))
 }
 
 /// A remark on rows that stand out as the ends of tails do.

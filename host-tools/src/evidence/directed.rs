@@ -61,7 +61,8 @@ impl Seen {
     }
 
     /// Log likelihood of rows, whose other variance is what fits best.
-    fn log_likelihood(rows: &[Self], ratio: f64) -> f64 {
+    #[must_use]
+    pub fn log_likelihood(rows: &[Self], ratio: f64) -> f64 {
         let (mut rest, mut log_det, mut equations) = (0.0, 0.0, 0);
         for row in rows {
             let larger = 1.0 + ratio * row.square;

@@ -24,7 +24,7 @@ pub use figures::{AllRows, Condition, Drawn, Figures, FlaggedRow};
 pub use fit::{LCurvePoint, LambdaChoice, LambdaRule, choose, l_curve};
 pub use kind_figures::KindFigures;
 pub use problem::{
-    Beside, Conditions, Equations, Layout, Linearised, Noise, Predictor, Problem, Scaling,
+    Beside, Conditions, Equations, Layout, Linearised, Noise, Place, Predictor, Problem, Scaling,
     Scatterer, State, Surroundings, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Target, Turns, Unit,
     Unknown, Unknowns, View, firmness, in_deviations, link_corrections, measurement_column,
     spreads,

@@ -45,6 +45,21 @@ fn a_sight_scatters_and_no_joint_for_it() {
     }
 }
 
+/// The same tracker, told to write its points in the robot's coordinates: where it stands is found.
+#[test]
+fn a_sight_scatters_in_coordinates_of_the_robot() {
+    let unmoved = |q: &[f64], _: &[f64]| q.to_vec();
+    let sight = |point: &Vector3<f64>, rng: &mut ChaCha8Rng| {
+        (vector(rng) * 25e-6).cross(&(point - TRACKER))
+    };
+    for seed in 80..84 {
+        let outcome = seen((250, seed), Vector3::zeros(), &unmoved, &sight);
+        assert!(said(&outcome, " m of their coordinates"), "{:?}", outcome.figures.warnings);
+        assert!(!said(&outcome, "joint "), "{:?}", outcome.figures.warnings);
+        assert_eq!(outcome.verdict, Verdict::Clean, "{:?}", outcome.unnamed);
+    }
+}
+
 /// Joints that scatter are no sight: not where an instrument stands, and not at the base, round
 /// which joints 1 and 2 turn targets as a sight there would.
 #[test]

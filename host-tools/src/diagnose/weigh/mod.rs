@@ -27,6 +27,7 @@ mod search_result;
 mod settled;
 mod settling;
 mod sheet;
+mod sights;
 pub mod slips;
 mod start;
 pub mod start_sides;

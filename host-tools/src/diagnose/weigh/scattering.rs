@@ -8,6 +8,7 @@ use super::nameless;
 use super::possible::{What, members_of};
 use super::search_result::Searched;
 use super::sheet::{Scattered, Sheet, Weights};
+use super::sights;
 use super::start::Start;
 use super::weights::Left;
 use crate::diagnose::candidates;
@@ -15,10 +16,8 @@ use crate::diagnose::policy::POLICY;
 use crate::diagnose::question::Question;
 use crate::error::Result;
 use crate::evidence::{Candidate, Subsets};
-use crate::identify::{Problem, Scatterer, State};
-use crate::model::{ModelTerm, Row};
-use crate::observations::kind;
-use crate::statistics::median;
+use crate::identify::{Problem, Scatterer};
+use crate::model::ModelTerm;
 
 /// Whether it is a function of the angle of such a joint or of where that is read: what a search
 /// among many makes of its scatter.
@@ -72,11 +71,14 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
     let nameless = found.nameless();
     // What has no name and is of no joint is set aside, or it is scatter.
     let others: Vec<_> = nameless.iter().filter(|held| held.0.joint().is_none()).cloned().collect();
+    let bare = nameless::without(&problem, state, &nameless);
     let joints = (0..problem.nominal.len()).map(Scatterer::Joint);
-    let sight = has_sight(&problem, state).then_some(Scatterer::Sight);
+    let sight = unless_known(&known, dropped, || {
+        let left = Left::of(&bare, &found.best, &known).without(&known).0;
+        sights::possible(&problem, state, &found.best.fit.kept, &left)
+    });
     let asked_of = |s: &Scatterer| !known.contains(s) && !dropped.contains(s);
     let unknown: Vec<Scatterer> = joints.chain(sight).filter(asked_of).collect();
-    let bare = nameless::without(&problem, state, &nameless);
     let compared = Compared {
         q,
         found,
@@ -86,6 +88,7 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
     let members = asked(found);
     let plain = compared.noise(&known);
     let enough = -POLICY.odds.ln();
+    let price = |source: Scatterer| sights::price(source, found.best.fit.kept.len());
     let scattered = |source: Scatterer| {
         let fitted = |m: &usize| match &found.possible[*m].what {
             What::Effect(c) => fits(c, source),
@@ -106,7 +109,8 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
     let plain = compared.evidence(&plain, &[&members]);
     let without = known.par_iter().map(|source| {
         let others: Vec<Scatterer> = known.iter().copied().filter(|k| k != source).collect();
-        (*source, plain - compared.evidence(&compared.noise(&others), &[&members]))
+        let less = compared.evidence(&compared.noise(&others), &[&members]);
+        (*source, plain - less - price(*source))
     });
     let least = without.collect::<Vec<_>>().into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
     if let Some((source, _)) = least.filter(|least| least.1 < enough) {
@@ -114,28 +118,24 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
     }
     let rated: Vec<(Scatterer, f64)> = asked
         .par_iter()
-        .map(|(source, bare, noise)| (*source, compared.evidence(noise, &[&members, bare]) - plain))
+        .map(|(source, bare, noise)| {
+            let more = compared.evidence(noise, &[&members, bare]);
+            (*source, more - plain - price(*source))
+        })
         .collect();
     let best = rated.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     (best.1 > enough).then_some(Change::Add(best.0))
 }
 
-/// Whether an instrument may stand at the origins of the coordinates: an arm does not let one
-/// stand so near its base, whose frame these are then. There joints 1 and 2 together turn a target
-/// across the line from the origin, as a sight does. Of other kinds of measurement their own noise
-/// was found beside that of points.
-fn has_sight(problem: &Problem, state: &State) -> bool {
-    let rows = &problem.data.rows;
-    let far = |row: &Row| {
-        let base = &state.bases[row.station].translation;
-        kind(row).point(row).map(|point| base.norm() / (point - base).norm())
-    };
-    let far: Option<Vec<f64>> = rows.iter().map(far).collect();
-    far.is_some_and(|far| median(&far) > APART)
+/// A line of sight, unless one is known or was dropped: there is one at most.
+fn unless_known(
+    known: &[Scatterer],
+    dropped: &[Scatterer],
+    sight: impl FnOnce() -> Option<Scatterer>,
+) -> Option<Scatterer> {
+    let any = known.iter().chain(dropped).any(|source| source.sight().is_some());
+    if any { None } else { sight() }
 }
-
-/// Distance of an origin from the base, as a share of that of targets. No study set it.
-const APART: f64 = 0.5;
 
 /// Where a search begins after this change. What fitted the scatter of a joint has to be found
 /// again beside it: with it in, the scatter is taken for smaller than it is.

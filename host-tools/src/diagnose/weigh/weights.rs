@@ -69,7 +69,8 @@ impl<'a> Left<'a> {
     }
 
     /// Residuals without what these scatter, and the ratio of variance of each.
-    fn without(&self, sources: &[Scatterer]) -> (Vec<Vec<f64>>, Vec<(Scatterer, f64)>) {
+    #[must_use]
+    pub fn without(&self, sources: &[Scatterer]) -> (Vec<Vec<f64>>, Vec<(Scatterer, f64)>) {
         let beside = |source: Scatterer, others: &[(Scatterer, f64)]| {
             let (own, others) = (self.placed(&[(source, 0.0)]), self.placed(others));
             let of_row = |moved: &Moved| {

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Vector3};
 use rayon::prelude::*;
 
 use crate::identify::Linearised;
-use crate::identify::problem::{Problem, Scatterer};
+use crate::identify::problem::{Place, Problem, Scatterer};
 use crate::model::arm::Derivatives;
 use crate::observations::{kind, postures};
 
@@ -46,19 +46,20 @@ pub fn columns(
             at += ends;
             block.columns(at - ends, ends).into_owned()
         }
-        Scatterer::Sight => sight(problem, index),
+        Scatterer::Sight(from) => sight(problem, index, *from),
     };
     let all = sources.iter().map(of).collect();
     (block.columns(0, own).into_owned(), all)
 }
 
-/// How turns of the line of sight about each axis move the equations of a row; no columns where
+/// How turns of the line of sight from a place about each axis move the equations of a row; no columns where
 /// no point was read. How a target is turned is read the worse, too, by as much in the mean: that
 /// poses are noisier in points than along their sights is no scatter of their turns.
-fn sight(problem: &Problem, index: usize) -> DMatrix<f64> {
+fn sight(problem: &Problem, index: usize, from: Place) -> DMatrix<f64> {
     let row = &problem.data.rows[index];
     let scale = problem.scale(index);
     let Some(point) = kind(row).point(row) else { return DMatrix::zeros(scale.len(), 0) };
+    let point = point - from.point();
     let moved = point.cross_matrix();
     let turned = (2.0_f64 / 3.0).sqrt() * point.norm() / scale[0];
     let way = |component: usize, axis: usize| match (component < 3, axis < 3) {

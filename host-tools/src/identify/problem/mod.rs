@@ -23,7 +23,7 @@ pub use motion::{Beside, moving};
 pub(crate) use noise::{Group, groups};
 pub use noise::{Noise, in_deviations};
 pub use predictor::{Model as Predictor, View, measurement_column};
-pub use scatterer::Scatterer;
+pub use scatterer::{Place, Scatterer};
 pub use targets::{Target, Turns, firmness, spreads, spreads_of};
 pub use unknowns::{Layout, State, TOLERANCE_ANGLE, TOLERANCE_LENGTH, Unit, Unknown, Unknowns};
 

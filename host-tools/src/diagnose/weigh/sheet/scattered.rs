@@ -26,6 +26,12 @@ impl Moved {
     /// A row's.
     #[must_use]
     pub fn of(at: &Linearised, problem: &Problem, index: usize, sources: &[Scatterer]) -> Self {
+        // Of most arms nothing scatters: no row has to be linearised for it.
+        if sources.is_empty() {
+            let residual = at.scaled_residual(index);
+            let wide = DMatrix::from_column_slice(residual.len(), 1, &residual);
+            return Self { wide, ends: Vec::new() };
+        }
         let all = || sources.iter().copied();
         let e = at.equations_beside(index, &|i, d| ways(problem, all(), index, (i, d)));
         let (_, each) = columns(problem, all(), index, &e.block);
@@ -79,7 +85,7 @@ pub fn seen(source: Scatterer, ways: &DMatrix<f64>, residual: &Values) -> Vec<Se
     let tells = match source {
         // What both ends of a pair scatter is not told apart.
         Scatterer::Joint(_) => ways.ncols() == 1,
-        Scatterer::Sight => ways.ncols() > 0,
+        Scatterer::Sight(_) => ways.ncols() > 0,
     };
     let seen = || Seen::each(ways, &DVector::from_column_slice(residual));
     if tells { seen() } else { Vec::new() }
