@@ -427,6 +427,8 @@ TruearmError truearm_init(uint32_t version,
  robot's blob is refused. `joints` are where the arm stands, rad. Refused
  while compensation is on or being faded out; on an error nothing changes.
 
+ Takes 21 KB of stack on a Cortex-M4F: call it where there is room.
+
  # Safety
  `blob` is NULL or `size` bytes, readable and unchanged as long as the arm is
  used; other pointers NULL or as typed.
