@@ -81,8 +81,7 @@ fn power_up(flash: Flash) -> Result<(Store<NorSlots<Flash>>, Option<u32>), Geome
     Ok((store, sequence))
 }
 
-/// A newer set: the tool was changed. The same under the same number would be
-/// `Stored::Unchanged`.
+/// A newer set: the tool was changed. Of the same numbers nothing would be stored.
 fn newer(blob: &[u8]) -> Result<Vec<u8>, EncodeError> {
     let checked = Blob::check(blob).and_then(|blob| blob.parameters());
     let mut parameters: ArmParameters6<'_, f32> = checked.map_err(EncodeError::Refused)?;

@@ -48,19 +48,8 @@ impl Mark {
 pub(super) struct Marks {
     pub progress: Progress,
     pub copies: u8,
-    /// Last bytes of the blob that they belong to; `None` where that cannot be
-    /// read.
-    pub last: Option<[u8; 4]>,
-}
-
-/// Bits in which two marks differ.
-pub(super) fn wrong_bits(a: [u8; MARK], b: [u8; MARK]) -> u32 {
-    (u64::from_le_bytes(a) ^ u64::from_le_bytes(b)).count_ones()
-}
-
-/// Bits of a mark that are not as erased.
-pub(super) fn programmed_bits(mark: [u8; MARK]) -> u32 {
-    u64::from_le_bytes(mark).count_zeros()
+    /// Last bytes of the blob that they belong to.
+    pub last: [u8; 4],
 }
 
 /// The end of a blob, which stands in its marks.

@@ -65,9 +65,7 @@ pub trait Medium {
     /// Reads whole words.
     ///
     /// # Errors
-    /// When the device does not answer, or cannot read a word, as an ECC one that
-    /// was cut. A word that always fails beside others that do not is torn (see
-    /// the [module](super)), so do not hand on an error of another part.
+    /// When the device does not answer.
     fn read(
         &mut self,
         slot: Slot,

@@ -27,24 +27,10 @@
 //! | a store that was cut, or damaged before it ended | yes | yes |
 //! | other bytes, a damaged blob | only for a copy of the newer one | yes |
 //! | a whole blob that was refused: longer than the buffer, another robot's, of another number of joints, of another layout or with a part to come, without the key's tag, of the last sequence number | never | never: [`WriteError::Occupied`] |
-//! | what could not be read, but surely is torn (below) | if its store had not ended | yes |
-//! | what could not be read otherwise | never | never, until an `open` reads it: [`WriteError::Occupied`] |
+//! | what could not be read | never | never, until an `open` reads it |
 //!
 //! Whole is what its checksum says, in whatever layout; only
 //! [`Store::discard`] erases it, on purpose.
-//!
-//! # Words that cannot be read
-//! A driver of a flash with ECC reports a word that a cut left half programmed
-//! as an error, and `embedded-storage` has one kind of error for that and for a
-//! bus that does not answer. They are told apart by trying: a slot is torn where
-//! one word fails, or reads differently, at eight pairs of readings in a row while
-//! after each of them another word of the same slot is read; in [`Store::store`],
-//! if nothing of the slot can be read, while after each the first word of the
-//! blob in use is. A mark is torn that fails so at eight readings. Where
-//! neither slot answers nothing is erased, and the blob in use never is. A slot
-//! of which nothing can be read while nothing is in use is left to
-//! [`Store::discard`]. A driver that ends in a fault handler instead of an error
-//! has to return one; erased words have to read as 0xff.
 //!
 //! # What `BEGN` and `DONE` are for
 //! A program operation that the power cut short can leave cells which read
@@ -57,13 +43,12 @@
 //! is the newest valid blob, it writes that anew from memory: in place where the
 //! other slot has an older blob to fall back to or is not the store's to erase,
 //! otherwise to the other slot, for what is the only blob may have been in use.
-//! A `DONE` with more than two wrong bits may read as none tomorrow, so such a
-//! blob, which is solid, is copied to the other slot as well, and one of which
-//! `DONE` is torn in the sense above, as blank words can be read. With `BEGN` torn
-//! a valid blob is unfinished. A copy begins with `CPY` and the number of copies
-//! in place of `BEGN`: an unfinished copy is given up for its original, and a
-//! solid copy is preferred to its original, which may have been erased in part
-//! since. Only when all this is done does `open` return.
+//! A `DONE` with more than
+//! two wrong bits may read as none tomorrow, so such a blob, which is solid, is
+//! copied to the other slot as well. A copy begins with `CPY` and the number of
+//! copies in place of `BEGN`: an unfinished copy is given up for its original,
+//! and a solid copy is preferred to its original, which may have been erased in
+//! part since. Only when all this is done does `open` return.
 //!
 //! What `open` returned is final, unless it says [`Settled::Failed`]: from then
 //! on there is that blob or one that was stored after it.
@@ -74,14 +59,12 @@
 //! | the power fails while | slot A | slot B | the next `open` |
 //! |---|---|---|---|
 //! | B is erased | n | anything, but no newer blob | returns n |
-//! | the same, with ECC | n | cannot be read, in part or at all | returns n; the next store erases B |
-//! | `BEGN` is written | n | `BEGN` torn | returns n, erases B if that cannot be read |
-//! | the payload is written or read back | n | no magic, perhaps a word that cannot be read | erases B, returns n |
+//! | `BEGN` is written | n | `BEGN` torn | returns n |
+//! | the payload is written or read back | n | no magic | erases B, returns n |
 //! | the commit word is written | n | torn, reads valid twice | writes B anew, returns n+1 |
-//! | the same | n | torn, reads otherwise or not at all | erases B, returns n |
-//! | the same | n | torn, cannot be read now and then | [`Settled::Failed`] and n, until one of the other rows applies |
+//! | the same | n | torn, reads otherwise | erases B, returns n |
 //! | `DONE` is written, few bits are wrong | n | n+1 | returns n+1 |
-//! | the same, many bits are wrong, or it cannot be read | n | n+1, solid | copies it to A, returns n+1 |
+//! | the same, many bits are wrong | n | n+1, solid | copies it to A, returns n+1 |
 //! | the same, hardly a bit is programmed | n | n+1, solid | writes B anew, returns n+1 |
 //! | the store has returned | n | n+1 | returns n+1 |
 //! | `open` writes B anew or erases it | n | as in a store | as above: n+1 or n |
@@ -100,29 +83,6 @@
 //!
 //! With an n in use, F leaves no slot for n+1, and `store` writes nothing.
 //!
-//! # When cells are worn
-//! What does not read back as written has failed, but for up to two bits of
-//! `DONE`. With one slot worn (W):
-//!
-//! | in use | other slot | `store` | and then |
-//! |---|---|---|---|
-//! | nothing, A is W | B, healthy | fails in A, writes to B | n is in use, as below |
-//! | nothing, A is W | B, not the store's to erase | the error of A | [`Store::discard`] of B, on purpose, makes room |
-//! | n, in the healthy slot | W | [`WriteError::ReadBack`] of W, or the driver's fault; each time | n stays in use, at every power-up |
-//! | n, in W, where it happens to fit | healthy | writes to the healthy one | as in the line above |
-//! | n, its commit torn by a cut | W | none: [`Store::open`] finds no place for a copy and writes n anew in place, as beside F | returns n |
-//! | n, its `DONE` torn by a cut | W | [`StoreError::Unsettled`] | returns n, as [`Settled::Failed`] |
-//!
-//! Two slots cannot do better for an n beside W: n+1 would have to be written
-//! over the only copy, and a cut then would leave nothing. The store does not
-//! risk that. Who prefers new parameters to safe ones takes the memory
-//! ([`Store::release`]), erases the slot in use ([`Medium::erase`]) and opens and
-//! stores again, with a blob at hand; two more slots elsewhere are better.
-//! Where an unfinished store in a slot cannot be erased and nothing is in use,
-//! that is [`Settled::Failed`], and `store` still tries both slots; should the
-//! torn blob then read valid once and be newer, it is returned, as `Failed`.
-//!
-//! # Assumptions
 //! What is asked of a memory, and why it can be had:
 //!
 //! | asked | without it | why it holds |
@@ -130,21 +90,13 @@
 //! | a cut word spoils no other word | anything could be lost | that is what a write word, or an EEPROM's page, is; give the larger one if the part's ECC word is larger |
 //! | an erase that is cut may leave anything, but does not leave the front of a block whole while its end reads erased | a torn blob could lose its `BEGN` and pass for a programmer's | all cells of a block fade together, and blocks and pages are erased from the front |
 //! | a `DONE` that read with two wrong bits or fewer does not read with fewer than four programmed ones later | a blob that was returned could be taken for unfinished, rewritten in place, and a cut then leave the older one | in words of up to four bytes only the last word of `DONE` can be torn, the others are solid; in a longer word some 34 undecided bits would have to fall one way almost all at once, and later all the other way |
-//! | a word that failed at eight readings in a row, while others did not, does not read right later with fewer than four programmed bits | as above, for a `DONE` that was torn | an ECC fails on two wrong bits or more, and so many undecided ones do not all become erased |
-//! | a device that answers for one word of a slot does for all but torn ones | a blob could be erased that a part of the device held back | it is one device; where each slot has its own, a slot as a whole fails, and only beside a blob in use a store tries to erase it |
+//!
+//! | a word that a cut left half programmed is read as something, not as an error for ever | later stores end in [`WriteError::Occupied`], nothing is lost: a fault of one word is not told from a memory that does not answer, and what cannot be read is not erased | flash without ECC; of a part with one the driver returns what it read, or [`Store::discard`] of that slot is called on purpose |
+//! | the cells of both slots take what is written | on a blank device with a worn cell in slot A, [`WriteError::ReadBack`] at every store; beside a blob in use that one stays | parts are replaced before they are worn; a store erases each slot every second time |
 //!
 //! The newest valid slot is never erased or written by [`Store::store`].
-//!
-//! # Numbers
 //! Storing what is in use already (time of creation, tag and checksum aside)
-//! under the same number or a lower one writes nothing and is
-//! [`Stored::Unchanged`], with the number in use. A higher number is written,
-//! the same parameters or not, for who is told `Ok` may raise a counter to what
-//! was offered and demand that at the next power-up
-//! ([`Acceptance::not_before`](crate::blob::Acceptance::not_before)); were it not
-//! written, the parameters would be refused. It costs an erase for each file
-//! that was packed anew, and none for one that is sent again. A counter follows
-//! [`Store::live`], after an `open` that is not `Failed` and after a store.
+//! under the same number or a lower one writes nothing.
 
 mod bytes;
 mod marks;
@@ -152,7 +104,6 @@ mod medium;
 mod nor;
 mod open;
 mod report;
-mod settle;
 mod slot;
 mod write;
 

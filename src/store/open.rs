@@ -1,10 +1,12 @@
-use super::marks::{Marks, last_four};
+use super::marks::{Mark, Marks, last_four};
 use super::medium::{Fault, GeometryError, MAX_WORD, Medium, Slot, is_word};
-use super::report::{Opened, Progress, Rejection, Settled, SlotState, Source};
-use super::settle::Chosen;
-use super::slot::{Held, READINGS, Store};
+use super::report::{Opened, Progress, Rejection, Settled, SlotState, Source, WriteError};
+use super::slot::Store;
 use crate::arm::MAX_JOINTS;
 use crate::blob::{Acceptance, AcceptanceError, Blob, DecodeError, Frame, LAYOUT};
+
+/// How often a slot is read until two readings agree.
+const READINGS: usize = 8;
 
 /// What [`Store::open`] gives.
 type Open<'b, M> = (Store<M>, Opened<'b, <M as Medium>::Error>);
@@ -21,9 +23,8 @@ impl<M: Medium> Store<M> {
     /// refuse (longer than the buffer, another robot's or layout...) is left
     /// alone, here and by `store`.
     ///
-    /// Reads each slot two to five times where readings agree; an unstable one, or
-    /// one that fails, up to sixteen times, and once more as often where it is
-    /// then to be used.
+    /// Reads each slot two to five times where readings agree; an unstable one up to
+    /// sixteen times, and once more as often where it is then to be used.
     ///
     /// # Errors
     /// [`GeometryError::Joints`], [`GeometryError::Buffer`],
@@ -38,7 +39,7 @@ impl<M: Medium> Store<M> {
     ) -> Result<Open<'b, M>, GeometryError> {
         const { assert!(is_word(M::WORD), "a write word must be a power of two up to MAX_WORD") };
         let mut store =
-            Self { medium, accept, longest: 0, live: None, held: [Held::Free; 2], settled: true };
+            Self { medium, accept, longest: 0, live: None, occupied: [false; 2], settled: true };
         store.longest = store.longest_blob(buffer)?;
         let mut states = [Slot::A, Slot::B].map(|slot| store.examine(slot, buffer));
         let mut chosen = None;
@@ -55,10 +56,12 @@ impl<M: Medium> Store<M> {
             }
         }
         let [a, b] = &states;
-        store.held = [store.held(Slot::A, a), store.held(Slot::B, b)];
-        let settled = store.settle(chosen, &states, buffer);
-        // With nothing in use there is nothing that a store could lose.
-        store.settled = chosen.is_none() || !matches!(settled, Settled::Failed(_));
+        store.occupied = [store.is_occupied(Slot::A, a), store.is_occupied(Slot::B, b)];
+        let settled = match chosen {
+            None => store.undo(&states),
+            Some(chosen) => store.settle(chosen, &states, buffer),
+        };
+        store.settled = !matches!(settled, Settled::Failed(_));
         let source = match chosen {
             None => Source::Nominal(states),
             Some(Chosen { slot, .. }) => match slot.other().of(states) {
@@ -111,9 +114,7 @@ impl<M: Medium> Store<M> {
                 let last = last_four(blob);
                 match self.marks(slot) {
                     Err(fault) => SlotState::Rejected(Rejection::Fault(fault)),
-                    Ok(Some(Marks { progress, copies, last: of }))
-                        if of.is_none() || of == last =>
-                    {
+                    Ok(Some(Marks { progress, copies, last: of })) if Some(of) == last => {
                         SlotState::Valid { sequence, progress, copies }
                     }
                     Ok(_) => SlotState::Valid { sequence, progress: Progress::Done, copies: 0 },
@@ -126,39 +127,16 @@ impl<M: Medium> Store<M> {
         }
     }
 
-    /// Reads a blob and no more, as words behind it may be worn; all bytes of
-    /// what does not begin like one. A reading that fails is one that does not
-    /// agree.
     fn read_stable(&mut self, slot: Slot, bytes: &mut [u8]) -> Result<(), Rejection<M::Error>> {
-        let mut why = Rejection::Unstable;
         for _ in 0..READINGS {
-            match self.read_twice(slot, bytes) {
-                Ok(true) => return Ok(()),
-                Ok(false) => (),
-                Err(fault) => why = Rejection::Fault(fault),
+            self.medium.read(slot, 0, bytes).map_err(Rejection::Fault)?;
+            let all = 0..bytes.len();
+            if self.compare(slot, bytes, &[all]).map_err(Rejection::Fault)? {
+                return Ok(());
             }
         }
-        Err(why)
+        Err(Rejection::Unstable)
     }
-
-    /// Whether two readings agree.
-    fn read_twice(&mut self, slot: Slot, bytes: &mut [u8]) -> Result<bool, Fault<M::Error>> {
-        let head = bytes.get_mut(..Self::HEAD).unwrap_or(&mut []);
-        self.medium.read(slot, 0, head)?;
-        let size = Frame::begin(head).map_or(bytes.len(), |frame| frame.size());
-        let words = size.checked_next_multiple_of(M::WORD).unwrap_or(bytes.len());
-        let bytes = match bytes.get_mut(..words) {
-            Some(blob) => blob,
-            None => bytes,
-        };
-        let (_, rest) = bytes.split_at_mut_checked(Self::HEAD).unwrap_or((&mut [], &mut []));
-        self.medium.read(slot, Self::HEAD, rest)?;
-        let all = 0..bytes.len();
-        self.compare(slot, bytes, &[all])
-    }
-
-    /// Words that say how long a blob is; fewer than the shortest has.
-    const HEAD: usize = if M::WORD > 16 { M::WORD } else { 16 };
 
     fn is_blank(&mut self, slot: Slot) -> bool {
         let size = self.medium.slot_size();
@@ -172,28 +150,24 @@ impl<M: Medium> Store<M> {
         true
     }
 
-    /// Whether what a slot holds is the store's to erase: what it could read and
-    /// is no whole blob, or one that was refused for its age.
-    fn held(&mut self, slot: Slot, state: &SlotState<M::Error>) -> Held {
+    /// Whether a slot holds what is not the store's to erase: what it cannot
+    /// read, or a whole blob that was refused for another reason than its age.
+    fn is_occupied(&mut self, slot: Slot, state: &SlotState<M::Error>) -> bool {
         match state {
-            SlotState::Rejected(Rejection::Fault(_)) => Held::Unread,
+            SlotState::Rejected(Rejection::Fault(_)) => true,
             SlotState::Rejected(Rejection::Blob(refusal)) => match refusal {
-                AcceptanceError::OldSequence { .. } => Held::Free,
+                AcceptanceError::OldSequence { .. } => false,
                 AcceptanceError::Damaged(error) => match error {
-                    DecodeError::NotABlob | DecodeError::Checksum { .. } => Held::Free,
+                    DecodeError::NotABlob | DecodeError::Checksum { .. } => false,
                     // Judged before the checksum.
                     DecodeError::Truncated { .. }
                     | DecodeError::DraftLayout(_)
-                    | DecodeError::NewerLayout(_) => match self.is_beyond(slot) {
-                        Ok(false) => Held::Free,
-                        Ok(true) => Held::Foreign,
-                        Err(_) => Held::Unread,
-                    },
-                    _ => Held::Foreign,
+                    | DecodeError::NewerLayout(_) => self.is_beyond(slot).unwrap_or(true),
+                    _ => true,
                 },
-                _ => Held::Foreign,
+                _ => true,
             },
-            _ => Held::Free,
+            _ => false,
         }
     }
 
@@ -215,6 +189,72 @@ impl<M: Medium> Store<M> {
         let beyond = |frame: Frame| frame.layout() != LAYOUT || frame.size() > self.longest;
         Ok(frame.flatten().is_some_and(|frame| frame.is_whole() && beyond(frame)))
     }
+
+    /// Ends or undoes what a store left unfinished. The bytes of the chosen blob
+    /// are in the buffer.
+    fn settle(
+        &mut self,
+        chosen: Chosen,
+        states: &[SlotState<M::Error>; 2],
+        buffer: &[u8],
+    ) -> Settled<M::Error> {
+        let Chosen { slot, sequence, progress, copies } = chosen;
+        self.live = Some((slot, sequence));
+        if progress == Progress::Done {
+            return self.undo(states);
+        }
+        let fallback = match slot.other().of(states.each_ref()) {
+            SlotState::Valid { sequence: older, .. } => *older < sequence,
+            // Nothing is left if it is lost, but that was so before its store.
+            _ => slot.other().of(self.occupied),
+        };
+        let (target, copies) = if progress == Progress::Committing && fallback {
+            (slot, copies)
+        } else {
+            // It is solid, or nothing is left if it is lost.
+            (slot.other(), copies.saturating_add(1))
+        };
+        let size = Blob::check(buffer).map_or(0, |blob| blob.size());
+        match self.write(target, Mark::Begun { copies }, buffer.get(..size).unwrap_or(&[])) {
+            Ok(()) => {
+                self.live = Some((target, sequence));
+                Settled::Rewritten
+            }
+            Err(error) => Settled::Failed(error),
+        }
+    }
+
+    /// Erases what a store began and was cut or damaged before it ended.
+    fn undo(&mut self, states: &[SlotState<M::Error>; 2]) -> Settled<M::Error> {
+        let mut settled = Settled::Already;
+        for slot in [Slot::A, Slot::B] {
+            let rejected = matches!(slot.of(states.each_ref()), SlotState::Rejected(_));
+            if !rejected || slot.of(self.occupied) {
+                continue;
+            }
+            let begun = |marks: Option<Marks>| {
+                marks.is_some_and(|marks| marks.progress == Progress::Committing)
+            };
+            let undone = match self.marks(slot).map(begun) {
+                Ok(true) => self.medium.erase(slot).map(|()| settled = Settled::Erased),
+                Ok(false) => Ok(()),
+                Err(fault) => Err(fault),
+            };
+            if let Err(fault) = undone {
+                return Settled::Failed(WriteError::Fault(fault));
+            }
+        }
+        settled
+    }
+}
+
+/// The valid blob that is returned.
+#[derive(Clone, Copy)]
+struct Chosen {
+    slot: Slot,
+    sequence: u32,
+    progress: Progress,
+    copies: u8,
 }
 
 /// The slot of the newest valid blob. Of two alike a solid one; of two solid

@@ -68,7 +68,7 @@ pub enum Progress {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Rejection<E> {
-    /// It could not be read, at any of several attempts.
+    /// It could not be read.
     Fault(Fault<E>),
     /// It reads differently every time.
     Unstable,
@@ -110,9 +110,7 @@ pub enum Settled<E> {
     /// A store that had not ended was undone: its slot was erased.
     Erased,
     /// One of these was needed and failed. The blob can be used, but may be
-    /// gone at the next power-up, or an unfinished one may be in its place, and
-    /// [`super::Store::store`] refuses. Without a blob it does not: there is
-    /// nothing to lose.
+    /// gone at the next power-up, and [`super::Store::store`] refuses.
     Failed(WriteError<E>),
 }
 
@@ -123,8 +121,7 @@ pub enum Settled<E> {
 pub enum WriteError<E> {
     /// The memory failed.
     Fault(Fault<E>),
-    /// The slot does not read back as written: worn, or disturbed. Without a
-    /// blob in use the other one was tried as well.
+    /// The slot does not read back as written.
     ReadBack(Slot),
     /// The blob does not fit, and [`super::Store::open`] could not read it back.
     TooLong {
@@ -134,9 +131,8 @@ pub enum WriteError<E> {
         /// write words, where that is less.
         room: usize,
     },
-    /// The slot that is needed holds what is not the store's to erase, or what
-    /// cannot be read and may be more than torn: see [`super::Store::discard`].
-    /// Nothing was written.
+    /// The slot that is needed holds what is not the store's to erase: see
+    /// [`super::Store::discard`].
     Occupied(Slot),
 }
 
@@ -149,7 +145,7 @@ impl<E: fmt::Debug> fmt::Display for WriteError<E> {
                 write!(f, "the blob has {needed} bytes, slot and buffer have room for {room}")
             }
             Self::Occupied(slot) => {
-                write!(f, "slot {slot} holds what is not the store's to erase, or cannot be read")
+                write!(f, "slot {slot} holds what is not the store's to erase")
             }
         }
     }

@@ -2,13 +2,10 @@
 
 use core::ops::Range;
 
-use super::marks::{BEGUN_BITS, MARK, Mark, Marks, WRONG_BITS, programmed_bits, wrong_bits};
+use super::marks::{BEGUN_BITS, MARK, Mark, Marks, WRONG_BITS};
 use super::medium::{Fault, MAX_WORD, Medium, Slot};
 use super::report::{Progress, WriteError};
 use crate::blob::Acceptance;
-
-/// How often a slot is read until two readings agree, and a word that fails.
-pub(super) const READINGS: usize = 8;
 
 /// Two slots, of which one may be in use.
 #[derive(Debug)]
@@ -19,20 +16,10 @@ pub struct Store<M> {
     pub(super) longest: usize,
     /// The slot whose blob `open` returned or `store` wrote; its sequence.
     pub(super) live: Option<(Slot, u32)>,
-    /// Whether the slots may be erased.
-    pub(super) held: [Held; 2],
-    /// Whether what `open` returned will last, if anything.
+    /// Slots that hold what is not the store's to erase.
+    pub(super) occupied: [bool; 2],
+    /// Whether what `open` returned will last.
     pub(super) settled: bool,
-}
-
-/// Whether what a slot holds is the store's to erase.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Held {
-    Free,
-    /// A whole blob that was refused.
-    Foreign,
-    /// What could not be read: only if it is torn.
-    Unread,
 }
 
 impl<M: Medium> Store<M> {
@@ -44,7 +31,10 @@ impl<M: Medium> Store<M> {
         bytes: &[u8],
     ) -> Result<(), WriteError<M::Error>> {
         self.fits(bytes.len())?;
-        self.clear(slot)?;
+        if slot.of(self.occupied) {
+            return Err(WriteError::Occupied(slot));
+        }
+        self.medium.erase(slot)?;
         self.write_mark(slot, begin, bytes)?;
         self.program(slot, bytes, M::WORD)?;
         self.verify(slot, bytes, M::WORD)?;
@@ -54,22 +44,6 @@ impl<M: Medium> Store<M> {
         self.write_mark(slot, Mark::Done, bytes)
     }
 
-    /// Erases a slot, unless it holds what is not the store's to erase.
-    #[inline(never)]
-    pub(super) fn clear(&mut self, slot: Slot) -> Result<(), WriteError<M::Error>> {
-        let free = match slot.of(self.held) {
-            Held::Free => true,
-            Held::Foreign => false,
-            Held::Unread => self.is_torn(slot),
-        };
-        if !free {
-            return Err(WriteError::Occupied(slot));
-        }
-        self.medium.erase(slot)?;
-        slot.replace(&mut self.held, Held::Free);
-        Ok(())
-    }
-
     fn fits(&self, needed: usize) -> Result<(), WriteError<M::Error>> {
         let room = self.longest;
         if needed > room { Err(WriteError::TooLong { needed, room }) } else { Ok(()) }
@@ -77,102 +51,49 @@ impl<M: Medium> Store<M> {
 
     /// What the marks of a slot say; `None` where no store has begun.
     pub(super) fn marks(&mut self, slot: Slot) -> Result<Option<Marks>, Fault<M::Error>> {
-        let Some(begun) = self.read_mark(slot, Self::BEGUN)? else {
-            // A store was cut here, or an erase.
-            return Ok(Some(Marks { progress: Progress::Committing, copies: 0, last: None }));
-        };
+        let begun = self.read_mark(slot, Self::BEGUN)?;
         let [a, b, c, d, last @ ..] = begun;
         let copies = match [a, b, c, d] {
             [b'B', b'E', b'G', b'N'] => 0,
             [b'C', b'P', b'Y', copies] => copies,
             _ => return Ok(None),
         };
-        let progress = match self.read_mark(slot, Self::DONE)? {
-            Some(done) => match (wrong_bits(done, Mark::Done.of(&begun)), programmed_bits(done)) {
-                (..=WRONG_BITS, _) => Progress::Done,
-                (_, BEGUN_BITS..) => Progress::Ending,
-                _ => Progress::Committing,
-            },
-            // What cannot be read is not blank.
-            None => Progress::Ending,
+        let done = self.read_mark(slot, Self::DONE)?;
+        let [done, right] = [done, Mark::Done.of(&begun)].map(u64::from_le_bytes);
+        let (programmed, wrong) = (done.count_zeros(), (done ^ right).count_ones());
+        let progress = match (wrong, programmed) {
+            (..=WRONG_BITS, _) => Progress::Done,
+            (_, BEGUN_BITS..) => Progress::Ending,
+            _ => Progress::Committing,
         };
-        Ok(Some(Marks { progress, copies, last: Some(last) }))
+        Ok(Some(Marks { progress, copies, last }))
     }
 
-    #[inline(never)]
     fn write_mark(
         &mut self,
         slot: Slot,
         mark: Mark,
         bytes: &[u8],
     ) -> Result<(), WriteError<M::Error>> {
-        // As much as the next `open` takes for the same.
-        let (place, tolerated) =
-            if mark == Mark::Done { (Self::DONE, WRONG_BITS) } else { (Self::BEGUN, 0) };
+        let place = if mark == Mark::Done { Self::DONE } else { Self::BEGUN };
         let offset = self.room() + place;
         let mut padded = [0xff; MAX_WORD];
         padded.iter_mut().zip(mark.of(bytes)).for_each(|(to, byte)| *to = byte);
         let word = padded.get(..Self::MARK_WORD).unwrap_or(&[]);
         self.medium.program(slot, offset, word)?;
-        match self.read_mark(slot, place)? {
-            Some(read) if wrong_bits(read, mark.of(bytes)) <= tolerated => Ok(()),
-            _ => Err(WriteError::ReadBack(slot)),
+        if self.read_mark(slot, place)? == mark.of(bytes) {
+            Ok(())
+        } else {
+            Err(WriteError::ReadBack(slot))
         }
     }
 
-    /// `None` where it is torn: it fails at every reading, while others of the
-    /// slot do not.
-    #[inline(never)]
-    fn read_mark(
-        &mut self,
-        slot: Slot,
-        place: usize,
-    ) -> Result<Option<[u8; MARK]>, Fault<M::Error>> {
+    fn read_mark(&mut self, slot: Slot, place: usize) -> Result<[u8; MARK], Fault<M::Error>> {
         let offset = self.room() + place;
         let mut padded = [0; MAX_WORD];
         let word = padded.get_mut(..Self::MARK_WORD).unwrap_or(&mut []);
-        for _ in 0..READINGS {
-            match self.medium.read(slot, offset, word) {
-                Ok(()) => return Ok(word.first_chunk().copied()),
-                Err(fault) if self.sound(slot).is_none() => return Err(fault),
-                Err(_) => (),
-            }
-        }
-        Ok(None)
-    }
-
-    /// Whether a word of a slot fails, or reads otherwise, at every two readings,
-    /// while after these another one of the slot is read, or where there is none
-    /// the first of the slot in use: a device that does not answer is no torn word.
-    fn is_torn(&mut self, slot: Slot) -> bool {
-        let all = 0..self.medium.slot_size();
-        let Some(torn) = all.step_by(M::WORD).find(|at| !self.reads(slot, *at)) else {
-            return false;
-        };
-        let own = self.sound(slot).map(|at| (slot, at));
-        let Some((other, sound)) = own.or(self.live.map(|(live, _)| (live, 0))) else {
-            return false;
-        };
-        (0..READINGS).all(|_| !self.reads(slot, torn) && self.reads(other, sound))
-    }
-
-    /// The first word of a slot that can be read.
-    #[inline(never)]
-    fn sound(&mut self, slot: Slot) -> Option<usize> {
-        (0..self.medium.slot_size()).step_by(M::WORD).find(|at| self.reads(slot, *at))
-    }
-
-    /// Whether a word can be read, and reads the same again.
-    #[inline(never)]
-    fn reads(&mut self, slot: Slot, offset: usize) -> bool {
-        let mut words = [[0; MAX_WORD]; 2];
-        let [a, b] = &mut words;
-        [a, b].into_iter().all(|word| {
-            self.medium.read(slot, offset, word.get_mut(..M::WORD).unwrap_or(&mut [])).is_ok()
-        }) && {
-            let [a, b] = &words;
-            a.get(..M::WORD) == b.get(..M::WORD)
-        }
+        self.medium.read(slot, offset, word)?;
+        Ok(word.first_chunk().copied().unwrap_or_default())
     }
 
     /// Places of the marks, behind the room for a blob.

@@ -1,12 +1,12 @@
 use super::marks::Mark;
-use super::medium::{Medium, Slot};
+use super::medium::{Fault, Medium, Slot};
 use super::report::{StoreError, Stored, WriteError};
-use super::slot::{Held, Store};
+use super::slot::Store;
+use crate::blob::Blob;
 
 impl<M: Medium> Store<M> {
     /// Stores a blob in the slot that is not in use: erases it, writes the
-    /// payload, reads it back, commits. While nothing is in use and the first
-    /// slot fails, in the other one.
+    /// payload, reads it back, commits.
     ///
     /// A blob with a higher number than that in use is written even where the
     /// parameters are the same: after an `Ok` the blob in use has at least the
@@ -23,52 +23,31 @@ impl<M: Medium> Store<M> {
         if !self.settled {
             return Err(StoreError::Unsettled);
         }
-        let sequence = blob.sequence();
-        let bytes = bytes.get(..blob.size()).unwrap_or(bytes);
+        let offered = blob.sequence();
         if let Some((slot, stored)) = self.live
-            && sequence <= stored
+            && offered <= stored
         {
-            let content = blob.content();
-            return if self.compare(slot, bytes, &content).map_err(WriteError::Fault)? {
-                Ok(Stored::Unchanged { sequence: stored })
-            } else {
-                Err(StoreError::NotNewer { stored, offered: sequence })
+            let same = self.holds(slot, bytes, &blob).map_err(WriteError::Fault)?;
+            return match same {
+                true => Ok(Stored::Unchanged { sequence: stored }),
+                false => Err(StoreError::NotNewer { stored, offered }),
             };
         }
         let target = match self.live {
             Some((slot, _)) => slot.other(),
-            None if Slot::A.of(self.held) == Held::Free => Slot::A,
-            None => Slot::B,
+            None if Slot::A.of(self.occupied) => Slot::B,
+            None => Slot::A,
         };
-        let slot = self.write_either(target, bytes)?;
-        self.live = Some((slot, sequence));
-        Ok(Stored::Written(slot))
-    }
-
-    /// Writes a blob to a slot, or to the other one if that fails and nothing
-    /// could be lost; where it went.
-    fn write_either(&mut self, slot: Slot, bytes: &[u8]) -> Result<Slot, WriteError<M::Error>> {
-        let other = slot.other();
-        let Err(error) = self.write(slot, Mark::Begun { copies: 0 }, bytes) else {
-            return Ok(slot);
-        };
-        if self.live.is_some() {
-            return Err(error);
-        }
-        // What the first slot took may yet be whole: the other is its copy.
-        match self.write(other, Mark::Begun { copies: 1 }, bytes) {
-            Ok(()) => Ok(other),
-            // Nothing was written there: what went wrong before counts.
-            Err(WriteError::Occupied(_)) => Err(error),
-            Err(error) => Err(error),
-        }
+        let bytes = bytes.get(..blob.size()).unwrap_or(bytes);
+        self.write(target, Mark::Begun { copies: 0 }, bytes)?;
+        self.live = Some((target, offered));
+        Ok(Stored::Written(target))
     }
 
     /// Erases a slot that is not in use, whatever it holds: another robot's
-    /// blob, one of a newer layout, one that was longer than the buffer, what a
-    /// device that answers does not read. The store never does so by itself,
-    /// but for the last where it is surely torn (see the [module](super)).
-    /// Where it was [`Settled::Failed`] for that slot, open it again then.
+    /// blob, one of a newer layout, one that was longer than the buffer. The
+    /// store never does so by itself. Where it was [`Settled::Failed`] for that
+    /// slot, open it again then.
     ///
     /// [`Settled::Failed`]: super::Settled::Failed
     ///
@@ -79,7 +58,13 @@ impl<M: Medium> Store<M> {
             return Err(StoreError::InUse(slot));
         }
         self.medium.erase(slot).map_err(WriteError::Fault)?;
-        slot.replace(&mut self.held, Held::Free);
+        slot.replace(&mut self.occupied, false);
         Ok(())
+    }
+
+    /// Whether a slot has the contents of this blob.
+    fn holds(&mut self, slot: Slot, bytes: &[u8], blob: &Blob) -> Result<bool, Fault<M::Error>> {
+        let bytes = bytes.get(..blob.size()).unwrap_or(bytes);
+        self.compare(slot, bytes, &blob.content())
     }
 }

@@ -234,7 +234,7 @@ fn a_fault_erases_nothing() {
         let cells = flash();
         store_without_end(&cells, &blob, Slot::A);
         cells.borrow_mut().power_up(None);
-        cells.borrow_mut().fail_reads(failing, 1);
+        cells.borrow_mut().fail_read(failing);
         let mut buffer = [0; SLOT];
         let slots = Flash::mount(&cells, SLOT);
         Store::open(slots, &mut buffer, mine()).expect("room for a blob");

@@ -4,9 +4,8 @@ mod contract;
 mod histories;
 mod rig;
 mod rules;
-mod worn;
 
-use rig::cells::{Cut, EccPart, EepromPart, NorPart, Part, Tear};
+use rig::cells::{Cut, EepromPart, NorPart, Part, Tear};
 use rig::cuts::{Bench, Blobs, Start, Tally};
 
 /// Every first cut, and some second ones after each.
@@ -47,15 +46,6 @@ fn nor_words_of_32_bytes() {
 fn eeprom_with_torn_pages() {
     cut::<EepromPart<8>>(Blobs::small, 5);
     cut::<EepromPart<32>>(Blobs::small, 50);
-}
-
-/// Found in review: the driver of a flash with an ECC says that it cannot read
-/// a torn word, which was in the way of every later store.
-#[test]
-fn nor_with_an_ecc_that_fails() {
-    cut::<EccPart<4, 128>>(Blobs::small, 10);
-    cut::<EccPart<8, 512>>(Blobs::small, 20);
-    cut::<EccPart<32, 256>>(Blobs::small, 50);
 }
 
 /// Found by fuzzing: `DONE`, cut and read right once, must stay finished.

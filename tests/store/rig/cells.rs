@@ -1,12 +1,199 @@
-//! Parts: memory behind a driver behind an adapter, as flash or as EEPROM.
+//! Memory that loses its power at a chosen operation, as flash or as EEPROM.
 
+use std::cell::RefCell;
 use std::rc::Rc;
 
 use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use embedded_storage::{ReadStorage, Storage};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use truearm::store::{ByteSlots, Medium, NorSlots};
 
-pub use super::memory::{Cells, Cut, Shared, Tear};
+/// How an operation looks that the power cut short.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tear {
+    /// As if it had not begun.
+    Not,
+    /// Every bit old or new.
+    Part,
+    /// Any bytes.
+    Random,
+    /// New up to some byte, then old; in a word also the other way round.
+    Half,
+    /// Every bit that was to change reads differently from time to time.
+    Floating,
+    /// New, but for up to two bits that read differently from time to time.
+    Weak,
+    /// Old, but for up to two such bits.
+    Disturbed,
+    /// Complete; the power fails right after.
+    Done,
+}
+
+impl Tear {
+    pub const ALL: [Self; 8] = [
+        Self::Not,
+        Self::Part,
+        Self::Random,
+        Self::Half,
+        Self::Floating,
+        Self::Weak,
+        Self::Disturbed,
+        Self::Done,
+    ];
+}
+
+/// The power fails at this operation (programming a word, erasing a block),
+/// counted from 0, in this way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cut {
+    pub at: usize,
+    pub tear: Tear,
+}
+
+/// Cells of a part and its driver, which both look at them.
+pub type Shared = Rc<RefCell<Cells>>;
+
+/// The bytes, their bits that read differently from time to time, and the power.
+#[derive(Debug, Clone)]
+pub struct Cells {
+    pub bytes: Vec<u8>,
+    floating: Vec<u8>,
+    /// Whether any bit ever did.
+    unsteady: bool,
+    /// Of each byte, whether it may not be programmed before it is erased.
+    written: Vec<bool>,
+    dice: ChaCha8Rng,
+    cut: Option<Cut>,
+    /// Operations since the power came on.
+    pub operations: usize,
+    pub dead: bool,
+    /// Readings until one fails.
+    until_fault: Option<usize>,
+}
+
+impl Cells {
+    pub fn blank(size: usize) -> Self {
+        Self {
+            bytes: vec![0xff; size],
+            floating: vec![0; size],
+            unsteady: false,
+            written: vec![false; size],
+            dice: ChaCha8Rng::seed_from_u64(0),
+            cut: None,
+            operations: 0,
+            dead: false,
+            until_fault: None,
+        }
+    }
+
+    /// The power comes on.
+    pub fn power_up(&mut self, cut: Option<Cut>) {
+        self.cut = cut;
+        self.operations = 0;
+        self.dead = false;
+        self.until_fault = None;
+    }
+
+    /// Whether no bit of these bytes reads differently from time to time.
+    pub fn is_steady(&self, start: usize, size: usize) -> bool {
+        self.floating[start..][..size].iter().all(|bits| *bits == 0)
+    }
+
+    /// One reading fails after so many that do not.
+    pub fn fail_read(&mut self, after: usize) {
+        self.until_fault = Some(after);
+    }
+
+    pub fn seed(&mut self, seed: u64) {
+        self.dice = ChaCha8Rng::seed_from_u64(seed);
+    }
+
+    /// What a programmer does from outside.
+    pub fn flash(&mut self, start: usize, bytes: &[u8], slot_size: usize) {
+        let slot = start..start + slot_size;
+        self.bytes[slot.clone()].fill(0xff);
+        self.floating[slot.clone()].fill(0);
+        self.written[slot].fill(true);
+        self.bytes[start..start + bytes.len()].copy_from_slice(bytes);
+    }
+
+    fn read(&mut self, start: usize, out: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+        if self.dead {
+            return Err(NorFlashErrorKind::Other);
+        }
+        let until = self.until_fault;
+        self.until_fault = until.and_then(|n| n.checked_sub(1));
+        if until == Some(0) {
+            return Err(NorFlashErrorKind::Other);
+        }
+        if !self.unsteady {
+            out.copy_from_slice(&self.bytes[start..][..out.len()]);
+            return Ok(());
+        }
+        let cells = self.bytes[start..].iter().zip(&self.floating[start..]);
+        for (to, (byte, floating)) in out.iter_mut().zip(cells) {
+            let noise = if *floating == 0 { 0 } else { self.dice.random::<u8>() };
+            *to = byte ^ (noise & floating);
+        }
+        Ok(())
+    }
+
+    /// One operation: these bytes become `new`.
+    fn change(&mut self, start: usize, new: &[u8]) -> Result<(), NorFlashErrorKind> {
+        if self.dead {
+            return Err(NorFlashErrorKind::Other);
+        }
+        let tear = match self.cut {
+            Some(cut) if cut.at == self.operations => Some(cut.tear),
+            _ => None,
+        };
+        self.operations += 1;
+        match tear {
+            None => self.set(start, new),
+            Some(tear) => {
+                self.dead = true;
+                self.tear(start, new, tear);
+                return Err(NorFlashErrorKind::Other);
+            }
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, start: usize, new: &[u8]) {
+        self.bytes[start..start + new.len()].copy_from_slice(new);
+        self.floating[start..start + new.len()].fill(0);
+    }
+
+    fn tear(&mut self, start: usize, new: &[u8], tear: Tear) {
+        self.unsteady |= matches!(tear, Tear::Floating | Tear::Weak | Tear::Disturbed);
+        let old = self.bytes[start..start + new.len()].to_vec();
+        let middle = self.dice.random_range(0..=new.len());
+        // An erase block, longer than any word here, is not erased from its end.
+        let swapped = new.len() <= 32 && self.dice.random::<bool>();
+        let bytes = self.bytes[start..].iter_mut().zip(&mut self.floating[start..]);
+        for (index, ((byte, floating), (old, new))) in bytes.zip(old.iter().zip(new)).enumerate() {
+            let random = self.dice.random::<u8>();
+            match tear {
+                Tear::Not => (),
+                Tear::Part => *byte = (old & random) | (new & !random),
+                Tear::Random => *byte = random,
+                Tear::Half => *byte = if (index < middle) == swapped { *old } else { *new },
+                Tear::Floating => *floating |= old ^ new,
+                Tear::Weak | Tear::Done => (*byte, *floating) = (*new, 0),
+                Tear::Disturbed => *byte = *old,
+            }
+        }
+        if matches!(tear, Tear::Weak | Tear::Disturbed) {
+            // In a long block the first word is where it hurts.
+            let reach = new.len().min(8);
+            for _ in 0..2 {
+                let bit = 1 << self.dice.random_range(0..8);
+                self.floating[start + self.dice.random_range(0..reach)] |= bit;
+            }
+        }
+    }
+}
 
 /// NOR flash with words of `W` bytes and erase blocks of `E`.
 #[derive(Debug)]
@@ -44,7 +231,7 @@ impl<const W: usize, const E: usize> NorFlash for Nor<W, E> {
         for start in (from as usize..to as usize).step_by(E) {
             let cells = &mut self.0.borrow_mut();
             cells.change(start, &[0xff; E])?;
-            cells.may_be_written(start, E);
+            cells.written[start..start + E].fill(false);
         }
         Ok(())
     }
@@ -54,7 +241,9 @@ impl<const W: usize, const E: usize> NorFlash for Nor<W, E> {
         for (word, start) in bytes.chunks(W).zip((offset as usize..).step_by(W)) {
             let cells = &mut self.0.borrow_mut();
             if !cells.dead {
-                cells.write_once(start, W);
+                let written = &mut cells.written[start..start + W];
+                assert!(written.iter().all(|w| !w), "word at {start} not erased since written");
+                written.fill(true);
             }
             cells.change(start, word)?;
         }
@@ -106,8 +295,6 @@ pub trait Part {
     const NAME: &str;
     /// Bytes of a slot must be a multiple of this.
     const BLOCK: usize;
-    /// Whether a word that was cut may fail at one reading and not at the next.
-    const ECC: bool = false;
     type Slots: Medium;
     fn mount(cells: &Shared, slot_size: usize) -> Self::Slots;
 }
@@ -130,28 +317,6 @@ impl<const W: usize, const E: usize> Part for NorPart<W, E> {
     fn mount(cells: &Shared, slot_size: usize) -> Self::Slots {
         let size = slot_size as u32;
         NorSlots::new(Nor::new(cells), [0, size], size).expect("a geometry of whole blocks")
-    }
-}
-
-/// The same with an ECC: its driver says that it cannot read what was half
-/// written.
-#[derive(Debug)]
-pub struct EccPart<const W: usize, const E: usize>;
-
-impl<const W: usize, const E: usize> Part for EccPart<W, E> {
-    const NAME: &str = match W {
-        4 => "NOR with ECC, 4-byte words",
-        8 => "NOR with ECC, 8-byte words",
-        32 => "NOR with ECC, 32-byte words",
-        _ => "NOR with ECC",
-    };
-    const BLOCK: usize = E;
-    const ECC: bool = true;
-    type Slots = NorSlots<Nor<W, E>>;
-
-    fn mount(cells: &Shared, slot_size: usize) -> Self::Slots {
-        cells.borrow_mut().ecc = W;
-        NorPart::<W, E>::mount(cells, slot_size)
     }
 }
 

@@ -5,5 +5,4 @@
 
 pub mod cells;
 pub mod cuts;
-pub mod memory;
 pub mod samples;

@@ -48,27 +48,3 @@ pub fn seal(bytes: &mut [u8]) {
     let (body, checksum) = bytes.split_last_chunk_mut::<4>().expect("a blob's length");
     *checksum = CRC32C.checksum(body).to_le_bytes();
 }
-
-/// Blobs by sequence number from 1 on.
-pub struct Blobs(pub Vec<Vec<u8>>);
-
-impl Blobs {
-    /// Of one joint, with nine terms or none.
-    pub fn small(count: u32) -> Self {
-        let terms = |sequence| if sequence % 4 < 2 { 9 } else { 0 };
-        Self((1..=count).map(|n| short(1, terms(n), n, n as u8)).collect())
-    }
-
-    /// Of six joints.
-    pub fn full(count: u32) -> Self {
-        Self((1..=count).map(|n| full(n, n as u8)).collect())
-    }
-
-    pub fn mine(&self) -> Acceptance {
-        mine(self.get(1))
-    }
-
-    pub fn get(&self, sequence: u32) -> &[u8] {
-        &self.0[sequence as usize - 1]
-    }
-}
