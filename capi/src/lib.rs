@@ -16,7 +16,7 @@ mod types;
 use core::ffi::c_void;
 
 use truearm::blob::{Acceptance, AcceptanceError, Covariance};
-use truearm::{Arm6, Compensator, Pose, ThermalLag};
+use truearm::{Arm6, Compensator, Pose, State, ThermalLag};
 
 use convert::settings_of;
 use pointer::{handle, input, writable};
@@ -52,6 +52,8 @@ pub struct Truearm {
     /// Of the arm that is loaded.
     lag: ThermalLag<f32>,
     compensator: Option<Compensator<'static, f32, TRUEARM_JOINTS>>,
+    /// Of the last tick that had one: in another the correction would be another.
+    state: Option<State<f32, TRUEARM_JOINTS>>,
 }
 
 type Result<T = ()> = core::result::Result<T, TruearmError>;
@@ -79,6 +81,7 @@ impl Truearm {
         let compensator =
             Compensator::new(arm, settings, joints).map_err(|_| TruearmError::BadSetting)?;
         self.compensator = Some(compensator);
+        self.state = None;
         Ok(())
     }
 }
@@ -134,6 +137,7 @@ pub unsafe extern "C" fn truearm_init(
             covariance: None,
             lag: ThermalLag::new(0.0),
             compensator: None,
+            state: None,
         };
         // SAFETY: the caller's promise; size and alignment have been checked.
         unsafe {

@@ -75,10 +75,11 @@ pub unsafe extern "C" fn truearm_arm_temperature(
 ///   joints of the last tick, TRUEARM_STATUS_COMMAND_NOT_FINITE. That of `state`, not aligned:
 ///   as for a bad state. That of `arm`: as without an arm. That of `tick`: nothing happens.
 /// - TRUEARM_ERROR_BAD_STATE, TRUEARM_ERROR_BAD_APPROACH: a field of the state is none of its
-///   values. The correction fades, as if switched off for this tick, without a step:
-///   TRUEARM_STATUS_STATE_NOT_FINITE.
+///   values. The correction of the last good state fades, as if switched off for this tick, without
+///   a step: TRUEARM_STATUS_STATE_NOT_FINITE.
 /// - TRUEARM_ERROR_NOT_INITIALISED, TRUEARM_ERROR_NOT_LOADED: there is no arm, or it has no
-///   parameters. The command as it is, uncorrected: TRUEARM_STATUS_NO_ARM.
+///   parameters. The command as it is, uncorrected, however far that is from the joints of the
+///   last tick: TRUEARM_STATUS_NO_ARM.
 ///
 /// # Safety
 /// Every pointer is NULL or as typed; `command` points to 6 floats.
@@ -94,15 +95,17 @@ pub unsafe extern "C" fn truearm_tick(
         writable(tick)?;
         // SAFETY: the caller's promise.
         let (command, this) = unsafe { (input(command.cast::<Joints>()), handle(arm)) };
-        let loaded = this
-            .and_then(|this| this.compensator.as_mut().ok_or(TruearmError::NotLoaded))
-            .inspect_err(|_| {
-                // SAFETY: the caller's promise; not NULL and aligned.
-                unsafe { uncorrected(command, tick) }
-            })?;
+        let loaded = |this: &'static mut Truearm| match &mut this.compensator {
+            Some(compensator) => Ok((compensator, &mut this.state)),
+            None => Err(TruearmError::NotLoaded),
+        };
+        let (compensator, before) = this.and_then(loaded).inspect_err(|_| {
+            // SAFETY: the caller's promise; not NULL and aligned.
+            unsafe { uncorrected(command, tick) }
+        })?;
         // SAFETY: the caller's promise.
-        let state = unsafe { state_or_neutral(loaded.arm(), state) };
-        let done = step(loaded, command, state);
+        let state = unsafe { state_or_neutral(compensator.arm(), state) };
+        let done = step(compensator, command, state, before);
         // SAFETY: the caller's promise; not NULL and aligned.
         unsafe { tick.write(done) };
         command.and(state.map(|_| ()))
@@ -114,12 +117,15 @@ fn step(
     compensator: &mut Compensator<'_, f32, TRUEARM_JOINTS>,
     command: Result<Joints>,
     state: Result<State<f32, TRUEARM_JOINTS>>,
+    before: &mut Option<State<f32, TRUEARM_JOINTS>>,
 ) -> TruearmTick {
     // Of a command that is no number the last joints are repeated.
     let command = command.unwrap_or([f32::NAN; TRUEARM_JOINTS]);
     let active = compensator.is_active();
     compensator.set_active(active && state.is_ok());
-    let known = state.unwrap_or_else(|_| compensator.arm().state());
+    // What fades is the correction of the state that it was.
+    let known = state.unwrap_or_else(|_| before.unwrap_or_else(|| compensator.arm().state()));
+    *before = Some(known);
     let done = TruearmTick::from(&compensator.tick(&command, &known));
     compensator.set_active(active);
     if state.is_ok() || done.status == TruearmStatus::CommandNotFinite {

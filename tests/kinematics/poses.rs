@@ -55,6 +55,10 @@ fn a_left_handed_tool_would_be_another_one() {
     let arm = Arm::new(&stored::<f64, 6>(ur10(), [0.0; 3]));
     let mut tool = Pose::translation(0.0, 0.0, 0.15);
     assert!(tool.is_rigid());
+    // A third axis that leans by 2 mrad is at a right angle to nothing.
+    let mut skewed = tool;
+    skewed.rotation[(0, 2)] = 2e-3;
+    assert!(!skewed.is_rigid());
     tool.rotation[(2, 2)] = -1.0;
     assert!(!tool.is_rigid());
     let q = [0.1, -1.2, 1.6, -1.2, -1.57, 0.8];

@@ -75,6 +75,29 @@ fn of_a_bad_state_the_joints_fade_back_to_the_command() {
     }
 }
 
+/// Under a load and warm, where the correction is another than in the neutral state: as if it was
+/// switched off for that tick.
+#[test]
+fn of_a_bad_state_what_fades_is_the_correction_that_was() {
+    let state = TruearmState { payload_kg: 10.0, temperature_c: 35.0, ..NEUTRAL };
+    let (mut memory, mut memory_of_twin) = (memory(), memory());
+    let (arm, twin) = (on(&mut memory).0, on(&mut memory_of_twin).0);
+    for _ in 0..4 * QUICK {
+        let joints = [arm, twin].map(|arm| tick(arm, Q.as_ptr(), &state).1.joints);
+        assert_eq!(joints[0], joints[1]);
+    }
+    for (bad, _) in bad_states().iter().cycle().take(12) {
+        // SAFETY: as the function wants it.
+        let switched = |on| unsafe { truearm_set_active(twin, on) };
+        assert_eq!(switched(0), TruearmError::Ok);
+        let (_, off) = tick(twin, Q.as_ptr(), &state);
+        assert_eq!(switched(1), TruearmError::Ok);
+        assert_eq!(tick(arm, Q.as_ptr(), bad).1.joints, off.joints);
+        let good = [arm, twin].map(|arm| tick(arm, Q.as_ptr(), &state).1.joints);
+        assert_eq!(good[0], good[1]);
+    }
+}
+
 /// A state at a pointer that is none is as bad.
 #[test]
 fn a_state_that_cannot_be_read_is_a_bad_one() {
