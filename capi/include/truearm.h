@@ -19,6 +19,7 @@
  */
 #ifndef TRUEARM_NODISCARD
 #if (defined(__cplusplus) && __cplusplus >= 201703L) || \
+    (defined(_MSVC_LANG) && _MSVC_LANG >= 201703L) || \
     (defined(__STDC_VERSION__) && __STDC_VERSION__ >= 202311L)
 #define TRUEARM_NODISCARD [[nodiscard]]
 #elif defined(__GNUC__) || defined(__clang__)
@@ -567,10 +568,11 @@ TruearmError truearm_arm_temperature(struct Truearm *arm,
    joints of the last tick, TRUEARM_STATUS_COMMAND_NOT_FINITE. That of `state`, not aligned:
    as for a bad state. That of `arm`: as without an arm. That of `tick`: nothing happens.
  - TRUEARM_ERROR_BAD_STATE, TRUEARM_ERROR_BAD_APPROACH: a field of the state is none of its
-   values. The correction fades, as if switched off for this tick, without a step:
-   TRUEARM_STATUS_STATE_NOT_FINITE.
+   values. The correction of the last good state fades, as if switched off for this tick, without
+   a step: TRUEARM_STATUS_STATE_NOT_FINITE.
  - TRUEARM_ERROR_NOT_INITIALISED, TRUEARM_ERROR_NOT_LOADED: there is no arm, or it has no
-   parameters. The command as it is, uncorrected: TRUEARM_STATUS_NO_ARM.
+   parameters. The command as it is, uncorrected, however far that is from the joints of the
+   last tick: TRUEARM_STATUS_NO_ARM.
 
  # Safety
  Every pointer is NULL or as typed; `command` points to 6 floats.
