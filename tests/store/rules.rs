@@ -77,7 +77,7 @@ fn the_same_parameters_write_nothing() {
 fn a_counter_that_follows_the_store_refuses_nothing() {
     let cells = flash();
     for offered in [2, 12, 12, 7, 13] {
-        store(&cells, &full(offered, 1)).expect("the same parameters");
+        let _ = store(&cells, &full(offered, 1)).expect("the same parameters");
         let mut buffer = [0; SLOT];
         let (store, _) = open(&cells, &mut buffer);
         let (_, sequence) = store.live().expect("parameters");
