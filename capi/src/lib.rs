@@ -51,11 +51,12 @@ pub struct Truearm {
     covariance: Option<Covariance<'static>>,
     /// Of the arm that is loaded.
     lag: ThermalLag<f32>,
-    compensator: Option<Compensator<'static, f32, TRUEARM_JOINTS>>,
-    /// Of the last tick that had one: in another the correction would be another.
+    compensator: Option<Compensation>,
+    /// Of the last tick that took one: in another the correction would be another.
     state: Option<State<f32, TRUEARM_JOINTS>>,
 }
 
+type Compensation = Compensator<'static, f32, TRUEARM_JOINTS>;
 type Result<T = ()> = core::result::Result<T, TruearmError>;
 
 fn code(result: Result) -> TruearmError {
@@ -68,6 +69,12 @@ fn code(result: Result) -> TruearmError {
 impl Truearm {
     fn arm(&self) -> Result<&Arm6<'static, f32>> {
         Ok(self.compensator.as_ref().ok_or(TruearmError::NotLoaded)?.arm())
+    }
+
+    /// What a tick takes.
+    fn ticking(&mut self) -> Result<(&mut Compensation, &mut Option<State<f32, TRUEARM_JOINTS>>)> {
+        let compensator = self.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
+        Ok((compensator, &mut self.state))
     }
 
     /// A new compensator, switched off; nothing changes on an error.

@@ -95,11 +95,7 @@ pub unsafe extern "C" fn truearm_tick(
         writable(tick)?;
         // SAFETY: the caller's promise.
         let (command, this) = unsafe { (input(command.cast::<Joints>()), handle(arm)) };
-        let loaded = |this: &'static mut Truearm| match &mut this.compensator {
-            Some(compensator) => Ok((compensator, &mut this.state)),
-            None => Err(TruearmError::NotLoaded),
-        };
-        let (compensator, before) = this.and_then(loaded).inspect_err(|_| {
+        let (compensator, before) = this.and_then(Truearm::ticking).inspect_err(|_| {
             // SAFETY: the caller's promise; not NULL and aligned.
             unsafe { uncorrected(command, tick) }
         })?;
@@ -125,8 +121,10 @@ fn step(
     compensator.set_active(active && state.is_ok());
     // What fades is the correction of the state that it was.
     let known = state.unwrap_or_else(|_| before.unwrap_or_else(|| compensator.arm().state()));
-    *before = Some(known);
     let done = TruearmTick::from(&compensator.tick(&command, &known));
+    if matches!(done.status, TruearmStatus::On | TruearmStatus::Ramping) {
+        *before = Some(known);
+    }
     compensator.set_active(active);
     if state.is_ok() || done.status == TruearmStatus::CommandNotFinite {
         return done;

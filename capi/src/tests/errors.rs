@@ -86,7 +86,11 @@ fn of_a_bad_state_what_fades_is_the_correction_that_was() {
         let joints = [arm, twin].map(|arm| tick(arm, Q.as_ptr(), &state).1.joints);
         assert_eq!(joints[0], joints[1]);
     }
+    // One that is no number has no correction.
+    let nan = TruearmState { payload_kg: f32::NAN, ..state };
     for (bad, _) in bad_states().iter().cycle().take(12) {
+        let refused = [arm, twin].map(|arm| tick(arm, Q.as_ptr(), &nan).1);
+        assert_eq!(refused.map(|tick| tick.status), [TruearmStatus::StateNotFinite; 2]);
         // SAFETY: as the function wants it.
         let switched = |on| unsafe { truearm_set_active(twin, on) };
         assert_eq!(switched(0), TruearmError::Ok);

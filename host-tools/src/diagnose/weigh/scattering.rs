@@ -72,13 +72,7 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
     // What has no name and is of no joint is set aside, or it is scatter.
     let others: Vec<_> = nameless.iter().filter(|held| held.0.joint().is_none()).cloned().collect();
     let bare = nameless::without(&problem, state, &nameless);
-    let joints = (0..problem.nominal.len()).map(Scatterer::Joint);
-    let sight = unless_known(&known, dropped, || {
-        let left = Left::of(&bare, &found.best, &known).without(&known).0;
-        sights::possible(&problem, state, &found.best.fit.kept, &left)
-    });
-    let asked_of = |s: &Scatterer| !known.contains(s) && !dropped.contains(s);
-    let unknown: Vec<Scatterer> = joints.chain(sight).filter(asked_of).collect();
+    let unknown = unasked(&problem, (&bare, found), &known, dropped);
     let compared = Compared {
         q,
         found,
@@ -127,14 +121,22 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
     (best.1 > enough).then_some(Change::Add(best.0))
 }
 
-/// A line of sight, unless one is known or was dropped: there is one at most.
-fn unless_known(
+/// What is asked: every joint and a line of sight, of which there is one at most.
+fn unasked(
+    problem: &Problem,
+    (bare, found): (&Problem, &Searched),
     known: &[Scatterer],
     dropped: &[Scatterer],
-    sight: impl FnOnce() -> Option<Scatterer>,
-) -> Option<Scatterer> {
-    let any = known.iter().chain(dropped).any(|source| source.sight().is_some());
-    if any { None } else { sight() }
+) -> Vec<Scatterer> {
+    let asked: Vec<Scatterer> = [known, dropped].concat();
+    let joints = (0..problem.nominal.len()).map(Scatterer::Joint);
+    let mut out: Vec<Scatterer> = joints.filter(|joint| !asked.contains(joint)).collect();
+    if asked.iter().all(|source| source.sight().is_none()) {
+        let fit = &found.best.fit;
+        let (left, _) = Left::of(bare, &found.best, known).without(known);
+        out.extend(sights::possible(problem, &fit.fit.state, &fit.kept, &left));
+    }
+    out
 }
 
 /// Where a search begins after this change. What fitted the scatter of a joint has to be found

@@ -12,9 +12,9 @@ use crate::statistics::median;
 
 /// Distance of an origin from the base, as a share of that of targets. No study set it.
 const APART: f64 = 0.5;
-/// Distances from the base that are tried, in those of the farthest target: no instrument stands
-/// within the reach of an arm, and from farther away all lines are parallel.
+/// Distances from the base that are tried, in those of the farthest target. No study set them.
 const DISTANCES: [f64; 4] = [1.5, 2.5, 4.0, 7.0];
+/// No instrument stands within the reach of an arm, and from farther away all lines are parallel.
 const NEAREST: f64 = 1.0;
 const FARTHEST: f64 = 10.0;
 /// Rows that a place is looked for with, at most.
@@ -105,7 +105,8 @@ fn around(base: &Vector3<f64>, looks: &[Look]) -> Vector3<f64> {
 fn likelihood(place: &Vector3<f64>, looks: &[Look]) -> f64 {
     let seen = |(point, left): &Look| {
         let line = point - place;
-        let square = line.norm_squared();
+        // A target may have been read at the origin itself.
+        let square = line.norm_squared().max(f64::MIN_POSITIVE);
         let along = left.dot(&line).powi(2) / square;
         let across = left.norm_squared() - along;
         // Two ways across, as large in the mean.
