@@ -5,6 +5,8 @@ mod histories;
 mod rig;
 mod rules;
 
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use rig::cells::{Cut, EepromPart, NorPart, Part, Tear};
 use rig::cuts::{Bench, Blobs, Start, Tally};
 
@@ -97,4 +99,29 @@ fn a_copy_in_use_is_preferred_to_its_original() {
         }
         history.power_up(None, false);
     }
+}
+
+/// Flipped bits anywhere, few or many, on every part and from every start.
+fn damage<P: Part>() {
+    let mut dice = ChaCha8Rng::seed_from_u64(5);
+    for start in Start::ALL {
+        let bench = Bench::<P>::new(start, Blobs::small(4));
+        bench.damaged(0, &[]);
+        for _ in 0..200 {
+            let rare = dice.random_range(1..=64);
+            let flips = |_| if dice.random_ratio(1, rare) { dice.random() } else { 0 };
+            let damage: Vec<u8> = (0..1024).map(flips).collect();
+            bench.damaged(0, &damage);
+        }
+    }
+}
+
+#[test]
+fn damaged_memories_hold_a_blob_of_this_robot_or_none() {
+    damage::<NorPart<1, 64>>();
+    damage::<NorPart<4, 128>>();
+    damage::<NorPart<8, 512>>();
+    damage::<NorPart<32, 256>>();
+    damage::<EepromPart<8>>();
+    damage::<EepromPart<32>>();
 }
