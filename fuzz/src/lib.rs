@@ -13,7 +13,7 @@ use truearm::{Arm, ArmParameters, State};
 
 #[cfg(feature = "readers")]
 pub use readers::readers;
-use rig::cells::{Cut, EepromPart, NorPart, Part, Tear};
+use rig::cells::{Cut, EccPart, EepromPart, NorPart, Part, Tear};
 use rig::cuts::{Bench, Blobs, Start};
 use rig::samples;
 
@@ -85,6 +85,7 @@ static BENCHES: LazyLock<Vec<Box<dyn TryOut>>> = LazyLock::new(|| {
         from_all_starts::<NorPart<32, 256>>(),
         from_all_starts::<EepromPart<8>>(),
         from_all_starts::<EepromPart<32>>(),
+        from_all_starts::<EccPart<8, 512>>(),
     ];
     benches.into_iter().flatten().collect()
 });

@@ -90,7 +90,7 @@
 //! | a cut word spoils no other word | anything could be lost | that is what a write word, or an EEPROM's page, is; give the larger one if the part's ECC word is larger |
 //! | an erase that is cut may leave anything, but does not leave the front of a block whole while its end reads erased | a torn blob could lose its `BEGN` and pass for a programmer's | all cells of a block fade together, and blocks and pages are erased from the front |
 //! | a `DONE` that read with two wrong bits or fewer does not read with fewer than four programmed ones later | a blob that was returned could be taken for unfinished, rewritten in place, and a cut then leave the older one | in words of up to four bytes only the last word of `DONE` can be torn, the others are solid; in a longer word some 34 undecided bits would have to fall one way almost all at once, and later all the other way |
-//! | a word that a cut left half programmed is read as something, not as an error for ever | later stores end in [`WriteError::Occupied`], nothing is lost: a fault of one word is not told from a memory that does not answer, and what cannot be read is not erased | flash without ECC; of a part with one the driver returns what it read, or [`Store::discard`] of that slot is called on purpose |
+//! | a word that a cut left half programmed is read as something, not as an error for ever | later stores end in [`WriteError::Occupied`], nothing is lost: a fault of one word is not told from a memory that does not answer, and what cannot be read is not erased | flash without error correction; [`EccNor`] of one with it, or [`Store::discard`] of that slot, called on purpose |
 //! | the cells of both slots take what is written | on a blank device with a worn cell in slot A, [`WriteError::ReadBack`] at every store; beside a blob in use that one stays | parts are replaced before they are worn; a store erases each slot every second time |
 //!
 //! The newest valid slot is never erased or written by [`Store::store`].
@@ -98,6 +98,7 @@
 //! under the same number or a lower one writes nothing.
 
 mod bytes;
+mod ecc;
 mod marks;
 mod medium;
 mod nor;
@@ -107,6 +108,7 @@ mod slot;
 mod write;
 
 pub use bytes::ByteSlots;
+pub use ecc::EccNor;
 pub use medium::{Fault, FaultKind, GeometryError, MAX_WORD, Medium, Operation, Slot};
 pub use nor::NorSlots;
 pub use report::{

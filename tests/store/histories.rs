@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use truearm::blob::{Acceptance, Blob};
 use truearm::store::{Medium, Settled, Slot, Store, StoreError, WriteError};
 
-use super::rig::cells::{Cells, Cut, EepromPart, NorPart, Part, Shared, Tear};
+use super::rig::cells::{Cells, Cut, EccPart, EepromPart, NorPart, Part, Shared, Tear};
 use super::rig::samples::{mine, seal, short};
 
 /// A firmware: what it accepts and how long its buffer is.
@@ -279,5 +279,6 @@ proptest! {
         holds::<NorPart<8, 512>>(&deeds, seed);
         holds::<NorPart<32, 256>>(&deeds, seed);
         holds::<EepromPart<32>>(&deeds, seed);
+        holds::<EccPart<16, 512>>(&deeds, seed);
     }
 }

@@ -7,7 +7,7 @@ mod rules;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rig::cells::{Cut, EepromPart, NorPart, Part, Tear};
+use rig::cells::{Cut, EccPart, EepromPart, NorPart, Part, Tear};
 use rig::cuts::{Bench, Blobs, Start, Tally};
 
 /// Every first cut, and some second ones after each.
@@ -42,6 +42,13 @@ fn nor_words_of_8_bytes() {
 #[test]
 fn nor_words_of_32_bytes() {
     cut::<NorPart<32, 256>>(Blobs::small, 50);
+}
+
+#[test]
+fn nor_with_a_code_in_every_word() {
+    cut::<EccPart<8, 512>>(Blobs::small, 50);
+    cut::<EccPart<16, 512>>(Blobs::small, 50);
+    cut::<EccPart<32, 256>>(Blobs::small, 50);
 }
 
 #[test]
@@ -124,4 +131,5 @@ fn damaged_memories_hold_a_blob_of_this_robot_or_none() {
     damage::<NorPart<32, 256>>();
     damage::<EepromPart<8>>();
     damage::<EepromPart<32>>();
+    damage::<EccPart<8, 512>>();
 }

@@ -7,7 +7,7 @@ use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlas
 use embedded_storage::{ReadStorage, Storage};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truearm::store::{ByteSlots, Medium, NorSlots};
+use truearm::store::{ByteSlots, EccNor, Medium, NorSlots};
 
 /// How an operation looks that the power cut short.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,6 +54,17 @@ pub struct Cut {
 /// Cells of a part and its driver, which both look at them.
 pub type Shared = Rc<RefCell<Cells>>;
 
+/// What an error-correcting code says of a word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Torn {
+    /// Nothing: it was not cut, or what it holds has the right code.
+    No,
+    /// That it is lost, at every reading.
+    Lost,
+    /// The same, at some readings.
+    Unsteady,
+}
+
 /// The bytes, their bits that read differently from time to time, and the power.
 #[derive(Debug, Clone)]
 pub struct Cells {
@@ -61,6 +72,8 @@ pub struct Cells {
     floating: Vec<u8>,
     /// Whether any bit ever did.
     unsteady: bool,
+    /// What the error-correcting code of a word makes of a cut, at its first byte.
+    torn: Vec<Torn>,
     /// Of each byte, whether it may not be programmed before it is erased.
     written: Vec<bool>,
     dice: ChaCha8Rng,
@@ -78,6 +91,7 @@ impl Cells {
             bytes: vec![0xff; size],
             floating: vec![0; size],
             unsteady: false,
+            torn: vec![Torn::No; size],
             written: vec![false; size],
             dice: ChaCha8Rng::seed_from_u64(0),
             cut: None,
@@ -114,6 +128,7 @@ impl Cells {
         let slot = start..start + slot_size;
         self.bytes[slot.clone()].fill(0xff);
         self.floating[slot.clone()].fill(0);
+        self.torn[slot.clone()].fill(Torn::No);
         self.written[slot].fill(true);
         self.bytes[start..start + bytes.len()].copy_from_slice(bytes);
     }
@@ -163,6 +178,16 @@ impl Cells {
     fn set(&mut self, start: usize, new: &[u8]) {
         self.bytes[start..start + new.len()].copy_from_slice(new);
         self.floating[start..start + new.len()].fill(0);
+        self.torn[start..start + new.len()].fill(Torn::No);
+    }
+
+    /// Whether the code of the word at `start` gives it up now.
+    fn is_lost(&mut self, start: usize) -> bool {
+        match self.torn[start] {
+            Torn::No => false,
+            Torn::Lost => true,
+            Torn::Unsteady => self.dice.random(),
+        }
     }
 
     fn tear(&mut self, start: usize, new: &[u8], tear: Tear) {
@@ -182,6 +207,11 @@ impl Cells {
                 Tear::Floating => *floating |= old ^ new,
                 Tear::Weak | Tear::Done => (*byte, *floating) = (*new, 0),
                 Tear::Disturbed => *byte = *old,
+            }
+        }
+        if !matches!(tear, Tear::Not | Tear::Done) {
+            for torn in &mut self.torn[start..][..new.len()] {
+                *torn = [Torn::No, Torn::Lost, Torn::Unsteady][self.dice.random_range(0..3)];
             }
         }
         if matches!(tear, Tear::Weak | Tear::Disturbed) {
@@ -248,6 +278,74 @@ impl<const W: usize, const E: usize> NorFlash for Nor<W, E> {
             cells.change(start, word)?;
         }
         Ok(())
+    }
+}
+
+/// The same with an error-correcting code in every word.
+#[derive(Debug)]
+pub struct Ecc<const W: usize, const E: usize>(Nor<W, E>);
+
+impl<const W: usize, const E: usize> Ecc<W, E> {
+    pub fn new(cells: &Shared) -> Self {
+        Self(Nor::new(cells))
+    }
+}
+
+/// What its driver says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EccError {
+    /// The word was torn.
+    DoubleBit,
+    Nor(NorFlashErrorKind),
+}
+
+impl EccError {
+    pub fn is_double_bit(&self) -> bool {
+        *self == Self::DoubleBit
+    }
+}
+
+impl nor_flash::NorFlashError for EccError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::DoubleBit => NorFlashErrorKind::Other,
+            Self::Nor(kind) => *kind,
+        }
+    }
+}
+
+impl<const W: usize, const E: usize> nor_flash::ErrorType for Ecc<W, E> {
+    type Error = EccError;
+}
+
+impl<const W: usize, const E: usize> ReadNorFlash for Ecc<W, E> {
+    const READ_SIZE: usize = 4;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), EccError> {
+        self.0.read(offset, bytes).map_err(EccError::Nor)?;
+        let (start, end) = (offset as usize / W * W, offset as usize + bytes.len());
+        let cells = &mut self.0.0.borrow_mut();
+        match (start..end).step_by(W).any(|word| cells.is_lost(word)) {
+            true => Err(EccError::DoubleBit),
+            false => Ok(()),
+        }
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+}
+
+impl<const W: usize, const E: usize> NorFlash for Ecc<W, E> {
+    const WRITE_SIZE: usize = W;
+    const ERASE_SIZE: usize = E;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), EccError> {
+        self.0.erase(from, to).map_err(EccError::Nor)
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), EccError> {
+        self.0.write(offset, bytes).map_err(EccError::Nor)
     }
 }
 
@@ -336,5 +434,27 @@ impl<const P: usize> Part for EepromPart<P> {
     fn mount(cells: &Shared, slot_size: usize) -> Self::Slots {
         let size = slot_size as u32;
         ByteSlots::new(Eeprom::new(cells), [0, size], size).expect("a geometry of whole pages")
+    }
+}
+
+/// NOR flash with an error-correcting code in every word, whose torn words are
+/// read as zeros.
+#[derive(Debug)]
+pub struct EccPart<const W: usize, const E: usize>;
+
+impl<const W: usize, const E: usize> Part for EccPart<W, E> {
+    const NAME: &str = match W {
+        8 => "NOR with ECC, 8-byte words",
+        32 => "NOR with ECC, 32-byte words",
+        _ => "NOR with ECC",
+    };
+    const BLOCK: usize = E;
+    type Slots = NorSlots<EccNor<Ecc<W, E>, fn(&EccError) -> bool>>;
+
+    fn mount(cells: &Shared, slot_size: usize) -> Self::Slots {
+        let size = slot_size as u32;
+        let flash: EccNor<_, fn(&EccError) -> bool> =
+            EccNor::new(Ecc::new(cells), EccError::is_double_bit);
+        NorSlots::new(flash, [0, size], size).expect("a geometry of whole blocks")
     }
 }

@@ -4,7 +4,7 @@
 use clap::Args;
 use rayon::prelude::*;
 
-use super::rig::cells::{EepromPart, NorPart, Part};
+use super::rig::cells::{EccPart, EepromPart, NorPart, Part};
 use super::rig::cuts::{Bench, Blobs, Start, Tally};
 use crate::run::Result;
 
@@ -30,11 +30,14 @@ pub fn run(options: &Options) -> Result {
         + part::<NorPart<32, 256>>(false, None, seed)
         + part::<EepromPart<8>>(false, None, seed)
         + part::<EepromPart<32>>(false, None, seed)
+        + part::<EccPart<8, 512>>(false, None, seed)
+        + part::<EccPart<32, 256>>(false, None, seed)
         + part::<NorPart<1, 1024>>(true, some, seed)
         + part::<NorPart<4, 1024>>(true, some, seed)
         + part::<NorPart<8, 1024>>(true, some, seed)
         + part::<NorPart<32, 1024>>(true, some, seed)
-        + part::<EepromPart<32>>(true, some, seed);
+        + part::<EepromPart<32>>(true, some, seed)
+        + part::<EccPart<32, 1024>>(true, some, seed);
     println!("{} power cuts in {} runs", total.cuts, total.single + total.double);
     Ok(())
 }
