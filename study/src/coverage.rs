@@ -4,11 +4,13 @@
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use truearm_host::identify::certainty::error_bars::FACTOR;
 use truearm_host::identify::certainty::unknowns::{Covariances, spread};
 use truearm_host::identify::fit::estimate::estimate;
 use truearm_host::identify::start::registration::register;
 use truearm_host::identify::{LambdaRule, Problem, Scaling};
+use truearm_host::model::Measurements;
 
 use crate::simulated::{Truth, UR10_LIKE, parse, robot};
 
@@ -18,8 +20,21 @@ const JUDGED: usize = 10;
 /// the data.
 pub const DETERMINED: f64 = 0.3;
 
+/// How readings are noisy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Noise {
+    /// Each by itself, as stated.
+    Normal,
+    /// So many of each pose, which have this share of the variance in common: that of where the
+    /// arm stood.
+    Common(usize, f64),
+    /// Student's t of three degrees of freedom, which is as wide as stated and has tails.
+    Tails,
+}
+
 /// What stays the same over the simulations of a case.
 pub struct Cell {
+    noise: Noise,
     poses: usize,
     sigma: f64,
     rule: LambdaRule,
@@ -45,7 +60,45 @@ impl Cell {
         let mut robot = robot(UR10_LIKE);
         robot.sigma = sigma;
         let arm = Truth::draw_sized(&robot, 1, 1, tolerances, &mut rng);
-        Self { poses, sigma, rule, tolerances, arm }
+        Self { noise: Noise::Normal, poses, sigma, rule, tolerances, arm }
+    }
+}
+
+impl Cell {
+    /// The same with such noise.
+    #[must_use]
+    pub fn noisy(self, noise: Noise) -> Self {
+        Self { noise, ..self }
+    }
+
+    /// What is measured of an arm.
+    fn measured(&self, truth: &Truth, rng: &mut ChaCha8Rng) -> Measurements {
+        let robot = &self.arm.robot;
+        let (readings, share) = match self.noise {
+            Noise::Normal => return parse(robot, &truth.measure(self.poses, self.sigma, rng)),
+            Noise::Common(readings, share) => (readings, share),
+            Noise::Tails => (1, 0.0),
+        };
+        let mut data = parse(robot, &truth.measure(self.poses, 0.0, rng));
+        let mut normal = || StandardNormal.sample(rng);
+        let mut deviate = || -> f64 {
+            let one: f64 = normal();
+            let square: f64 = (0..3).map(|_| normal()).map(|z: f64| z * z).sum();
+            if self.noise == Noise::Tails { one / (square / 3.0).sqrt() } else { one }
+        };
+        let mut rows = Vec::new();
+        for row in &data.rows {
+            let together: [f64; 3] = std::array::from_fn(|_| share.sqrt() * deviate());
+            for _ in 0..readings {
+                let mut row = row.clone();
+                for (value, together) in row.measured.iter_mut().zip(together) {
+                    *value += self.sigma * (together + (1.0 - share).sqrt() * deviate());
+                }
+                rows.push(row);
+            }
+        }
+        data.rows = rows;
+        data
     }
 }
 
@@ -99,10 +152,10 @@ pub fn identified_once(cell: &Cell, fresh: bool, rng: &mut ChaCha8Rng) -> Simula
     let robot = &cell.arm.robot;
     let drawn = Truth::draw_sized(robot, 1, 1, cell.tolerances, rng);
     let truth = if fresh { &drawn } else { &cell.arm };
-    let data = parse(robot, &truth.measure(cell.poses, cell.sigma, rng));
+    let data = cell.measured(truth, rng);
     let check = parse(robot, &truth.measure(JUDGED, 0.0, rng));
-    let problem = Problem::new(&data, robot, Scaling::Prior);
     let start = register(&data, &robot.nominal(), robot.tool).unwrap();
+    let problem = Problem::new(&data, robot, Scaling::Prior).about(&start);
     let rows: Vec<usize> = (0..data.rows.len()).collect();
     let found = estimate(&problem, cell.rule, &rows, &start, false).unwrap();
     let covariances = Covariances::of(&problem, &found, spread(cell.rule, found.lambda));

@@ -16,10 +16,10 @@ use super::rounding;
 use super::tell::place;
 use super::weigh::{Doubt, Named, Weighed, scatter};
 use crate::error::listed;
-use crate::evidence::poses::Scatter;
 use crate::identify::Problem;
 use crate::model::{Measurements, ModelTerm};
 use crate::observations::kind;
+use crate::statistics::repeats::Scatter;
 use crate::units::to_mm;
 
 /// All of them.

@@ -4,8 +4,9 @@ use truearm::MdhParameters;
 use super::part::{FoldSums, Part};
 use super::{LAST, NEAR, state};
 use crate::error::{Error, ErrorKind, Result};
+use crate::identify::certainty::carried::Carried;
 use crate::identify::certainty::covariance::{factor, of_arm_by};
-use crate::identify::certainty::unknowns::{Covariances, believed, spread};
+use crate::identify::certainty::unknowns::{Covariances, spread};
 use crate::identify::fit::robust::Flags;
 use crate::identify::fit::suspects::MOST_FLAGGED;
 use crate::identify::fit::{ANOTHER_ARM, LambdaRule, lambda_of};
@@ -215,9 +216,14 @@ impl Round<'_> {
         let state = at.stepped(columns, &x.component_mul(&problem.units()));
         let rule = LambdaRule::ALL.into_iter().find(|r| r.name() == model.provenance.lambda_rule);
         let spread = spread(rule.unwrap_or(LambdaRule::Fixed(lambda)), lambda);
-        let sigma = believed(gram.k, whole.equations());
-        let information = whole.h().into_owned();
-        let of = Covariances::of_sums(problem, (whole, information), (lambda, spread), sigma);
+        // About the state the right-hand sides are residuals.
+        let carried = Carried {
+            information: whole.h().into_owned(),
+            square: whole.s(),
+            equations: whole.equations() as f64,
+            alike: 1.0,
+        };
+        let of = Covariances::of_sums(problem, &state, (whole, &carried), (lambda, spread));
         let unknowns = of.total();
         let sigma = |i: usize, k: usize| {
             let column = columns.free() + 5 * i + k;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use truearm_host::identify::LambdaRule;
 
 use super::Result;
-use crate::coverage::{Cell, Tally, identified_once};
+use crate::coverage::{Cell, Noise, Tally, identified_once};
 
 #[derive(Args)]
 pub struct Options {
@@ -31,6 +31,15 @@ const CASES: [(usize, f64, bool); 6] = [
 ];
 /// Sizes of errors, in tolerances, that the rule by default has to find out.
 const SIZES: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
+
+/// Noise that is not each reading's own, and normal, as stated.
+const NOISES: [(Noise, &str); 5] = [
+    (Noise::Common(3, 0.9), "read 3 times, 90 % in common"),
+    (Noise::Common(5, 0.5), "read 5 times, 50 % in common"),
+    (Noise::Common(5, 0.0), "read 5 times, nothing in common"),
+    (Noise::Common(30, 0.97), "read 30 times, 97 % in common"),
+    (Noise::Tails, "tails of Student's t"),
+];
 
 pub fn run(options: &Options) -> Result {
     println!("| case | intervals of | held, bias included | held, noise alone |");
@@ -57,6 +66,15 @@ pub fn run(options: &Options) -> Result {
             }
         }
     }
+    for (noise, what) in NOISES {
+        let (poses, sigma) = (30, 3e-5);
+        let cell = Cell::new(poses, sigma, options.seed).noisy(noise);
+        for (name, total) in case(options, &cell, true, (poses, sigma), what) {
+            if !(0.93..=0.98).contains(&total) {
+                missed.push(format!("{name}: {:.2} %", total * 100.0));
+            }
+        }
+    }
     if missed.is_empty() {
         return Ok(());
     }
@@ -78,7 +96,7 @@ fn case(
             identified_once(cell, fresh, &mut rng)
         })
         .collect();
-    let name = format!("{poses} poses, sigma {} mm, {arms}", sigma * 1e3);
+    let name = format!("{poses} poses, sigma {:.2} mm, {arms}", sigma * 1e3);
     let rows = Tally::of(&each).into_iter().map(|(what, [total, noise])| {
         println!("| {name} | {what} | {:.2} % | {:.2} % |", total * 100.0, noise * 100.0);
         (format!("{name}, {what}"), total)

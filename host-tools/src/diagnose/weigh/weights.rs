@@ -7,10 +7,11 @@ use rayon::prelude::*;
 use super::sheet::{Moved, Scattered, Weights, counted, seen, turning};
 use crate::diagnose::node::Node;
 use crate::evidence::directed::{self, Seen};
-use crate::evidence::poses::{self, Readings, Scatter, Used, common_share};
 use crate::evidence::tails::{Rest, Tails};
+use crate::identify::certainty::repeats::{by_means, readings};
 use crate::identify::{Problem, Scatterer};
-use crate::observations::{by_pose, by_target, equations_of, kind, repeat};
+use crate::observations::{by_pose, by_target, kind, repeat};
+use crate::statistics::repeats::{self, Readings, Scatter, Used, common_share};
 
 /// What a fit leaves of the rows that it kept, and how each of some sources moves them.
 pub struct Left<'a> {
@@ -208,30 +209,5 @@ pub fn scatter(problem: &Problem, node: &Node) -> Option<Scatter> {
     let residuals: Vec<Vec<f64>> = kept.iter().map(of).collect();
     let used = node.fit.used;
     let readings = readings(&by_target(&problem.data.rows, &kept), &residuals);
-    poses::scatter(&readings, Used { means: used, apart: 0.0 })
-}
-
-/// Of what unknowns use up, the share of the means of poses. Readings of one thing are told
-/// apart by nothing; what corners of an image, or targets, are apart tells as much as where
-/// they are.
-fn by_means(problem: &Problem, kept: &[usize], used: f64) -> Used {
-    let (mut means, mut all) = (0.0, 0.0);
-    for readings in by_pose(&problem.data.rows, kept) {
-        let readings: Vec<usize> = readings.iter().map(|k| kept[*k]).collect();
-        let equations = equations_of(&problem.data.rows[readings[0]]) as f64;
-        let one = repeat(&problem.data.rows, &readings);
-        let each = if one { 1.0 } else { readings.len() as f64 };
-        (means, all) = (means + equations, all + equations * each);
-    }
-    let share = means / f64::max(all, 1.0);
-    Used { means: used * share, apart: used * (1.0 - share) }
-}
-
-/// Residuals of the rows of every list.
-fn readings(lists: &[Vec<usize>], residuals: &[Vec<f64>]) -> Vec<Readings> {
-    let of = |readings: &Vec<usize>| {
-        let equations = residuals[readings[0]].len();
-        Readings::from_fn(equations, readings.len(), |e, r| residuals[readings[r]][e])
-    };
-    lists.iter().map(of).collect()
+    repeats::scatter(&readings, Used { means: used, apart: 0.0 })
 }

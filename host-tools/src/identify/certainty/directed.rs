@@ -1,11 +1,7 @@
-//! What scatters beside the noise that rows state, and what estimates scatter for it: the fit
-//! takes its noise for the same every way, its estimate scatters as the noise is (White,
-//! Econometrica 48 (1980) 817).
+//! How what scatters beside the noise that rows state moves them.
 
 use nalgebra::{DMatrix, Vector3};
-use rayon::prelude::*;
 
-use crate::identify::Linearised;
 use crate::identify::problem::{Place, Problem, Scatterer};
 use crate::model::arm::Derivatives;
 use crate::observations::{kind, postures};
@@ -69,40 +65,3 @@ fn sight(problem: &Problem, index: usize, from: Place) -> DMatrix<f64> {
     };
     DMatrix::from_fn(scale.len(), scale.len(), way)
 }
-
-/// `A'VA` of rows whose stated noise is so distributed, V a row's covariance in units of it.
-#[must_use]
-pub fn information(problem: &Problem, at: &Linearised, rows: &[usize]) -> DMatrix<f64> {
-    let unknowns = problem.unknowns.list().len();
-    let sources = || problem.scattering.iter().map(|source| source.0);
-    let of_row = |row: &usize| {
-        let e = at.equations_beside(*row, &|i, d| ways(problem, sources(), *row, (i, d)));
-        let (block, each) = columns(problem, sources(), *row, &e.block);
-        let mut ways = DMatrix::zeros(block.nrows(), 0);
-        for (own, (_, size)) in each.iter().zip(&problem.scattering) {
-            let first = ways.ncols();
-            ways = ways.insert_columns(first, own.ncols(), 0.0);
-            ways.columns_mut(first, own.ncols()).copy_from(&(own * *size));
-        }
-        let along = block.tr_mul(&ways);
-        (block.tr_mul(&block), &along * along.transpose(), ways.norm_squared(), ways.nrows())
-    };
-    let mut plain = DMatrix::zeros(unknowns, unknowns);
-    let mut along = plain.clone();
-    let (mut square, mut equations) = (0.0, 0);
-    for chunk in rows.chunks(CHUNK) {
-        let each: Vec<_> = chunk.par_iter().map(of_row).collect();
-        for row in each {
-            plain += row.0;
-            along += row.1;
-            square += row.2;
-            equations += row.3;
-        }
-    }
-    // What is along the joints is a part of the stated noise, not beside it.
-    let rest = (1.0 - square / equations.max(1) as f64).max(0.0);
-    plain * rest + along
-}
-
-/// Rows at a time, so that what is held does not grow with them.
-const CHUNK: usize = 128;

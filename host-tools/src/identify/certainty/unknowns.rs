@@ -12,11 +12,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::directed;
-use crate::identify::LambdaRule;
+use super::carried::Carried;
 use crate::identify::fit::ANOTHER_ARM;
 use crate::identify::fit::estimate::Estimate;
 use crate::identify::problem::{Problem, Scaling};
+use crate::identify::{LambdaRule, State};
 use crate::model::Values;
 use crate::statistics::median;
 use crate::tikhonov::{self, Normal};
@@ -37,40 +37,35 @@ impl Covariances {
     /// `spread` tolerances.
     #[must_use]
     pub fn of(problem: &Problem, found: &Estimate, spread: f64) -> Self {
-        let sigma = match problem.scaling {
-            Scaling::Prior => scale(problem, found),
-            Scaling::Printed => {
-                let sigmas: Vec<f64> = problem.data.rows.iter().map(|r| r.sigma).collect();
-                scale(problem, found) * median(&sigmas)
-            }
-        };
-        let rows = &found.robust.kept;
-        let information = match problem.scattering.is_empty() {
-            true => found.fit.normal.h().into_owned(),
-            false => directed::information(problem, &problem.linearise(&found.fit.state), rows),
-        };
-        Self::of_sums(problem, (&found.fit.normal, information), (found.lambda, spread), sigma)
+        let carried = Carried::of(problem, found);
+        let sums = (&found.fit.normal, &carried);
+        Self::of_sums(problem, &found.fit.state, sums, (found.lambda, spread))
     }
 
-    /// Of normal equations, of the noise that they are weighed by and of what it really
-    /// carries, with this lambda and spread; noise `sigma` times as stated.
+    /// Of normal equations at a state and the noise that their rows carry, with this lambda
+    /// and spread.
     #[must_use]
     pub fn of_sums(
         problem: &Problem,
-        (normal, information): (&Normal, DMatrix<f64>),
+        state: &State,
+        (normal, carried): (&Normal, &Carried),
         (lambda, spread): (f64, f64),
-        sigma: f64,
     ) -> Self {
         let free = problem.unknowns.free();
-        let inverse = tikhonov::covariance(normal, free, lambda);
-        let scatter = &inverse * information * &inverse * (sigma * sigma);
+        let targets = problem.of_targets(state);
+        let held = normal.clone().plus(&Normal::new(&targets));
+        let inverse = tikhonov::covariance(&held, free, lambda);
+        let used = inverse.component_mul(&carried.information).sum();
+        let sigma = believed(carried, used, stated(problem));
+        let scatter = &inverse * &carried.information * &inverse * (sigma * sigma);
         let units = problem.units();
         let list = problem.unknowns.list();
         let pull = DVector::from_fn(list.len(), |k, _| {
             if k < free { 0.0 } else { lambda * spread * problem.tolerance(list[k]) / units[k] }
         });
-        let root = inverse * DMatrix::from_diagonal(&pull);
-        Self { noise: scatter, bias: &root * root.transpose(), units }
+        let root = &inverse * DMatrix::from_diagonal(&pull);
+        let aside = inverse * targets.columns(0, list.len()).transpose();
+        Self { noise: scatter, bias: &root * root.transpose() + &aside * aside.transpose(), units }
     }
 
     /// Both together, SI.
@@ -105,17 +100,24 @@ pub fn spread(rule: LambdaRule, lambda: f64) -> f64 {
     }
 }
 
-/// By how much the noise is larger than stated: 1 unless the scale of the
-/// residuals is above that by more than three of its own standard deviations
-/// (1.17 over the root of their number, for a median of normal deviates). Else
-/// chance, which only ever raises it, would widen every interval.
-fn scale(problem: &Problem, found: &Estimate) -> f64 {
-    believed(found.robust.scale, problem.equations(&found.robust.kept))
+/// Standard deviation of an equation: as stated, unless the residuals beside what the fit has
+/// `used` up are above that by more than three standard deviations of such a figure. Else
+/// chance, which only ever raises it, would widen every interval. The root mean square, whatever
+/// the distribution: for it a least-squares estimate scatters.
+fn believed(carried: &Carried, used: f64, stated: f64) -> f64 {
+    let free = (carried.equations - used).max(1.0);
+    let found = (carried.square / free).sqrt();
+    let chance = (2.0 * free / carried.alike).sqrt().recip();
+    if found > stated * (1.0 + 3.0 * chance) { found } else { stated }
 }
 
-/// The same of a scale of so many residuals.
-#[must_use]
-pub fn believed(scale: f64, equations: usize) -> f64 {
-    let count = equations.max(1) as f64;
-    if scale > 1.0 + 3.0 * 1.17 / count.sqrt() { scale } else { 1.0 }
+/// What is stated of an equation, in its unit.
+fn stated(problem: &Problem) -> f64 {
+    match problem.scaling {
+        Scaling::Prior => 1.0,
+        Scaling::Printed => {
+            let sigmas: Vec<f64> = problem.data.rows.iter().map(|r| r.sigma).collect();
+            median(&sigmas)
+        }
+    }
 }

@@ -5,9 +5,10 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::Sheet;
 use crate::evidence::directed::{self, Seen, whiten};
-use crate::evidence::poses::{self, ENOUGH};
+use crate::evidence::poses;
 use crate::identify::Problem;
 use crate::observations::{by_pose, kind, repeat};
+use crate::statistics::repeats::ENOUGH;
 
 impl Sheet<'_> {
     /// Equations of corners of an image, or of several targets, which turn with the flange,

@@ -1,5 +1,7 @@
 //! Statistics of residuals, said alike wherever errors of points are reported.
 
+pub mod repeats;
+
 use schemars::JsonSchema;
 use serde::Serialize;
 

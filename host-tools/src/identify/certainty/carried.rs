@@ -1,0 +1,149 @@
+//! What rows carry of noise, and what estimates scatter for it: the fit takes its noise for the
+//! same every way and anew in every row, its estimate scatters as the noise is (White,
+//! Econometrica 48 (1980) 817; of what rows have in common Moulton, Review of Economics and
+//! Statistics 72 (1990) 334).
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::directed::{columns, ways};
+use super::repeats::{by_means, readings};
+use crate::identify::fit::estimate::Estimate;
+use crate::identify::problem::accumulate::tree;
+use crate::identify::{Linearised, Problem};
+use crate::observations::by_pose;
+use crate::statistics::repeats::common_share;
+
+/// The noise that a fit finds in its rows.
+#[derive(Debug, Clone)]
+pub struct Carried {
+    /// `A'VA`, V the covariance of the rows over the variance of one equation.
+    pub information: DMatrix<f64>,
+    /// Sum of the squares of the residuals.
+    pub square: f64,
+    /// How many they are.
+    pub equations: f64,
+    /// Of how many of these independent ones would tell as much of the variance: the mean of
+    /// the squares of the correlations of an equation with all.
+    pub alike: f64,
+}
+
+impl Carried {
+    /// By rows that the fit kept.
+    #[must_use]
+    pub fn of(problem: &Problem, found: &Estimate) -> Self {
+        let kept = &found.robust.kept;
+        let at = problem.linearise(&found.fit.state);
+        let residuals: Vec<Vec<f64>> =
+            kept.par_iter().map(|row| at.scaled_residual(*row).to_vec()).collect();
+        let equations = residuals.iter().map(Vec::len).sum::<usize>();
+        let square = residuals.iter().flatten().map(|r| r * r).sum();
+        let all =
+            |information, alike| Self { information, square, equations: equations as f64, alike };
+        let poses = by_pose(&problem.data.rows, kept);
+        // Where the sums are of more rows than these nothing is known of the repeats of the others.
+        let whole = equations == found.fit.normal.equations();
+        let common = match whole && poses.iter().any(|readings| readings.len() > 1) {
+            true => common_share(
+                &readings(&poses, &residuals),
+                by_means(problem, kept, found.robust.used),
+            ),
+            false => 0.0,
+        };
+        if common == 0.0 && problem.scattering.is_empty() {
+            return all(found.fit.normal.h().into_owned(), 1.0);
+        }
+        let rows = |readings: &Vec<usize>| readings.iter().map(|k| kept[*k]).collect();
+        let poses: Vec<Vec<usize>> = poses.iter().map(rows).collect();
+        let with = |readings: &Vec<usize>| {
+            let equations: usize = readings.iter().map(|row| at.scaled_residual(*row).len()).sum();
+            equations as f64 * (readings.len() as f64 - 1.0)
+        };
+        let pairs: f64 = poses.iter().map(with).sum();
+        let alike = 1.0 + common * common * pairs / f64::max(equations as f64, 1.0);
+        all(information(problem, &at, &poses, common), alike)
+    }
+}
+
+/// `A'VA` of the readings of poses that have so much of their variance in common, and whose
+/// stated noise is in part that of joints and sights that scatter.
+fn information(
+    problem: &Problem,
+    at: &Linearised,
+    poses: &[Vec<usize>],
+    common: f64,
+) -> DMatrix<f64> {
+    let all: Vec<usize> = (0..poses.len()).collect();
+    let leaf = |own: &[usize]| {
+        let mut sums = Sums::none(problem.unknowns.list().len());
+        own.iter().for_each(|pose| sums.add(problem, at, &poses[*pose], common));
+        sums
+    };
+    let Sums { plain, along, square, equations } = tree(&all, PART, &leaf, &Sums::join);
+    // What is along the joints is a part of the stated noise, not beside it.
+    let rest = (1.0 - square / f64::max(equations, 1.0)).max(0.0);
+    plain * rest + along
+}
+
+/// Poses that one task sums.
+const PART: usize = 64;
+
+/// Sums over rows.
+struct Sums {
+    /// Of noise that is the same every way.
+    plain: DMatrix<f64>,
+    /// Of what scatters by itself.
+    along: DMatrix<f64>,
+    /// Its variance, over that of one equation.
+    square: f64,
+    equations: f64,
+}
+
+impl Sums {
+    fn none(unknowns: usize) -> Self {
+        let zeros = DMatrix::zeros(unknowns, unknowns);
+        Self { plain: zeros.clone(), along: zeros, square: 0.0, equations: 0.0 }
+    }
+
+    /// With the readings of a pose.
+    fn add(&mut self, problem: &Problem, at: &Linearised, readings: &[usize], common: f64) {
+        let sources = || problem.scattering.iter().map(|source| source.0);
+        let mut means: Option<[DMatrix<f64>; 2]> = None;
+        // Readings of other sizes move otherwise.
+        let own = 1.0 - if readings.len() > 1 { common } else { 0.0 };
+        for row in readings {
+            let e = at.equations_beside(*row, &|i, d| ways(problem, sources(), *row, (i, d)));
+            let (block, each) = columns(problem, sources(), *row, &e.block);
+            let mut scattered = DMatrix::zeros(block.nrows(), 0);
+            for (own, (_, size)) in each.iter().zip(&problem.scattering) {
+                let first = scattered.ncols();
+                scattered = scattered.insert_columns(first, own.ncols(), 0.0);
+                scattered.columns_mut(first, own.ncols()).copy_from(&(own * *size));
+            }
+            let along = block.tr_mul(&scattered);
+            self.plain.gemm_tr(own, &block, &block, 1.0);
+            self.along.gemm(own, &along, &along.transpose(), 1.0);
+            self.square += scattered.norm_squared();
+            self.equations += block.nrows() as f64;
+            means = match means.take() {
+                None => Some([block, along]),
+                Some([a, b]) if a.shape() == block.shape() && b.shape() == along.shape() => {
+                    Some([a + block, b + along])
+                }
+                other => other,
+            };
+        }
+        if let (Some([block, along]), true) = (means, own < 1.0) {
+            self.plain.gemm_tr(common, &block, &block, 1.0);
+            self.along.gemm(common, &along, &along.transpose(), 1.0);
+        }
+    }
+
+    fn join(mut self, other: Self) -> Self {
+        self.plain += other.plain;
+        self.along += other.along;
+        self.square += other.square;
+        self.equations += other.equations;
+        self
+    }
+}
