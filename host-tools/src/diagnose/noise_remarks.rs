@@ -56,18 +56,27 @@ fn sight(problem: &Problem, (source, size): (Scatterer, f64)) -> Option<String> 
     let at = from.point();
     let distance = |row| Some((kind(row).point(row)? - at).norm());
     let range = median(&data.rows.iter().filter_map(distance).collect::<Vec<f64>>());
-    let place = match from {
-        Place::ORIGIN => "the origin of their coordinates".to_owned(),
-        _ => format!("about x {:.1}, y {:.1}, z {:.1} m of their coordinates", at.x, at.y, at.z),
+    let scatter = to_mm(size * range);
+    // Of a place that was looked for the direction is told far better than how far off it is: of
+    // 36 whose truth somebody else knew it was wrong by more than half in 12, and so were angles.
+    let across = match from {
+        Place::ORIGIN => format!(
+            "points scatter by {scatter:.3} mm (one standard deviation, at {range:.1} m from the \
+             origin of their coordinates) beyond the noise along the line from there, across it and \
+             in proportion to the distance, {:.0} urad, as where an instrument there reads angles",
+            size * 1e6,
+        ),
+        _ => format!(
+            "points scatter by {scatter:.3} mm (one standard deviation) beyond the noise along the \
+             line from about x {:.1}, y {:.1}, z {:.1} m of their coordinates, across it and the \
+             more the farther off, as where an instrument there reads angles (how far off it \
+             stands is hardly told)",
+            at.x, at.y, at.z
+        ),
     };
     Some(format!(
-        "{}: points scatter by {:.3} mm (one standard deviation, at {range:.1} m from {place}) \
-         beyond the noise along the line from there, across it and in proportion to the distance, \
-         {:.0} urad, as where an instrument there reads angles: it is counted as noise of the \
-         measurement, and what is near tells more",
+        "{}: {across}: it is counted as noise of the measurement, and what is near tells more",
         data.path.display(),
-        to_mm(size * range),
-        size * 1e6,
     ))
 }
 

@@ -19,5 +19,6 @@ mod session;
 #[path = "../simulated/mod.rs"]
 mod simulated;
 mod springs;
+mod steps;
 mod ur10;
 mod wrong_sigma;

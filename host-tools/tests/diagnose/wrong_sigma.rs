@@ -41,6 +41,28 @@ fn a_rest_beyond_any_sigma_is_said() {
     }
 }
 
+/// Effects of 20 floors beside a sigma stated at a third: geometry alone leaves 130 of those, and
+/// bends links by more than any arm has to follow them. That is no reason to give up before any
+/// effect was asked.
+#[test]
+fn large_effects_beside_a_small_sigma_are_named() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/palletiser");
+    let robot = Robot::read(&folder.join("robot.toml")).unwrap();
+    let data = Measurements::read(&folder.join("measurements.csv"), &robot).unwrap();
+    let found = diagnose(&robot, &data, None, &DiagnoseOptions::default(), &|_| ()).unwrap();
+    let outcome = found.outcome;
+    let names: Names =
+        outcome.effects.iter().map(|e| (e.name.to_owned(), e.joints.clone())).collect();
+    let expected = [
+        ("encoder-eccentricity", vec![1]),
+        ("joint-coupling", vec![1, 2]),
+        ("joint-compliance", vec![3]),
+    ];
+    assert_eq!(names, expected.map(|(name, joints)| (name.to_owned(), joints)).into());
+    assert_eq!(outcome.verdict, Verdict::Explained);
+    assert!((2.0..4.0).contains(&outcome.noise_scale), "{}", outcome.noise_scale);
+}
+
 #[test]
 fn names_do_not_hang_on_the_stated_sigma() {
     let sets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/hidden-effects/cases");

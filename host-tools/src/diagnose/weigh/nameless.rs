@@ -135,6 +135,12 @@ impl Nameless {
         }
     }
 
+    /// Whether all that was measured before it was otherwise: no course of anything that goes on.
+    #[must_use]
+    pub fn is_step(&self) -> bool {
+        matches!(self, Self::Slip { .. } | Self::Reseated { .. } | Self::Shifted { .. })
+    }
+
     /// Number of the kind.
     #[must_use]
     pub fn kind(&self) -> usize {

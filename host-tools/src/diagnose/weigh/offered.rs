@@ -1,7 +1,7 @@
 //! All that is weighed in a round at a model.
 
 use super::lines::{self, Held};
-use super::nameless::Nameless;
+use super::nameless::{self, Nameless};
 use super::possible::{Numbers, Possible, revolute};
 use super::sheet::Weights;
 use super::{lags, late, scan, screen, settling, slips};
@@ -12,8 +12,14 @@ use crate::diagnose::question::Question;
 
 /// Candidates of known form, lines near those that the model had, and what stands in for a
 /// refused one.
+///
+/// A step of something, once found, is taken off the rows before they are scanned for what comes
+/// and goes: each of them is scanned alone, and what imitates half of the step a little explained
+/// more than all that is there beside it (of 25 arms that somebody else gave a step and a joint
+/// that is off with another one 17 lost the second).
 pub fn offered(
     q: &Question,
+    without: &[nameless::Held],
     node: &Node,
     weights: &Weights,
     noise: (f64, f64),
@@ -27,10 +33,23 @@ pub fn offered(
     let late = late::near(q, node, weights, noise.1);
     out.extend(late.into_iter().map(|c| numbers.offered(c)));
     out.extend(lags::offered(q.problem, refused, &mut numbers));
-    let columns = scan::columns(q.problem, state, rows, weights, noise, &scan::cell(q.problem));
+    let cell = scan::cell(q.problem);
+    let scanned = |problem| scan::columns(problem, state, rows, weights, noise, &cell);
+    let steps: Vec<_> = without.iter().filter(|(what, _)| what.is_step()).cloned().collect();
+    let apart = nameless::without(q.problem, state, &steps);
+    let columns = scanned(&apart);
     out.extend(lines::offered(state, &columns, q.highest_order, (held, closed), &mut numbers));
-    out.extend(slips::offered(q.problem, rows, &columns, &mut numbers));
     out.extend(screen::offered(q.problem, rows, &columns, &mut numbers));
+    let mut stepping = slips::offered(q.problem, rows, &columns);
+    if !steps.is_empty() {
+        stepping.extend(steps.iter().map(|(what, _)| *what));
+        stepping.extend(slips::offered(q.problem, rows, &scanned(q.problem)));
+    }
+    for (k, step) in stepping.iter().enumerate() {
+        if !stepping[..k].contains(step) {
+            out.push(numbers.nameless(*step, slips::tried(&columns, rows, step)));
+        }
+    }
     let joints = revolute(q.problem);
     for (nameless, tried) in Nameless::all(q.problem, &joints, POLICY.wobbles) {
         out.push(numbers.nameless(nameless, tried));

@@ -114,7 +114,8 @@ impl<'q> Here<'q> {
         }
         let asked = Question { problem: &problem, ..*q };
         let known = (&now.lines[..], &now.closed[..], &now.refused[..]);
-        let mut possible = offered(&asked, &now.node, &weights, (q.flags.lambda, now.scale), known);
+        let noise = (q.flags.lambda, now.scale);
+        let mut possible = offered(&asked, &now.nameless, &now.node, &weights, noise, known);
         possible.retain(|p| !p.is_within(&now.curves));
         let bending = now.bent.bending(&state);
         Self { problem, state, rows, weights, possible, bending }

@@ -5,7 +5,6 @@ use nalgebra::DVector;
 
 use super::follows::Part;
 use super::nameless::Nameless;
-use super::possible::{Numbers, Possible};
 use super::scan::Columns;
 use super::sheet::Way;
 use crate::identify::Problem;
@@ -84,20 +83,14 @@ fn beginnings(problem: &Problem, postures: &[usize], order: &[usize]) -> Vec<usi
     if out.len() < problem.conditions.series.len() { out } else { Vec::new() }
 }
 
-/// The strongest step of each joint as a candidate, and of the target and the base.
-pub fn offered(
-    problem: &Problem,
-    rows: &[usize],
-    columns: &Columns,
-    numbers: &mut Numbers,
-) -> Vec<Possible> {
+/// The strongest step of each joint, and of the target and the base.
+pub fn offered(problem: &Problem, rows: &[usize], columns: &Columns) -> Vec<Nameless> {
     let postures = postures(&problem.data.rows, rows);
     let order = in_order(problem, &postures);
     let found = of_joints(columns, &order);
     let found = found.filter(|(_, step)| step.explained > 0.0);
     let slip = |(joint, step): (usize, Step)| Nameless::Slip { joint, row: postures[step.at] };
-    let tried = columns.joints().len() * rows.len();
-    let mut out: Vec<Possible> = found.map(|step| numbers.nameless(slip(step), tried)).collect();
+    let mut out: Vec<Nameless> = found.map(slip).collect();
     // What moves as a whole shows along one of its axes first.
     let whole = |ways: &mut dyn Iterator<Item = Way>| {
         let steps = ways.map(|way| strongest(way, &order));
@@ -112,8 +105,13 @@ pub fn offered(
     let reseated = whole(&mut columns.ways(Part::Target)).filter(|row| !listed(row));
     let reseated = reseated.map(|row| Nameless::Reseated { row });
     let shifted = whole(&mut columns.base()).map(|row| Nameless::Shifted { row });
-    for what in reseated.into_iter().chain(shifted) {
-        out.push(numbers.nameless(what, rows.len()));
-    }
+    out.extend(reseated.into_iter().chain(shifted));
     out
+}
+
+/// How many like it were looked at.
+#[must_use]
+pub fn tried(columns: &Columns, rows: &[usize], step: &Nameless) -> usize {
+    let of_joint = matches!(step, Nameless::Slip { .. });
+    rows.len() * if of_joint { columns.joints().len() } else { 1 }
 }

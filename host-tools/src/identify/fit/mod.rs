@@ -15,6 +15,7 @@ use super::problem::{Problem, Scaling};
 use crate::error::{ErrorKind, Result};
 use crate::identify::problem::{Linearised, State};
 use crate::model::Values;
+use crate::observations::Residual;
 use crate::tikhonov::{Factorised, Normal, Triangle};
 use damped::damped;
 
@@ -118,13 +119,20 @@ fn held_nearer(
     let at = problem.linearise(&found.state);
     let squares: f64 = rows.iter().map(|row| at.scaled_residual(*row).norm_squared()).sum();
     let variance = squares / found.normal.equations().max(1) as f64;
-    (variance < NO_NOISE * NO_NOISE).then_some(found)
+    let lengths = rows.iter().map(|row| at.residual(*row)).filter(Residual::is_length);
+    let (count, square) =
+        lengths.fold((0.0, 0.0), |(n, sum), off| (n + 1.0, sum + off.norm().powi(2)));
+    let near = count > 0.0 && square < NO_EFFECT * NO_EFFECT * count;
+    (variance < NO_NOISE * NO_NOISE || near).then_some(found)
 }
 
 /// How many times as firmly links are tried to be held, one after the other.
 const FIRMER: [f64; 3] = [10.0, 100.0, 1000.0];
-/// Residuals beyond so many stated sigmas are a gross mistake, as diagnosis has it too.
+/// Residuals beyond so many stated sigmas are a gross mistake, as diagnosis has it too...
 const NO_NOISE: f64 = 50.0;
+/// ...but where points are no farther off than this, m, what an arm may be off by that bends
+/// (`check` has it so): sigma may be stated at a tenth of what it is, and the effects are asked next.
+const NO_EFFECT: f64 = 0.02;
 
 /// Whether normal equations, which square the condition number, are as good as a
 /// triangle: where the tolerances keep it small.
