@@ -6,7 +6,7 @@ use truearm_host::check::{self as gross, Ended, explained, remark};
 use truearm_host::diagnose::{self as diagnosis, DiagnoseOptions};
 use truearm_host::evaluate::{self as evaluation, Reregister};
 use truearm_host::files::Gathered;
-use truearm_host::identify::{self as identification, Options};
+use truearm_host::identify::{self as identification, Options, allowing};
 use truearm_host::model::{Commanded, Workspace};
 use truearm_host::observations::by_name;
 use truearm_host::plan::{self as planning, PlanOptions};
@@ -20,6 +20,9 @@ use crate::measurements::Measurements;
 use crate::model::Model;
 use crate::refused;
 use crate::robot::Robot;
+
+/// How to go on with fewer equations than unknowns.
+const ALLOW_FEW: &str = "allow_few_poses=True";
 
 /// A model and the report that came with it.
 #[pyclass(frozen, module = "truearm")]
@@ -54,7 +57,7 @@ pub fn identify(
         found.figures.warnings.extend(remark(Ended::of(&found.figures), robot, data));
         Ok(found)
     });
-    let found = found.map_err(refused)?;
+    let found = found.map_err(|error| refused(allowing(error, ALLOW_FEW)))?;
     let json = to_json(&IdentifyReport::new(found.figures, None));
     Found::new(py, found.model, json)
 }
@@ -85,7 +88,7 @@ pub fn diagnose(
         figures.warnings.extend(remark(Ended::of(figures), robot, data));
         Ok(found)
     });
-    let found = found.map_err(refused)?;
+    let found = found.map_err(|error| refused(allowing(error, ALLOW_FEW)))?;
     let json = to_json(&DiagnoseReport::new(found.outcome));
     Found::new(py, found.model, json)
 }

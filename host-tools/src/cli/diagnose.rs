@@ -12,7 +12,7 @@ use truearm_host::report::DiagnoseReport;
 use super::page::next_line;
 use super::progress::Bar;
 use super::rows::residuals;
-use super::{Said, deliver, failed, overwrite, read_all, warn, words};
+use super::{Said, deliver, failed_or_few, overwrite, read_all, warn, words};
 
 /// Find where model and measurement disagree, name the missing effect, add it,
 /// and show the gap shrink on poses that were not fitted.
@@ -75,7 +75,7 @@ impl Diagnose {
         let bar = Bar::new("diagnosing");
         let found = diagnose(&robot, &data, holdout.as_ref(), &options, &|stage| bar.stage(stage));
         bar.finish();
-        let mut found = found.map_err(|error| failed(error, &robot, &data))?;
+        let mut found = found.map_err(|error| failed_or_few(error, &robot, &data))?;
         let figures = &mut found.outcome.figures;
         figures.warnings.extend(remark(Ended::of(figures), &robot, &data));
         if let Some(holdout) = &holdout {

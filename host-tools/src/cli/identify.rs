@@ -15,7 +15,7 @@ use truearm_host::{Error, ErrorKind, Result};
 use super::evaluate::Frames;
 use super::progress::Bar;
 use super::rows::residuals;
-use super::{Said, all_of, deliver, failed, overwrite, warn, words};
+use super::{Said, all_of, deliver, failed_or_few, overwrite, warn, words};
 
 /// Identify base, tool and all MD-H parameters; flag gross errors.
 #[derive(Args)]
@@ -212,7 +212,7 @@ fn remarked(
     robot: &Robot,
     data: Measurements,
 ) -> Result<(Measurements, Identification)> {
-    let mut found = found.map_err(|error| failed(error, robot, &data))?;
+    let mut found = found.map_err(|error| failed_or_few(error, robot, &data))?;
     found.figures.warnings.extend(remark(Ended::of(&found.figures), robot, &data));
     Ok((data, found))
 }

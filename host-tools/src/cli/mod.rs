@@ -42,6 +42,7 @@ use truearm::blob::{AcceptanceError, Blob};
 use truearm_host::blob::explain;
 use truearm_host::check::explained;
 use truearm_host::files::write_all;
+use truearm_host::identify::allowing;
 use truearm_host::model::{Measurements, Model, Robot};
 use truearm_host::page::Page;
 use truearm_host::report::to_json;
@@ -161,6 +162,14 @@ fn failed(error: Error, robot: &Robot, data: &Measurements) -> Error {
     warn(&[robot.warnings.as_slice(), &data.warnings].concat());
     explained(error, robot, data)
 }
+
+/// The same of a verb that has `--allow-few-poses`.
+fn failed_or_few(error: Error, robot: &Robot, data: &Measurements) -> Error {
+    allowing(failed(error, robot, data), ALLOW_FEW)
+}
+
+/// How to go on with fewer equations than unknowns.
+const ALLOW_FEW: &str = "--allow-few-poses";
 
 /// Files of what was measured of an arm that is read.
 fn all_of(data: &[&PathBuf], robot: &Robot) -> Result<Measurements> {

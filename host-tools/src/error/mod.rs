@@ -23,8 +23,10 @@ pub enum ErrorKind {
     Usage,
     /// A file without rows, or nothing left to judge.
     NoRows,
-    /// Fewer equations than unknowns, or a single pose.
+    /// A single pose.
     TooFewPoses,
+    /// Fewer equations than unknowns.
+    TooFewEquations,
     /// A number that became infinite, or none: nothing is written.
     NotFinite,
     /// Points too few, or on a line, so that a frame is undetermined.
@@ -172,6 +174,17 @@ impl Error {
     pub(crate) fn without_excerpt(mut self) -> Self {
         if let Self::File { excerpt, .. } = &mut self {
             *excerpt = None;
+        }
+        self
+    }
+
+    /// The same error with more of what to do about it.
+    #[must_use]
+    pub fn advising(mut self, more: &str) -> Self {
+        if let Self::File { help, .. } | Self::Usage { help, .. } | Self::Data { help, .. } =
+            &mut self
+        {
+            help.push_str(more);
         }
         self
     }

@@ -236,17 +236,32 @@ pub(crate) fn enough(problem: &Problem, options: &Options) -> Result<()> {
     let unknowns = problem.unknowns.list().len();
     if equations < unknowns && !options.allow_few_poses {
         return Err(Error::data(
-            ErrorKind::TooFewPoses,
+            ErrorKind::TooFewEquations,
             format!(
                 "{}: {points} distinct points give {equations} equations for {unknowns} unknowns",
                 data.path.display(),
             ),
-            format!(
-                "measure at least {} poses, better 50; --allow-few-poses goes on, and the \
-                 tolerances then decide what the data leave open",
-                (unknowns * points).div_ceil(equations)
-            ),
+            format!("measure at least {} poses, better 50", fewest(unknowns, equations, points)),
         ));
     }
     Ok(())
+}
+
+/// How many measurements are taken at least, of which so many give so many equations: as many
+/// equations as unknowns, though points do not determine them all.
+#[must_use]
+pub fn fewest(unknowns: usize, equations: usize, of: usize) -> usize {
+    (unknowns * of).div_ceil(equations.max(1))
+}
+
+/// The error of an identification for a caller who may go on with fewer equations than unknowns,
+/// by this option.
+#[must_use]
+pub fn allowing(error: Error, option: &str) -> Error {
+    if error.kind() != ErrorKind::TooFewEquations {
+        return error;
+    }
+    error.advising(&format!(
+        "; {option} goes on, and the tolerances then decide what the data leave open"
+    ))
 }

@@ -43,6 +43,35 @@ fn sound(rows: &str) -> String {
     lines.map(|(_, line)| format!("{line}\n")).collect()
 }
 
+/// Every verb that takes too few poses when asked to names its option, and no other does.
+#[test]
+fn an_option_is_named_where_there_is_one() {
+    let folder = table_8();
+    let rows = read(&folder, "measurements.csv");
+    let few: String = rows.lines().take(9).map(|line| format!("{line}\n")).collect();
+    write(&folder, "m.csv", &few);
+    std::fs::create_dir_all(folder.path().join("arms/a")).unwrap();
+    write(&folder, "arms/a/measurements.csv", &few);
+    write(&folder, "arms/robot.toml", &read(&folder, "robot.toml"));
+    for (line, named) in [
+        ("identify robot.toml m.csv", true),
+        ("identify robot.toml m.csv --in-pieces", true),
+        ("diagnose robot.toml m.csv", true),
+        ("fleet arms", true),
+        ("compare robot.toml m.csv", false),
+        (
+            "plan robot.toml --poses 6 --discriminate m.csv --out p.csv \
+             --limits=-90:90,-90:90,-90:90,-90:90,-90:90,-90:90",
+            false,
+        ),
+    ] {
+        let (status, said) = run(&folder, line);
+        let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(status != 0 && words.contains("measure at least 13 poses"), "{line}: {words}");
+        assert_eq!(words.contains("--allow-few-poses goes on"), named, "{line}: {words}");
+    }
+}
+
 /// The points that the file has are counted, not those that are left of them.
 #[test]
 fn check_counts_points() {
@@ -70,6 +99,10 @@ fn a_path_out_of_reach() {
     write(&folder, "far.csv", "x_mm,y_mm,z_mm\n9000,0,0\n0,9000,0\n");
     let (status, said) = run(&folder, "compensate model.toml far.csv --out told.csv");
     assert!(status == 3 && said.contains("no row is reached"), "{status} {said}");
+    assert!(!said.contains("orientation: off by"), "{said}");
+    write(&folder, "none.csv", "x_mm,y_mm,z_mm\n");
+    let (status, said) = run(&folder, "compensate model.toml none.csv --out told.csv");
+    assert!(status == 1 && said.contains("add rows below the headings"), "{status} {said}");
     let (status, said) = run(&folder, "compensate model.toml far.csv --out told.yaml --every 1");
     assert!(status == 1 && said.contains("line 2 is not reached"), "{status} {said}");
     assert!(!folder.path().join("told.yaml").exists());
