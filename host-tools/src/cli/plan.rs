@@ -99,8 +99,9 @@ impl Plan {
             target: self.target_um.map(|um| um / MICRO),
             seed: self.seed,
         };
-        let bar = Bar::new("exchanging poses");
-        let found = plan(&robot, &options, &|done, total| bar.update(done, total));
+        let bar = Bar::new("planning");
+        let sweep = |poses, sweep| bar.stage(format!("exchanging {poses} poses, sweep {sweep}"));
+        let found = plan(&robot, &options, &sweep);
         bar.finish();
         let found = found?;
         let report = PlanReport::new(&robot, &found, self.candidates, self.target_um);

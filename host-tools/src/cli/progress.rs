@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -29,7 +30,7 @@ impl Bar {
     }
 
     /// Another step of work of unknown length.
-    pub fn stage(&self, what: &'static str) {
+    pub fn stage(&self, what: impl Into<Cow<'static, str>>) {
         if self.start.elapsed() < Duration::from_secs(1) {
             return;
         }

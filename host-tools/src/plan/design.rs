@@ -19,14 +19,13 @@
 //! point's trace is a part of the sum only, and the sum of its variances over the
 //! region is made small instead ([`Aim`]).
 
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix6};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::imagined::Imagined;
 use crate::identify::Problem;
 
 /// Singular values below this share of the largest are redundancy.
 const ZERO: f64 = 1e-10;
-const MOST_SWEEPS: usize = 20;
 
 /// Candidates and what they tell.
 pub struct Design {
@@ -37,7 +36,7 @@ pub struct Design {
     basis: DMatrix<f64>,
     prior: DMatrix<f64>,
     /// Blocks of the candidates side by side, transposed: p x width each.
-    blocks: DMatrix<f64>,
+    pub(super) blocks: DMatrix<f64>,
     open: Open,
 }
 
@@ -144,12 +143,17 @@ impl Design {
     /// The Jacobian of some candidates, as many rows each as a pose has equations.
     #[must_use]
     pub fn jacobian(&self, chosen: &[usize]) -> DMatrix<f64> {
-        let of = |k: &usize| self.width * k..self.width * (k + 1);
-        let columns: Vec<usize> = chosen.iter().flat_map(of).collect();
-        self.blocks.select_columns(&columns).transpose()
+        self.blocks_of(chosen).transpose()
     }
 
-    fn information(&self, chosen: &[usize]) -> DMatrix<f64> {
+    /// Its blocks side by side.
+    pub(super) fn blocks_of(&self, chosen: &[usize]) -> DMatrix<f64> {
+        let of = |k: &usize| self.width * k..self.width * (k + 1);
+        let columns: Vec<usize> = chosen.iter().flat_map(of).collect();
+        self.blocks.select_columns(&columns)
+    }
+
+    pub(super) fn information(&self, chosen: &[usize]) -> DMatrix<f64> {
         let jacobian = self.jacobian(chosen);
         &self.prior + jacobian.tr_mul(&jacobian)
     }
@@ -169,61 +173,15 @@ impl Design {
         over.open.iter().enumerate().map(both).collect()
     }
 
-    /// Improves a design by exchanging one measurement at a time for the candidate that
-    /// is best by an aim, until none is better. The design and how good it is.
-    #[must_use]
-    pub fn exchange(&self, start: Vec<usize>, aim: &Aim) -> (Vec<usize>, f64) {
-        let mut chosen = start;
-        for _ in 0..MOST_SWEEPS {
-            let mut changed = false;
-            for place in 0..chosen.len() {
-                let mut others = chosen.clone();
-                let before = others.remove(place);
-                let best = self.best_addition(&others, before, aim);
-                changed |= best != before;
-                chosen[place] = best;
-            }
-            if !changed {
-                break;
-            }
-        }
-        let information = self.information(&chosen);
-        let good = match aim {
+    /// How good a design is by an aim.
+    pub(super) fn good(&self, chosen: &[usize], aim: &Aim) -> f64 {
+        let information = self.information(chosen);
+        match aim {
             Aim::Determinant => information.cholesky().map_or(f64::NEG_INFINITY, |c| {
                 2.0 * c.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>()
             }),
             Aim::Variance(weights) => -inverse(information).component_mul(weights).sum(),
-        };
-        (chosen, good)
-    }
-
-    /// The candidate that is best by an aim; `now` if none is better.
-    fn best_addition(&self, others: &[usize], now: usize, aim: &Aim) -> usize {
-        let inverse = inverse(self.information(others));
-        let weighed = &inverse * &self.blocks;
-        let pulled = match aim {
-            Aim::Determinant => DMatrix::zeros(0, 0),
-            Aim::Variance(weights) => weights * &weighed,
-        };
-        let gain = |k: usize| {
-            let first = self.width * k;
-            let own =
-                |c: usize, d: usize| weighed.column(first + c).dot(&self.blocks.column(first + d));
-            match aim {
-                Aim::Determinant => determinant(self.width, own),
-                Aim::Variance(_) => less_variance(self.width, own, |c, d| {
-                    weighed.column(first + c).dot(&pulled.column(first + d))
-                }),
-            }
-        };
-        let mut best = (gain(now) * (1.0 + 1e-9), now);
-        for k in (0..self.candidates()).filter(|k| !others.contains(k)) {
-            let gain = gain(k);
-            if gain > best.0 {
-                best = (gain, k);
-            }
         }
-        best.1
     }
 }
 
@@ -253,38 +211,22 @@ fn completed(v: DMatrix<f64>) -> DMatrix<f64> {
     out
 }
 
-/// Inverse of an information matrix; nearly singular ones (fewer equations than
+/// Triangle of an information matrix; nearly singular ones (fewer equations than
 /// parameters while a pose is taken out) get the last bit of help.
-fn inverse(mut information: DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn factor(mut information: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     let little = 1e-12 * information.diagonal().max();
     for k in 0..information.nrows() {
         information[(k, k)] += little;
     }
+    information.cholesky()
+}
+
+/// Its inverse.
+pub(super) fn inverse_of(factor: Option<&Cholesky<f64, Dyn>>, size: usize) -> DMatrix<f64> {
+    factor.map_or_else(|| DMatrix::identity(size, size), Cholesky::inverse)
+}
+
+fn inverse(information: DMatrix<f64>) -> DMatrix<f64> {
     let size = information.nrows();
-    information.cholesky().map_or_else(|| DMatrix::identity(size, size), |c| c.inverse())
-}
-
-/// By how much a measurement lowers the sum of variances that `pulled` is of: the trace of
-/// `(1 + own)^-1 pulled`.
-fn less_variance(
-    size: usize,
-    own: impl Fn(usize, usize) -> f64,
-    pulled: impl Fn(usize, usize) -> f64,
-) -> f64 {
-    if size == 1 {
-        return pulled(0, 0) / (1.0 + own(0, 0));
-    }
-    let more = DMatrix::identity(size, size) + DMatrix::from_fn(size, size, own);
-    let pulled = DMatrix::from_fn(size, size, pulled);
-    more.cholesky().map_or(0.0, |more| more.solve(&pulled).trace())
-}
-
-/// Of the identity and a matrix.
-fn determinant(size: usize, of: impl Fn(usize, usize) -> f64) -> f64 {
-    match size {
-        1 => 1.0 + of(0, 0),
-        3 => (Matrix3::identity() + Matrix3::from_fn(of)).determinant(),
-        6 => (Matrix6::identity() + Matrix6::from_fn(of)).determinant(),
-        _ => (DMatrix::identity(size, size) + DMatrix::from_fn(size, size, of)).determinant(),
-    }
+    inverse_of(factor(information).as_ref(), size)
 }

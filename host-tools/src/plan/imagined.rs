@@ -109,6 +109,13 @@ impl Imagined {
         &self.data
     }
 
+    /// Equations of the measurement that gives the fewest.
+    #[must_use]
+    pub fn fewest_equations(&self) -> usize {
+        let of = |span: &Range<usize>| self.data.rows[span.clone()].iter().map(equations_of).sum();
+        self.spans.iter().map(of).min().unwrap_or(0)
+    }
+
     /// Where they were imagined at.
     #[must_use]
     pub fn state(&self) -> &State {

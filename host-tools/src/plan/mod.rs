@@ -5,10 +5,13 @@
 //! ([`design`]); [`discriminate()`] those that tell two explanations of one data set apart.
 
 pub mod cell;
+mod count;
 pub mod design;
 mod discriminate;
+mod exchange;
 mod imagined;
 pub mod kinds;
+mod leading;
 mod observability;
 mod undetermined;
 
@@ -107,6 +110,10 @@ pub struct Determined {
     pub random_worst: f64,
 }
 
+/// Called with the number of measurements that are tried, and which sweep over them it is; by
+/// several threads.
+pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
 /// What stays open counts from this share of the largest standard deviation.
 const COUNTS: f64 = 0.01;
 
@@ -115,22 +122,26 @@ const COUNTS: f64 = 0.01;
 /// # Errors
 /// A region that the arm cannot reach, fewer poses than parameters need, a kind that needs
 /// places which nothing is stated of, or places that no pose leads to.
-pub fn plan(
-    robot: &Robot,
-    options: &PlanOptions,
-    progress: &dyn Fn(usize, usize),
-) -> Result<PosePlan> {
+pub fn plan(robot: &Robot, options: &PlanOptions, progress: Progress) -> Result<PosePlan> {
     enough_candidates(options)?;
     sensible_target(options)?;
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let (candidates, warnings) = candidates(robot, options, &mut rng)?;
+    if kinds::poses(&candidates).len() < 2 {
+        return Err(Error::data(
+            ErrorKind::NoPoses,
+            "the joint limits leave a single pose",
+            "`truearm identify` needs different ones: widen --limits",
+        ));
+    }
     let judged = options.workspace.sample(robot, JUDGED, &mut rng)?;
     let imagined = Imagined::new(robot, &candidates, options.kind, &options.instruments)?;
     let problem = imagined.problem(robot);
     let design = Design::new(&imagined, &problem, robot.sigma);
     let motions = imagined.motions(robot, &problem, &judged);
     let region = design.region(&motions.moved);
-    let (chosen, reached) = chosen(&design, &region, options, robot.sigma, progress)?;
+    let first = count::first(&design, (&imagined, &problem), options, robot.sigma)?;
+    let (chosen, reached) = chosen(&design, &region, options, (first, progress));
     let [told, all] = judged_by(&design.sigmas(&chosen, &region));
     let [random_told, random_worst] = random_worst(&design, &region, chosen.len(), options.seed);
     let open = region.open.iter().copied().fold(0.0, f64::max).sqrt();
@@ -195,17 +206,15 @@ fn chosen(
     design: &Design,
     region: &Region,
     options: &PlanOptions,
-    sigma: f64,
-    progress: &dyn Fn(usize, usize),
-) -> Result<(Vec<usize>, Option<bool>)> {
-    let mut count = first_count(design, options, sigma)?;
+    (first, progress): (usize, Progress),
+) -> (Vec<usize>, Option<bool>) {
+    let mut count = first;
     let aim = match name(options.kind) {
         "point" | "pose" => Aim::Determinant,
         _ => region.variance(),
     };
     loop {
-        progress(count, options.poses);
-        let chosen = best_of_starts(design, &aim, count, options.seed);
+        let chosen = best_of_starts(design, &aim, (count, options.seed), progress);
         let [_, (worst, _)] = judged_by(&design.sigmas(&chosen, region));
         let reached = options.target.map(|target| worst <= target);
         if reached == Some(false) && count < options.poses {
@@ -215,7 +224,7 @@ fn chosen(
                 .clamp(count + 1, options.poses);
             continue;
         }
-        return Ok((chosen, reached));
+        return (chosen, reached);
     }
 }
 
@@ -251,39 +260,16 @@ fn enough_candidates(options: &PlanOptions) -> Result<()> {
     ))
 }
 
-/// How many poses are tried first: all, or the fewest that may reach the target.
-fn first_count(design: &Design, options: &PlanOptions, sigma: f64) -> Result<usize> {
-    let least = design.parameters().div_ceil(design.width());
-    if options.poses < least {
-        return Err(Error::data(
-            ErrorKind::TooFewPoses,
-            format!(
-                "{} poses give {} equations for {} parameters that {} can determine",
-                options.poses,
-                design.width() * options.poses,
-                design.parameters(),
-                kinds::plural(name(options.kind))
-            ),
-            format!("plan at least {least} poses, better {}", 2 * least),
-        ));
-    }
-    Ok(match options.target {
-        // The prior may beat the bound by a little.
-        Some(target) => {
-            // More than points may need far fewer.
-            let of_points = 0.9 * design.parameters() as f64 * (sigma / target).powi(2);
-            let is_point = options.kind == KindId::default();
-            let fewest = if is_point { of_points } else { 0.0 };
-            (fewest as usize).clamp(least, options.poses)
-        }
-        None => options.poses,
-    })
-}
-
-fn best_of_starts(design: &Design, aim: &Aim, count: usize, seed: u64) -> Vec<usize> {
+fn best_of_starts(
+    design: &Design,
+    aim: &Aim,
+    (count, seed): (usize, u64),
+    progress: Progress,
+) -> Vec<usize> {
     let starts = (0..STARTS).into_par_iter().map(|start| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed ^ (start + 1) << 32);
-        design.exchange(some(design.candidates(), count, &mut rng), aim)
+        let some = some(design.candidates(), count, &mut rng);
+        design.exchange(some, aim, &|sweep| progress(count, sweep))
     });
     let best = starts.max_by(|a, b| a.1.total_cmp(&b.1));
     best.map(|(chosen, _)| chosen).unwrap_or_default()

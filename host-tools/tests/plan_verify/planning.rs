@@ -9,10 +9,10 @@ use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use truearm::Pose;
-use truearm_host::files::Gathered;
-use truearm_host::identify::{Problem, Scaling};
+use truearm_host::files::{Gathered, poses_csv};
+use truearm_host::identify::{Options, Problem, Scaling, identify};
 use truearm_host::model::arm::chain;
-use truearm_host::model::{KindId, Robot, Sight, Workspace};
+use truearm_host::model::{KindId, Measurements, Robot, Sight, Workspace};
 use truearm_host::observations::by_name;
 use truearm_host::plan::{PlanOptions, plan};
 use truearm_simulate::body::apply;
@@ -33,14 +33,14 @@ fn poses_stay_in_limits_box_and_sight() {
     let options = PlanOptions {
         kind: KindId::default(),
         instruments: Gathered::default(),
-        poses: 12,
+        poses: 13,
         workspace,
         candidates: 500,
         target: None,
         seed: 3,
     };
     let planned = plan(&robot, &options, &|_, _| ()).unwrap();
-    assert_eq!(planned.poses.len(), 12);
+    assert_eq!(planned.poses.len(), 13);
     let arm = chain(&robot.nominal(), Pose::identity(), robot.tool);
     for q in &planned.poses {
         for (q, joint) in q.iter().zip(&robot.joints) {
@@ -70,7 +70,7 @@ fn poses_for_poses_keep_their_promise() {
     let options = |kind: &str| PlanOptions {
         kind: by_name(kind).unwrap(),
         instruments: Gathered::default(),
-        poses: 12,
+        poses: 13,
         workspace: workspace.clone(),
         candidates: 600,
         target: None,
@@ -134,8 +134,57 @@ fn it_stops_at_the_target_with_few_poses() {
     // No set of less than bound = target can; a plan needs little more.
     let least = planned.parameters as f64 * (robot.sigma / target).powi(2);
     assert!((count as f64) < 1.5 * least, "{count} {least}");
-    let fewer = PlanOptions { poses: count / 2, ..options };
+    let fewer = PlanOptions { poses: count - 8, ..options };
     assert_eq!(plan(&robot, &fewer, &|_, _| ()).unwrap().reached, Some(false));
+}
+
+/// The smallest plan of every arm is a file that `identify` takes, and no smaller one is made,
+/// with a target or without: points do not determine all that it counts.
+#[test]
+fn what_is_planned_is_taken() {
+    for (text, least) in [(robots::ALL[0], 13), (robots::ALL[4], 15), (robots::ALL[5], 15)] {
+        let robot = robot(text);
+        let options = PlanOptions {
+            kind: KindId::default(),
+            instruments: Gathered::default(),
+            poses: 60,
+            workspace: Workspace::new(&robot, None).unwrap(),
+            candidates: 300,
+            target: Some(1.0),
+            seed: 1,
+        };
+        let planned = plan(&robot, &options, &|_, _| ()).unwrap();
+        assert_eq!((planned.poses.len(), planned.reached), (least, Some(true)));
+        let error = plan(&robot, &PlanOptions { poses: least - 1, ..options }, &|_, _| ());
+        let help = format!("plan at least {least} points");
+        assert!(error.unwrap_err().help().contains(&help), "{help}");
+        let file = poses_csv(&robot, "q", &planned.poses, &[]).replace("nominal_", "");
+        let taken = |rows: usize| {
+            let text: String = file.lines().take(rows + 1).map(|l| format!("{l}\n")).collect();
+            let data = Measurements::parse(Path::new("p.csv"), &text, &robot).unwrap();
+            identify(&robot, &data, &Options::default(), &|_, _| ())
+        };
+        taken(least).unwrap();
+        let error = taken(least - 1).unwrap_err();
+        assert!(error.help().contains(&format!("measure at least {least} poses")), "{error}");
+    }
+}
+
+/// Joints that are all held are one pose, of which nothing is identified.
+#[test]
+fn one_pose_is_no_plan() {
+    let robot = robot(robots::ALL[0]);
+    let options = PlanOptions {
+        kind: KindId::default(),
+        instruments: Gathered::default(),
+        poses: 20,
+        workspace: Workspace::new(&robot, Some(vec![[0.2, 0.2]; 6])).unwrap(),
+        candidates: 300,
+        target: None,
+        seed: 1,
+    };
+    let error = plan(&robot, &options, &|_, _| ()).unwrap_err();
+    assert!(error.to_string().contains("leave a single pose"), "{error}");
 }
 
 #[test]
@@ -154,7 +203,10 @@ fn what_cannot_be_planned_is_said() {
     let mut nowhere = workspace.clone();
     nowhere.corners = Some([Vector3::repeat(4.0), Vector3::repeat(5.0)]);
     for (options, says) in [
-        (options(8, 1000, &workspace), "8 poses give 24 equations for 27 parameters"),
+        (
+            options(12, 1000, &workspace),
+            "12 points give 36 equations for 39 unknowns of `truearm identify`",
+        ),
         (options(20, 30, &workspace), "20 poses out of 30 candidates"),
         (options(0, 30, &workspace), "0 poses out of 30 candidates"),
         (options(20, 1000, &nowhere), "none is in the box"),

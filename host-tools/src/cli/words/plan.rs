@@ -1,3 +1,4 @@
+use truearm_host::error::count;
 use truearm_host::plan::{PosePlan, plural};
 use truearm_host::report::SeparatedAlternative;
 use truearm_host::table::Table;
@@ -41,8 +42,8 @@ pub fn planned(found: &PosePlan) -> String {
 fn counted(found: &PosePlan) -> String {
     let (poses, measurements) = (found.poses.len(), found.measurements.len());
     match poses == measurements {
-        true => format!("{poses} poses"),
-        false => format!("{measurements} {} at {poses} poses", plural(found.kind)),
+        true => count(poses, "pose"),
+        false => format!("{measurements} {} at {}", plural(found.kind), count(poses, "pose")),
     }
 }
 
