@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use truearm_host::error::count as counted;
 use truearm_host::files::{csv_text, overwritable, overwritable_like, poses_csv, write_all};
 use truearm_host::model::{Commanded, KindId, Measurements, Model, Row};
 use truearm_host::observations::kind;
@@ -110,9 +111,13 @@ impl Verify {
         });
         let before = before.transpose()?;
         if after.points.is_some() && after.repeats[0] < STANDARD_REPEATS {
+            let repetitions = match after.repeats {
+                [few, many] if few == many => counted(few, "repetition"),
+                [few, many] => format!("{few} to {many} repetitions"),
+            };
             warnings.push(format!(
-                "{}: {} to {} repetitions a pose, where ISO 9283 asks for {STANDARD_REPEATS}",
-                after.file, after.repeats[0], after.repeats[1]
+                "{}: {repetitions} a pose, where ISO 9283 asks for {STANDARD_REPEATS}",
+                after.file
             ));
         }
         let name = self.model.display().to_string();

@@ -9,6 +9,7 @@
 mod conformity;
 mod frames;
 mod kinds;
+mod moved;
 mod record;
 mod refit;
 mod test_poses;
@@ -16,6 +17,7 @@ mod tolerances;
 
 pub use conformity::Conformity;
 pub use kinds::{COVERAGE_FACTOR, KindVerified};
+pub use moved::FrameMoved;
 pub use record::{OfPoints, OverPoses, Verification};
 pub use test_poses::test_poses;
 pub use tolerances::Tolerances;
@@ -52,11 +54,7 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     };
     let (data, joints) = (&commanded.data, commanded.points.is_empty());
     frames::in_tracker_frame(&commanded, &frames, model)?;
-    let error = |(row, target): (&crate::model::Row, &Vector3<f64>)| {
-        let point = kind(row).point(row)?;
-        Some(frames[row.station].inverse().transform_point(&point) - target)
-    };
-    let errors: Vec<Option<Vector3<f64>>> = data.rows.iter().zip(&targets).map(error).collect();
+    let errors = errors(data, &targets, &frames);
     let aim = aim(model, data, &frames, &markers);
     let of_points = |(row, error): (&crate::model::Row, &Option<Vector3<f64>>)| {
         Residual::new(row, error.unwrap_or_default().into())
@@ -82,13 +80,18 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
     let poses = poses(data, &distinct);
     let repeats = poses.iter().map(Vec::len);
     let to_file = model.robot.base.pose().rotation;
+    let points = of_points_alone(&judged, &poses, &errors, before.as_deref());
+    let held = points.as_ref().filter(|_| !refit);
+    let moved = held.and_then(|of| moved::moved(data, &targets, &frames, of));
+    warnings.extend(moved.map(|moved| moved.remark(data)));
     Ok(Verification {
         file: data.path.display().to_string(),
         rows: data.rows.len(),
         poses: poses.len(),
         repeats: [repeats.clone().min().unwrap_or(0), repeats.max().unwrap_or(0)],
         reregistered: if refit { "base" } else { "none" },
-        points: of_points_alone(&judged, &poses, &errors, before.as_deref()),
+        frame_moved: moved,
+        points,
         kinds: judged.kinds(&left, before.as_deref()),
         joints_not_covered: match joints {
             true => crate::evaluate::not_covered(model, data),
@@ -98,6 +101,20 @@ pub fn verify(model: &Model, commanded: &Commanded, refit: bool) -> Result<Verif
         residuals: left,
         warnings,
     })
+}
+
+/// Measured points beyond where they were commanded, in the commanded frame, m; nothing of rows
+/// that measured none.
+fn errors(
+    data: &Measurements,
+    targets: &[Vector3<f64>],
+    frames: &[Pose<f64>],
+) -> Vec<Option<Vector3<f64>>> {
+    let error = |(row, target): (&crate::model::Row, &Vector3<f64>)| {
+        let point = kind(row).point(row)?;
+        Some(frames[row.station].inverse().transform_point(&point) - target)
+    };
+    data.rows.iter().zip(targets).map(error).collect()
 }
 
 /// A remark on rows that were written twice.

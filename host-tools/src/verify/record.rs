@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::kinds::KindVerified;
+use super::moved::FrameMoved;
 use crate::observations::Residual;
 use crate::statistics::Stats;
 
@@ -52,6 +53,9 @@ pub struct Verification {
     pub repeats: [usize; 2],
     /// `none` or `base`: what was fitted on this file.
     pub reregistered: &'static str,
+    /// One rigid motion of the frame that explains nearly all of the errors, where there is
+    /// one: `null` where the frame is as good as any, and where it was fitted.
+    pub frame_moved: Option<FrameMoved>,
     /// What its points say; nothing where it has none.
     #[serde(flatten)]
     pub points: Option<OfPoints>,

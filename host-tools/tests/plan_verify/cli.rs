@@ -57,12 +57,12 @@ fn a_plan_is_a_list_of_joints() {
 
     // Out of reach: said, and the poses are there all the same.
     std::fs::remove_file(folder.join("p.csv")).unwrap();
-    let ran = plan(&["--poses", "12", "--target-um", "5"]);
+    let ran = plan(&["--poses", "13", "--target-um", "5"]);
     assert_eq!(ran.code, Some(1));
-    assert!(ran.err.contains("with 12 poses the worst tool point is"), "{}", ran.err);
+    assert!(ran.err.contains("with 13 poses the worst tool point is"), "{}", ran.err);
     assert!(folder.join("p.csv").exists());
     for (more, says) in [
-        (&["--poses", "4"][..], "4 poses give 12 equations for 27 parameters"),
+        (&["--poses", "4"][..], "4 points give 12 equations for 39 unknowns"),
         (&["--poses", "16", "--box", "1,2,3"], "--box 1,2,3 help: give 6 numbers"),
         (&["--poses", "16", "--box", "1,2,3,a,5,6"], "give 6 numbers separated by commas"),
         (&["--poses", "16", "--tracker", "nan,0,0"], "--tracker nan,0,0"),
@@ -306,7 +306,7 @@ fn verification_passes_fails_or_proves_nothing() {
         let ran = verify(&["v.csv", "--tolerance-mm", &tolerance, "--before", "off.csv"]);
         assert_eq!(ran.code, Some(code), "{} {}", ran.out, ran.err);
         assert!(ran.out.contains(says) && ran.out.contains("before, measured"), "{}", ran.out);
-        assert!(ran.err.contains("where ISO 9283 asks for 30"), "{}", ran.err);
+        assert!(ran.err.contains("1 repetition a pose, where ISO 9283 asks for 30"), "{}", ran.err);
     }
 
     let ran = verify(&["--test-poses", "c.csv", "--poses", "7", "--apart-from", "m.csv"]);

@@ -158,6 +158,50 @@ fn commanded_points_and_a_moved_tracker() {
     );
 }
 
+/// A tracker that was moved and not registered again: what its motion leaves is what
+/// registering it leaves, and the verdict stays. Errors that are the arm's have no such hint.
+#[test]
+fn a_moved_frame_is_told() {
+    let cell = Cell::new(3);
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let poses = poses(20, &mut rng);
+    let read = |on: bool, rng: &mut ChaCha8Rng| cell.read(&cell.file(&poses, 2, on, rng));
+    let on = read(true, &mut rng);
+    let moved_by = |turn: Vector3<f64>, shift: Vector3<f64>| {
+        let motion = Pose::from_rotation_vector(shift, turn);
+        let mut moved = on.clone();
+        for row in &mut moved.data.rows {
+            let point = motion.transform_point(&row.measured.point());
+            row.measured = point.iter().copied().collect();
+        }
+        moved
+    };
+    for (turn, shift, conformity) in [
+        (Vector3::new(0.0, 0.0, 0.5), Vector3::new(0.3, 0.2, 0.01), Conformity::Fail),
+        (Vector3::new(0.0, 0.0, 1e-4), Vector3::new(4e-4, 2e-4, 1e-4), Conformity::Fail),
+    ] {
+        let moved = moved_by(turn, shift);
+        let found = verify(&cell.model, &moved, false).unwrap();
+        assert_eq!(found.kinds[0].conformity(0.2), conformity);
+        let told = found.frame_moved.unwrap();
+        let fitted = verify(&cell.model, &moved, true).unwrap();
+        let errors = of_points(&fitted).errors;
+        assert!((told.left_rms_mm - errors.rms_mm).abs() < 1e-9, "{told:?} {errors:?}");
+        assert!((told.left_max_mm - errors.max_mm).abs() < 1e-9, "{told:?} {errors:?}");
+        assert!((told.turn_deg - turn.norm().to_degrees()).abs() < 2e-3, "{told:?}");
+        let remark = found.warnings.iter().find(|w| w.contains("--reregister base"));
+        assert!(remark.unwrap().contains("one rigid motion of the frame"), "{remark:?}");
+        assert!(fitted.frame_moved.is_none());
+    }
+    let mut one = on.clone();
+    let point = one.data.rows[7].measured.point() + Vector3::new(0.0, 5e-3, 0.0);
+    one.data.rows[7].measured = point.iter().copied().collect();
+    for own in [&on, &one, &read(false, &mut rng)] {
+        let found = verify(&cell.model, own, false).unwrap();
+        assert!(found.frame_moved.is_none(), "{:?}", found.frame_moved);
+    }
+}
+
 /// ISO 9283 by hand: four points at the corners of a square of 2 mm about a
 /// barycentre that is 3, 4, 0 mm off.
 #[test]
