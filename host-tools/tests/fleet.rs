@@ -88,6 +88,29 @@ fn a_fleet_teaches_the_next_arm() {
     assert!(!good && error.contains("not as truearm wrote it"), "{error}");
 }
 
+/// Rows that are far off in most arms are said to be; in one of four they are that arm's.
+#[test]
+fn what_geometry_lacks_is_warned_of() {
+    let folder = fleet(4, 0);
+    let robot = fs::read_to_string(folder.path().join("robot.toml")).unwrap();
+    let stated = |arms: std::ops::RangeInclusive<usize>| {
+        let finer = robot.replace("measurement_sigma_mm = 0.02", "measurement_sigma_mm = 0.002");
+        assert_ne!(finer, robot);
+        for k in arms {
+            fs::write(folder.path().join(format!("arm-{k}/robot.toml")), &finer).unwrap();
+        }
+        report(folder.path(), "fleet . --json")
+    };
+    let said = |found: &Value| found["warnings"].to_string().contains("what geometry lacks");
+    assert!(!said(&report(folder.path(), "fleet . --json")));
+    let one = stated(1..=1);
+    assert!(!said(&one), "{one}");
+    let noise = one["arms"][0]["judgement"]["noise_over_stated"].as_f64().unwrap();
+    assert!((5.0..20.0).contains(&noise), "{noise}");
+    let most = stated(2..=3);
+    assert!(said(&most) && most["warnings"].to_string().contains("`truearm diagnose`"), "{most}");
+}
+
 #[test]
 fn one_arm_that_fails_is_named_and_the_others_are_not_lost() {
     let folder = fleet(4, 0);

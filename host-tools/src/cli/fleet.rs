@@ -4,7 +4,7 @@ use clap::Args;
 use truearm_host::error::Place;
 use truearm_host::files::{Comment, overwritable, read_text, signed, with_priors, write_all};
 use truearm_host::fleet::{Arm, Fleet as Learned};
-use truearm_host::identify::{Figures, Identification, Options, identify};
+use truearm_host::identify::{Figures, Identification, Options, allowing, identify};
 use truearm_host::model::{Measurements, Robot};
 use truearm_host::page::{Measured, Next, identified};
 use truearm_host::report::{FleetReport, IdentifyReport, to_json};
@@ -12,7 +12,7 @@ use truearm_host::{Error, Result};
 
 use super::progress::Bar;
 use super::rows::residuals;
-use super::{Said, deliver, overwrite, warn, words};
+use super::{ALLOW_FEW, Said, deliver, overwrite, warn, words};
 
 /// Identify many arms of one type: which differ, what they share, and how far off the next is.
 #[derive(Args)]
@@ -159,7 +159,8 @@ impl Fleet {
         }
         let rows = Measurements::read(&data, &robot)?;
         let options = Options { allow_few_poses: self.allow_few_poses, ..Options::default() };
-        let found = identify(&robot, &rows, &options, &|_, _| ())?;
+        let found = identify(&robot, &rows, &options, &|_, _| ());
+        let found = found.map_err(|error| allowing(error, ALLOW_FEW))?;
         type_of.get_or_insert(robot);
         if let Some(out) = &self.out {
             self.written(&out.join(name), (folder, &rows), &found)?;

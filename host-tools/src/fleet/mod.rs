@@ -14,12 +14,13 @@ use against::Against;
 pub use learn::Learned;
 use learn::learn;
 
+use crate::error::count as counted;
 use crate::identify::certainty::error_bars::FACTOR;
 use crate::identify::typical::of_type;
 use crate::identify::{Identification, Unknown};
 use crate::model::Robot;
 use crate::tikhonov::Normal;
-use step::noises;
+use step::{alone, noises};
 use student::beyond;
 
 /// Chance that a fleet in which no arm differs has one named, and that a type whose
@@ -27,6 +28,9 @@ use student::beyond;
 pub const LEVEL: f64 = 0.05;
 /// Fewer arms name neither an arm that differs nor a correction that is common.
 pub const FEWEST: usize = 3;
+/// Noise is stated within a factor of two at best; rows that are farther off than this many
+/// times the stated sigma in most arms do something that is not noise.
+const FAR: f64 = 3.0;
 /// Arms that may be told to differ, one in so many: more of them are the type.
 const MOST_APART: usize = 3;
 
@@ -98,6 +102,8 @@ pub struct Fleet {
     pub common: Vec<(usize, f64)>,
     /// Of every arm, in their order.
     pub arms: Vec<Judgement>,
+    /// Noise of the measurements of each over what was stated, whatever its corrections are.
+    pub noises: Vec<f64>,
 }
 
 impl Fleet {
@@ -120,9 +126,29 @@ impl Fleet {
             let room = MOST_APART * (arms.len() - kept.len() + 1) <= arms.len();
             match worst.filter(|(_, j)| room && j.chance < LEVEL) {
                 Some((k, _)) => apart[k] = true,
-                None => return Self { learned, common, arms: judged },
+                None => {
+                    let noises = alone(&all).into_iter().map(f64::sqrt).collect();
+                    return Self { learned, common, arms: judged, noises };
+                }
             }
         }
+    }
+
+    /// A remark where most arms do what geometry does not explain, or were all measured worse
+    /// than stated.
+    #[must_use]
+    pub fn unexplained(&self) -> Option<String> {
+        let all = self.noises.len();
+        let noisy = self.noises.iter().filter(|noise| **noise >= FAR).count();
+        (2 * noisy > all).then(|| {
+            format!(
+                "the rows of {noisy} of {} are {FAR} times as far off as their stated sigma or \
+                 more: either the sigma is too small, or the arms do what geometry lacks, which \
+                 `truearm diagnose` of one of them looks for; the tolerances learned hold what is \
+                 missing as well",
+                counted(all, "arm")
+            )
+        })
     }
 
     /// What is known of each parameter of the next arm, five a joint.

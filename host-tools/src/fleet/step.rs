@@ -89,6 +89,18 @@ impl Step {
 /// that differs must not pass for one that was measured badly.
 #[must_use]
 pub(super) fn noises(arms: &[&Normal]) -> Vec<f64> {
+    rounds(arms, |left| shared(arms, left))
+}
+
+/// The same of each by itself: how the others were measured says nothing of it.
+#[must_use]
+pub(super) fn alone(arms: &[&Normal]) -> Vec<f64> {
+    let of = |(arm, left): (&&Normal, &f64)| left / arm.equations().max(1) as f64;
+    rounds(arms, |left| arms.iter().zip(left).map(of).map(|n| n.max(f64::MIN_POSITIVE)).collect())
+}
+
+/// Noise that is found, squared, by how it follows from what is left of the arms.
+fn rounds(arms: &[&Normal], next: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
     let size = arms.first().map_or(0, |arm| arm.unknowns());
     let (mean, precision) = (DVector::zeros(size), DVector::repeat(size, MEAN.powi(-2)));
     let left = |(arm, noise): (&&Normal, &f64)| {
@@ -97,7 +109,7 @@ pub(super) fn noises(arms: &[&Normal]) -> Vec<f64> {
     };
     (0..NOISE_ROUNDS).fold(vec![1.0; arms.len()], |noises, _| {
         let left: Vec<f64> = arms.par_iter().zip(&noises).map(left).collect();
-        shared(arms, &left)
+        next(&left)
     })
 }
 

@@ -59,7 +59,9 @@ pub struct FleetJudgement {
     pub unit: &'static str,
     /// The same over its standard deviation in arms of the type.
     pub sigmas: f64,
-    /// Noise of its measurements over that of the others.
+    /// Noise of its measurements over what was stated.
+    pub noise_over_stated: f64,
+    /// The same over that of the others.
     pub noise_over_others: f64,
     /// Chance that some arm of a fleet without any that differs is as far off.
     pub chance: f64,
@@ -99,7 +101,7 @@ impl FleetReport {
         folders: Vec<(String, std::result::Result<Figures, String>)>,
         warnings: Vec<String>,
     ) -> Self {
-        let mut judgements = fleet.arms.iter().map(|judged| {
+        let mut judgements = fleet.arms.iter().zip(&fleet.noises).map(|(judged, noise)| {
             let (unit, factor) = link_unit(judged.parameter);
             FleetJudgement {
                 differs: judged.apart,
@@ -107,6 +109,7 @@ impl FleetReport {
                 deviation: judged.deviation * factor,
                 unit,
                 sigmas: judged.sigmas,
+                noise_over_stated: *noise,
                 noise_over_others: judged.noise,
                 chance: judged.chance,
             }
@@ -129,7 +132,7 @@ impl FleetReport {
             noise_over_stated: fleet.learned.noise().sqrt(),
             arms: arms.collect(),
             parameters: fleet.priors().iter().map(parameter).collect(),
-            warnings,
+            warnings: warnings.into_iter().chain(fleet.unexplained()).collect(),
         }
     }
 }
