@@ -1,4 +1,4 @@
-use std::hash::{DefaultHasher, Hasher};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
@@ -136,18 +136,19 @@ impl Next {
 
 /// All of them together.
 fn sum(paths: &[PathBuf], part: impl Fn(&PathBuf) -> Result<Part>) -> Result<Part> {
-    let mut digests: Vec<u64> = Vec::new();
+    // Which file holds a part; a merged one holds several.
+    let mut holders: HashMap<u64, &PathBuf> = HashMap::new();
     let mut parts = paths.iter().map(|path| {
         let part = part(path)?;
-        let digest = hashed(&part);
-        if let Some(same) = digests.iter().position(|other| *other == digest) {
-            let (path, same) = (path.display(), paths[same].display());
-            return Err(Error::usage(
-                format!("{path} says what {same} does: their rows would count twice"),
-                "give every part once",
-            ));
+        for digest in part.sources() {
+            if let Some(same) = holders.insert(digest, path) {
+                let (path, same) = (path.display(), same.display());
+                return Err(Error::usage(
+                    format!("{path} holds a part that {same} holds: its rows would count twice"),
+                    "give every part once, by itself or in a merged one",
+                ));
+            }
         }
-        digests.push(digest);
         Ok((path, part))
     });
     let none = || Error::usage("no file", "give one");
@@ -159,13 +160,6 @@ fn sum(paths: &[PathBuf], part: impl Fn(&PathBuf) -> Result<Part>) -> Result<Par
         };
         sum.plus(&part).map_err(named)
     })
-}
-
-/// The same of parts of the same rows at one state.
-fn hashed(part: &Part) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    hasher.write(&part.to_bytes());
-    hasher.finish()
 }
 
 fn read(path: &PathBuf) -> Result<Part> {

@@ -41,7 +41,13 @@ pub(super) fn of_text(text: &str) -> String {
 /// The same as a number.
 #[must_use]
 pub fn digest_of_text(text: &str) -> u64 {
-    text.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    digest_of_bytes(text.as_bytes())
+}
+
+/// The same of bytes.
+#[must_use]
+pub fn digest_of_bytes(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
     })
 }

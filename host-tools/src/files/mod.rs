@@ -27,7 +27,7 @@ mod source;
 
 pub(crate) use columns::{USUAL_SIGMA_ANGLE, USUAL_SIGMA_MM, USUAL_SIGMA_PX};
 pub(crate) use comment::on_one_line;
-pub use digest::digest_of_text;
+pub use digest::{digest_of_bytes, digest_of_text};
 pub use edit::CsvEdit;
 pub(crate) use edit::{not_that_text, tables};
 pub use instruments::Gathered;

@@ -38,7 +38,7 @@ pub fn accumulate(model: &Model, data: &Measurements) -> Result<Part> {
         }
         sums.part()
     };
-    let join = |a: Part, b: Part| a.plus(&b).unwrap_or_else(|e| unreachable!("one state: {e}"));
+    let join = |a: Part, b: Part| a.joined(&b).unwrap_or_else(|e| unreachable!("one state: {e}"));
     let mut part = tree(&rows, LEAF, &leaf, &join);
     (part.files, part.poses, part.rows) = (1, data.poses as u64, rows.len() as u64);
     part.covered = data.covered();

@@ -3,7 +3,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 12 | `truearm gram` |
-//! | 4 | version, 1 |
+//! | 4 | version, 2 |
 //! | 8 | digest of the state |
 //! | 3 x 8 | unknowns, joints, stations times markers |
 //! | 4 x 8 | files, rows, poses, rows that do not count |
@@ -13,6 +13,7 @@
 //! | a marker each, station by station | count, nine numbers by columns |
 //! | 16 x 8 | count, sums, product of the points |
 //! | (36 + 6 x unknowns) x 8 | normal matrix and pull of the frame, by columns |
+//! | 8 + 8 each | number of parts that it was merged of, their digests in order; none of one that was not. Version 1 lacks it |
 //! | 4 | CRC-32/ISCSI of all before |
 
 use crc::{CRC_32_ISCSI, Crc};
@@ -27,7 +28,9 @@ use crate::identify::start::Pairs;
 use crate::tikhonov::Normal;
 
 const MAGIC: &[u8; 12] = b"truearm gram";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// The layout before: nothing of the parts that it was merged of.
+const WITHOUT_PARTS: u32 = 1;
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 /// More unknowns, joints or markers than anything has.
 const MOST: u64 = 1 << 14;
@@ -45,7 +48,9 @@ pub enum NoPart {
     #[error("no .gram file")]
     Magic,
     /// Another layout.
-    #[error("version {0} of the .gram layout, of which this program reads {VERSION}")]
+    #[error(
+        "version {0} of the .gram layout, of which this program reads {WITHOUT_PARTS} and {VERSION}"
+    )]
     Version(u32),
     /// Too short, too long or changed.
     #[error("a .gram file that is cut off or damaged")]
@@ -58,6 +63,18 @@ impl Part {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = MAGIC.to_vec();
         out.extend(VERSION.to_le_bytes());
+        out.extend(self.content());
+        for value in [self.merged.len() as u64].iter().chain(&self.merged) {
+            out.extend(value.to_le_bytes());
+        }
+        let crc = CRC.checksum(&out);
+        out.extend(crc.to_le_bytes());
+        out
+    }
+
+    /// What it says, the same in every version.
+    pub(super) fn content(&self) -> Vec<u8> {
+        let mut out = Vec::new();
         let whole = |out: &mut Vec<u8>, value: u64| out.extend(value.to_le_bytes());
         let unknowns = self.frame.pull.ncols();
         let sizes = [unknowns, self.covered.len(), self.turns.len()].map(|n| n as u64);
@@ -80,8 +97,6 @@ impl Part {
         reals(&mut out, std::iter::once(*count).chain(sums.iter().flatten().copied()));
         reals(&mut out, product.iter().copied());
         reals(&mut out, self.frame.normal.iter().chain(self.frame.pull.iter()).copied());
-        let crc = CRC.checksum(&out);
-        out.extend(crc.to_le_bytes());
         out
     }
 
@@ -96,13 +111,16 @@ impl Part {
         let (body, crc) = bytes.split_last_chunk().ok_or(NoPart::Damaged)?;
         let mut from = Reader(body.get(MAGIC.len()..).ok_or(NoPart::Damaged)?);
         let version = u32::from_le_bytes(from.take()?);
-        if version != VERSION {
+        if ![WITHOUT_PARTS, VERSION].contains(&version) {
             return Err(NoPart::Version(version));
         }
         if CRC.checksum(body) != u32::from_le_bytes(*crc) {
             return Err(NoPart::Damaged);
         }
-        let part = from.part()?;
+        let mut part = from.part()?;
+        if version == VERSION {
+            part.merged = from.merged()?;
+        }
         if from.0.is_empty() { Ok(part) } else { Err(NoPart::Damaged) }
     }
 }
@@ -177,7 +195,18 @@ impl Reader<'_> {
             turns,
             points,
             frame,
+            merged: Vec::new(),
         })
+    }
+
+    /// Digests of parts: as many as there are bytes for, each once and in order.
+    fn merged(&mut self) -> Result<Vec<u64>, NoPart> {
+        let count = self.whole()?;
+        if count > self.0.len() as u64 / 8 {
+            return Err(NoPart::Damaged);
+        }
+        let all: Vec<u64> = (0..count).map(|_| self.whole()).collect::<Result<_, _>>()?;
+        if all.is_sorted_by(|a, b| a < b) { Ok(all) } else { Err(NoPart::Damaged) }
     }
 
     fn fold(&mut self, unknowns: usize) -> Result<FoldSums, NoPart> {

@@ -1,6 +1,7 @@
 use super::FOLDS;
 use super::histogram::Histogram;
 use crate::error::{Error, ErrorKind, Result};
+use crate::files::digest_of_bytes;
 use crate::identify::Turns;
 use crate::identify::certainty::covariance::FrameSums;
 use crate::identify::start::Pairs;
@@ -39,6 +40,8 @@ pub struct Part {
     /// Identified and nominal tool points.
     pub(super) points: Pairs,
     pub(super) frame: FrameSums,
+    /// Digests of the parts that it was merged of, in their order; none of one that was not.
+    pub(super) merged: Vec<u64>,
 }
 
 impl Part {
@@ -57,6 +60,7 @@ impl Part {
             turns: vec![Turns::default(); turns],
             points: Pairs::default(),
             frame: FrameSums::none(unknowns),
+            merged: Vec::new(),
         }
     }
 
@@ -83,11 +87,40 @@ impl Part {
         self.files
     }
 
+    /// Digests of the parts that it was merged of, in their order; of one that was not merged
+    /// its own.
+    #[must_use]
+    pub fn sources(&self) -> Vec<u64> {
+        match self.merged.is_empty() {
+            true => vec![digest_of_bytes(&self.content())],
+            false => self.merged.clone(),
+        }
+    }
+
     /// Sums of what neither counted before.
     ///
     /// # Errors
-    /// [`ErrorKind::OtherArm`] of parts at different states.
+    /// [`ErrorKind::OtherArm`] of parts at different states, and a part that both were merged
+    /// of.
     pub fn plus(self, other: &Self) -> Result<Self> {
+        let mut merged = [self.sources(), other.sources()].concat();
+        let all = merged.len();
+        merged.sort_unstable();
+        merged.dedup();
+        if merged.len() < all {
+            return Err(Error::usage(
+                "both hold the same part: its rows would count twice",
+                "give every part once, by itself or in a merged one",
+            ));
+        }
+        Ok(Self { merged, ..self.joined(other)? })
+    }
+
+    /// The same of what is to be one part.
+    ///
+    /// # Errors
+    /// As for [`Part::plus`], but for a part that both hold.
+    pub(super) fn joined(self, other: &Self) -> Result<Self> {
         if self.state != other.state || self.shape() != other.shape() {
             return Err(Error::data(
                 ErrorKind::OtherArm,
@@ -115,6 +148,7 @@ impl Part {
             turns: self.turns.iter().zip(&other.turns).map(turns).collect(),
             points: self.points.plus(&other.points),
             frame: self.frame.plus(&other.frame),
+            merged: Vec::new(),
         })
     }
 
@@ -124,7 +158,7 @@ impl Part {
     /// As for [`Part::plus`].
     pub fn beside(self, other: &Self) -> Result<Self> {
         let files = self.files.max(other.files);
-        Ok(Self { files, ..self.plus(other)? })
+        Ok(Self { files, ..self.joined(other)? })
     }
 
     /// Equations of all rows that count.

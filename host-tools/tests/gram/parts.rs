@@ -179,8 +179,8 @@ fn parts_of_other_states_and_files() {
         assert!(Part::from_bytes(&changed).is_err(), "{at}");
     }
     let mut other = bytes;
-    other[12] = 2;
-    assert_eq!(Part::from_bytes(&other), Err(NoPart::Version(2)));
+    other[12] = 3;
+    assert_eq!(Part::from_bytes(&other), Err(NoPart::Version(3)));
 }
 
 /// From a start of few rows, tolerances off: the scale of the residuals is that of the end, and
@@ -282,8 +282,9 @@ fn forged_parts_are_errors() {
     // Files, rows, poses, flagged; equations and rows of the first fold.
     for at in [48, 56, 64, 72, 80, 88] {
         let changed = Part::from_bytes(&forged(&bytes, at, u64::MAX.to_le_bytes())).unwrap();
-        let twice = changed.clone().plus(&changed).unwrap();
-        let _ = step(&start, &twice);
+        assert_eq!(changed.clone().plus(&changed).unwrap_err().kind(), ErrorKind::Usage);
+        let both = changed.plus(&part).unwrap();
+        let _ = step(&start, &both);
     }
     let other = Truth::draw(&robot, 1, 1, &mut ChaCha8Rng::seed_from_u64(5));
     let text = other.measure(60, SIGMA, &mut ChaCha8Rng::seed_from_u64(5));
@@ -293,6 +294,58 @@ fn forged_parts_are_errors() {
     let digest = bytes[16..24].try_into().unwrap();
     let fewer = Part::from_bytes(&forged(&fewer, 16, digest)).unwrap();
     assert_eq!(step(&start, &fewer).unwrap_err().kind(), ErrorKind::OtherArm);
+}
+
+/// A part is known in whatever tree of merges it is; what the layout before wrote is read.
+#[test]
+fn a_part_counts_once_in_a_tree() {
+    let (robot, header, rows) = measured(60);
+    let data = parse(&robot, &header, &rows);
+    let start = lambda(&robot, &data, LambdaRule::MaximumAPosteriori);
+    let of = |rows: &[String]| accumulate(&start, &parse(&robot, &header, rows)).unwrap();
+    let parts: Vec<Part> = rows.chunks(rows.len() / 4).take(4).map(of).collect();
+    let read = |part: Part| Part::from_bytes(&part.to_bytes()).unwrap();
+    let [left, right] = [0, 2].map(|k| read(parts[k].clone().plus(&parts[k + 1]).unwrap()));
+    let all = read(left.clone().plus(&right).unwrap());
+    assert_eq!(all.sources().len(), 4);
+    for twice in parts.iter().chain([&left, &right, &all]) {
+        let error = all.clone().plus(twice).unwrap_err();
+        assert!(error.to_string().contains("count twice"), "{error}");
+    }
+    // Version 1: the same without the digests.
+    let old = |part: &Part| {
+        let mut bytes = part.to_bytes();
+        bytes[12] = 1;
+        bytes.truncate(bytes.len() - 12 - 8 * if part.files() > 1 { 2 } else { 0 });
+        bytes.extend([0; 4]);
+        let state = bytes[16..24].try_into().unwrap();
+        Part::from_bytes(&forged(&bytes, 16, state)).unwrap()
+    };
+    assert_eq!(old(&parts[0]), parts[0]);
+    assert!(all.plus(&old(&parts[0])).is_err());
+    // What it was merged of is not known: it is a part of its own.
+    assert_eq!(old(&left).sources().len(), 1);
+    assert!(old(&left).plus(&right).is_ok());
+}
+
+/// Digests that are not there, twice or out of order are refused.
+#[test]
+fn digests_are_not_believed() {
+    let (robot, header, rows) = measured(60);
+    let data = parse(&robot, &header, &rows);
+    let start = lambda(&robot, &data, LambdaRule::MaximumAPosteriori);
+    let of = |rows: &[String]| accumulate(&start, &parse(&robot, &header, rows)).unwrap();
+    let both = of(&rows[..30]).plus(&of(&rows[30..])).unwrap();
+    let bytes = both.to_bytes();
+    let count = bytes.len() - 4 - 3 * 8;
+    for size in [0, 1, 3, 1 << 40, u64::MAX] {
+        let changed = forged(&bytes, count, u64::to_le_bytes(size));
+        assert_eq!(Part::from_bytes(&changed), Err(NoPart::Damaged), "{size}");
+    }
+    for (at, digest) in [(count + 8, u64::MAX), (count + 16, 0), (count + 16, both.sources()[0])] {
+        let changed = forged(&bytes, at, digest.to_le_bytes());
+        assert_eq!(Part::from_bytes(&changed), Err(NoPart::Damaged), "{digest}");
+    }
 }
 
 /// Sizes that are not there are refused before anything is made of them.
@@ -372,7 +425,12 @@ fn by_the_program() {
     done("pack state.toml --marker M0 --out arm.bin");
     // Rows count once, whatever the file is called that says them.
     std::fs::copy(folder.path().join("a.gram"), folder.path().join("c.gram")).unwrap();
-    for line in ["gram merge a.gram b.gram c.gram", "gram add state.toml a.csv a.csv"] {
+    for line in [
+        "gram merge a.gram b.gram c.gram",
+        "gram add state.toml a.csv a.csv",
+        "gram merge all.gram c.gram",
+        "gram merge b.gram all.gram",
+    ] {
         let (code, _, error) = run(&format!("{line} --out twice.gram"));
         assert!(code == Some(2) && error.contains("count twice"), "{line}: {code:?} {error}");
     }
