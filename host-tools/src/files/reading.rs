@@ -89,7 +89,7 @@ impl<'a> Reading<'a> {
     pub fn end(self) -> Result<Measurements> {
         let Self { source, robot, names, columns, with_joints, apart, labels, rows } = self;
         if rows.is_empty() {
-            return Err(source.whole("no data rows", "add measurements"));
+            return Err(source.whole("no data rows", "add rows below the headings"));
         }
         labels.refuse_twins(source.path)?;
         let extra = columns.extra.iter().map(|c| names[*c].clone()).collect();

@@ -89,7 +89,14 @@ fn too_many(model: &Model, terms: usize) -> Error {
 fn not_so(model: &Model, e: &SettingError) -> Error {
     let help = "points alone were measured: take --task position, or \
                 --trust-nominal-orientation if you answer for the flange being mounted as drawn";
-    Error::usage(format!("{}: {e}", model.robot.path.display()), help)
+    // The crate's words are for who writes firmware.
+    let what = match e {
+        SettingError::OrientationNotIdentified => {
+            "task pose, and how the last frame of this arm is turned was not identified".to_owned()
+        }
+        other => other.to_string(),
+    };
+    Error::usage(format!("{}: {what}", model.robot.path.display()), help)
 }
 
 /// The law, and what of a model no controller takes.

@@ -43,7 +43,7 @@ fn first_rows(count: usize) -> String {
 fn measurements() {
     for (text, says) in [
         (String::new(), "m.csv: the file is empty -> it needs a header line and rows"),
-        (first_rows(0), "m.csv: no data rows -> add measurements"),
+        (first_rows(0), "m.csv: no data rows -> add rows below the headings"),
         (
             ROWS.replace("y_mm", "why_mm"),
             "m.csv:1: missing column y_mm -> the measured point needs x_mm, y_mm, z_mm",

@@ -266,7 +266,7 @@ fn tables() {
     let cases: Vec<(&str, String, &[&str])> = vec![
         ("empty", String::new(), &["the file is empty", "header line"]),
         ("blank", "\n\n".to_owned(), &["the file is empty"]),
-        ("header", format!("{header}\n"), &["no data rows", "add measurements"]),
+        ("header", format!("{header}\n"), &["no data rows", "add rows below the headings"]),
         ("twice", renamed("q2_deg", "q1_deg"), &["column q1_deg stands there twice"]),
         ("semicolons", ROWS.replace(',', ";"), &["cells are separated by `;`", "truearm import"]),
         ("tabs", ROWS.replace(',', "\t"), &["missing column q1_deg", "truearm import"]),

@@ -292,7 +292,8 @@ fn bad_input() {
             ROWS,
             "",
             2,
-            "the orientation of this arm was not identified",
+            "task pose, and how the last frame of this arm is turned was not identified help: \
+             points alone were measured: take --task position",
         ),
         ("compensate model.toml ROWS --start 1,2", ROWS, "", 2, "give 6 joint values"),
         (

@@ -20,10 +20,13 @@ pub fn compensation(report: &CompensateReport, coordinates: Coordinates) -> Stri
     table.row("as commanded, by the model", report.before.as_ref());
     table.row("corrected", report.left.as_ref());
     out += &table.text();
-    out += &format!(
-        "orientation: off by at most {:.4} degrees as commanded, {:.4} corrected\n",
-        report.turns.before_max_deg, report.turns.left_max_deg
-    );
+    // Of rows without joints nothing is known.
+    if report.not_reached.len() < report.rows {
+        out += &format!(
+            "orientation: off by at most {:.4} degrees as commanded, {:.4} corrected\n",
+            report.turns.before_max_deg, report.turns.left_max_deg
+        );
+    }
     out += &steps(report);
     if !report.clamped.is_empty() {
         out += &format!(

@@ -180,7 +180,7 @@ impl<'r> Pieces<'r> {
     ) -> Result<T> {
         let none = || {
             let what = format!("{}: no data rows", self.names());
-            Error::data(ErrorKind::NoRows, what, "add measurements")
+            Error::data(ErrorKind::NoRows, what, "add rows below the headings")
         };
         self.tree(&self.pieces, each, join)?.ok_or_else(none)
     }
