@@ -199,8 +199,8 @@ class Truearm(unittest.TestCase):
         rms = scored["validation"]["rms_mm"]
         self.assertTrue(0.0 < rms < 1.0, rms)
         self.assertEqual(truearm.check(self.robot, self.data)["verdict"], "sound")
-        poses, report = truearm.plan(self.robot, 12, candidates=300)
-        self.assertEqual(poses.shape, (12, self.robot.joints))
+        poses, report = truearm.plan(self.robot, 13, candidates=300)
+        self.assertEqual(poses.shape, (13, self.robot.joints))
         self.assertEqual(report["command"], "plan")
 
     def test_plans_for_what_the_instrument_measures(self):
@@ -208,15 +208,15 @@ class Truearm(unittest.TestCase):
         robot = truearm.Robot.parse("measurement_sigma_deg = 0.005\n" + text)
         reports = {}
         for kind in ["point", "pose"]:
-            poses, reports[kind] = truearm.plan(robot, 12, candidates=300, kind=kind)
-            self.assertEqual((poses.shape, reports[kind]["kind"]), ((12, robot.joints), kind))
+            poses, reports[kind] = truearm.plan(robot, 13, candidates=300, kind=kind)
+            self.assertEqual((poses.shape, reports[kind]["kind"]), ((13, robot.joints), kind))
         # Only orientations tell how the last frame is turned.
         point, pose = (reports[kind]["parameters"] for kind in ["point", "pose"])
         self.assertGreater(pose, point)
         # From nowhere no distance is measured.
         for kind, help in [("nothing", "measurements.csv"), ("distance", "[[anchors]]")]:
             with self.assertRaises(truearm.TruearmError) as caught:
-                truearm.plan(robot, 12, candidates=300, kind=kind)
+                truearm.plan(robot, 13, candidates=300, kind=kind)
             self.assertIn(help, caught.exception.help)
 
     def test_errors_say_what_to_do(self):
