@@ -19,7 +19,7 @@ use crate::identify::fit::folds;
 use crate::identify::fit::robust::{Crowd, Flags};
 use crate::identify::start::registration::register;
 use crate::identify::typical::as_measured;
-use crate::identify::{Conditions, Options, Problem, Scaling, State, enough};
+use crate::identify::{Conditions, Noise, Options, Problem, Scaling, State, enough};
 use crate::model::{ErrorCurve, Measurements, Mounting, Robot};
 
 /// Names what is missing of an arm that is mounted so, where so many rows may be off.
@@ -63,7 +63,7 @@ fn of_arm(
     crowd: Crowd,
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
-    let Arm { robot, weightless, .. } = *arm;
+    let robot = arm.robot;
     let problem = Problem::new(data, robot, Scaling::Prior);
     let rows = problem.counted();
     let start = register(data, &problem.nominal, robot.tool)?;
@@ -71,35 +71,74 @@ fn of_arm(
     problem.noise = kind_noise::noise(&problem, &rows, &start, crowd)?;
     let flags = Flags { lambda: 1.0, gross: POLICY.gross, crowd };
     let sided = start_sides::found(&problem, &rows, &start, flags)?;
-    let data = sided.as_ref().unwrap_or(data);
-    if sided.is_some() {
-        let noise = problem.noise;
-        problem = Problem { noise, ..Problem::new(data, robot, Scaling::Prior).about(&start) };
+    let noise = problem.noise;
+    let begun = Begun { arm, told: data, holdout, options, start, flags, noise };
+    begun.with_sides(sided, SIDES_AGAIN, progress)
+}
+
+/// How often sides are told again beside what was found with those before: twice is seldom.
+const SIDES_AGAIN: usize = 2;
+
+/// What is known before anything is weighed.
+struct Begun<'a> {
+    arm: &'a Arm<'a>,
+    /// Sides are those that the file or the order of its rows tells.
+    told: &'a Measurements,
+    holdout: Option<&'a Measurements>,
+    options: &'a DiagnoseOptions,
+    start: State,
+    flags: Flags,
+    noise: Noise,
+}
+
+impl Begun<'_> {
+    /// Weighs everything with the sides that were found; where these are others beside what
+    /// that finds, once more with those.
+    fn with_sides(
+        &self,
+        sided: Option<Measurements>,
+        again: usize,
+        progress: &dyn Fn(&'static str),
+    ) -> Result<Diagnosis> {
+        let Self { arm, holdout, options, start, .. } = self;
+        let Arm { robot, weightless, .. } = **arm;
+        let data = sided.as_ref().unwrap_or(self.told);
+        let problem = Problem::new(data, robot, Scaling::Prior).about(start);
+        let problem = Problem { noise: self.noise, ..problem };
+        let rows = problem.counted();
+        let (offered, not_testable) = candidates::all(&problem, robot, weightless, *holdout);
+        let folds = folds::random(data, &rows, folds::SEED);
+        // Torques that were read need no masses.
+        let moments = (!data.has_torques()).then(|| Moments::of(robot, weightless)).flatten();
+        let mut question = Question {
+            problem: &problem,
+            offered: &offered,
+            highest_order: options.highest_order,
+            flags: self.flags,
+            rows: &rows,
+            folds: &folds,
+            moments: moments.as_ref(),
+            most_terms: options.most_terms,
+        };
+        let mut answer = answered(&mut question, start, progress)?;
+        let anew = kind_noise::heard_anew(&question, &answer.1.best)?;
+        let problem = Problem { noise: anew.unwrap_or(problem.noise), ..problem.clone() };
+        question = Question { problem: &problem, ..question };
+        if anew.is_some() {
+            answer = answered(&mut question, start, progress)?;
+        }
+        // Where that does not converge the first answer stands.
+        if again > 0
+            && let Some(next) = start_sides::found_beside(&question, &answer.1, self.told)
+            && start_sides::differ(&next, data)
+            && let Ok(other) = self.with_sides(Some(next), again - 1, progress)
+        {
+            return Ok(other);
+        }
+        let answer = with_hand(&question, start, answer, progress);
+        progress("held-out poses");
+        modelled(&question, arm, *holdout, answer, (start.clone(), not_testable))
     }
-    let (offered, not_testable) = candidates::all(&problem, robot, weightless, holdout);
-    let folds = folds::random(data, &rows, folds::SEED);
-    // Torques that were read need no masses.
-    let moments = (!data.has_torques()).then(|| Moments::of(robot, weightless)).flatten();
-    let mut question = Question {
-        problem: &problem,
-        offered: &offered,
-        highest_order: options.highest_order,
-        flags,
-        rows: &rows,
-        folds: &folds,
-        moments: moments.as_ref(),
-        most_terms: options.most_terms,
-    };
-    let mut answer = answered(&mut question, &start, progress)?;
-    let anew = kind_noise::heard_anew(&question, &answer.1.best)?;
-    let problem = Problem { noise: anew.unwrap_or(problem.noise), ..problem.clone() };
-    question = Question { problem: &problem, ..question };
-    if anew.is_some() {
-        answer = answered(&mut question, &start, progress)?;
-    }
-    let answer = with_hand(&question, &start, answer, progress);
-    progress("held-out poses");
-    modelled(&question, arm, holdout, answer, (start, not_testable))
 }
 
 /// Geometry alone, at a lambda that it bears out, and what is weighed beyond it.

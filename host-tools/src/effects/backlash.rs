@@ -38,7 +38,11 @@ fn offers(data: &Data) -> Result<Vec<Offer>, &'static str> {
             (false, _) => 2 * joints.len(),
             (true, _) => 2 * joints.len() * rubbing,
         };
-        let offer = |level: &f64| Offer::of_arm(EFFECT, &[*j], &[*level], tried(*level));
+        let ways = data.conditions.ways_of_sides(*j);
+        let offer = |level: &f64| {
+            let offer = Offer::of_arm(EFFECT, &[*j], &[*level], tried(*level));
+            Offer { tried: ways * offer.tried, ..offer }
+        };
         out.extend(levels.iter().map(offer));
     }
     Ok(out)

@@ -36,6 +36,9 @@ pub struct Measurements {
     pub extra_columns: Vec<String>,
     /// Whether approach sides are those of the order of the rows: no column says them.
     pub directions_from_order: bool,
+    /// Of each joint, how many of them the order left open and what was measured tells; empty
+    /// where that was not asked.
+    pub sides_found: Vec<usize>,
     /// Remarks for the user.
     pub warnings: Vec<String>,
 }

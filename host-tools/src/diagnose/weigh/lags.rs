@@ -7,7 +7,7 @@ use truearm::effects::Effect;
 
 use super::possible::{Numbers, Possible, What, revolute};
 use crate::diagnose::candidates::Candidate;
-use crate::effects;
+use crate::effects::{self, Offer};
 use crate::identify::Problem;
 
 /// Lags of the joints whose gap was refused.
@@ -18,7 +18,11 @@ pub fn offered(problem: &Problem, refused: &[Candidate], numbers: &mut Numbers) 
     joints.sort_unstable();
     joints.dedup();
     joints.retain(|joint| problem.nominal[*joint].kind == JointKind::Revolute);
-    let lag = |joint| numbers.offered(effects::lag(joint, turning.len()).into());
+    let lag = |joint| {
+        let lag = effects::lag(joint, turning.len());
+        let ways = problem.conditions.ways_of_sides(joint);
+        numbers.offered(Offer { tried: ways * lag.tried, ..lag }.into())
+    };
     joints.into_iter().map(lag).collect()
 }
 

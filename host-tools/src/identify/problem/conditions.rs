@@ -35,6 +35,8 @@ pub struct Conditions {
     pub direction: bool,
     /// They were taken from the order of the rows.
     pub direction_from_order: bool,
+    /// As of [`Measurements`].
+    pub sides_found: Vec<usize>,
     /// The row that was measured just before each.
     pub before: Vec<Option<usize>>,
     /// Some row has a time, and they differ.
@@ -145,6 +147,12 @@ impl Conditions {
         Self::default()
     }
 
+    /// As many ways there were to choose the sides that were found of a joint, counted from 0.
+    #[must_use]
+    pub fn ways_of_sides(&self, joint: usize) -> f64 {
+        self.sides_found.get(joint).map_or(1.0, |found| (*found as f64).exp2())
+    }
+
     /// Inputs of a row.
     #[must_use]
     pub fn row(&self, row: usize) -> &RowInputs {
@@ -198,6 +206,7 @@ impl Conditions {
             warming: warming(&data.rows).filter(|_| differ(|r| r.temperature)),
             direction: data.rows.iter().any(|r| r.directions.iter().any(|d| *d != 0)),
             direction_from_order: data.directions_from_order,
+            sides_found: data.sides_found.clone(),
             before: data.moved_from(),
             time: differ(|r| r.time),
             ordered: differ(|r| r.order),
