@@ -130,7 +130,7 @@ impl Begun<'_> {
         // Where that does not converge the first answer stands.
         if again > 0
             && let Some(next) = start_sides::found_beside(&question, &answer.1, self.told)
-            && start_sides::differ(&next, data)
+            && start_sides::differ(&next, data, &answer.1.best)
             && let Ok(other) = self.with_sides(Some(next), again - 1, progress)
         {
             return Ok(other);

@@ -4,6 +4,7 @@ mod arrival;
 mod by_kind;
 mod curves;
 mod few_digits;
+mod first_sides;
 mod hidden_effects;
 mod hold_out;
 #[path = "../judged/mod.rs"]

@@ -20,7 +20,7 @@ fn named(arm: &str, name: &str, joints: &[usize], attainable: f64) -> Outcome {
 }
 
 /// Nothing is left, and other poses are missed by little more.
-fn explained(arm: &str, attainable: f64) -> Outcome {
+pub fn explained(arm: &str, attainable: f64) -> Outcome {
     let told = beside_fresh(arm);
     assert_eq!(told.verdict, Verdict::Explained, "{arm}: {:?}", told.unnamed);
     let missed = told.gap.last().unwrap().holdout_rms_mm.unwrap();

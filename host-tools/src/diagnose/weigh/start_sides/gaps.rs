@@ -241,8 +241,8 @@ impl<'h> Gaps<'h> {
         let own: Vec<usize> =
             (0..self.heads.len()).filter(|h| self.heads[*h].stretch == stretch).collect();
         let variance = self.noise(self.solved(sides).1).powi(2).max(f64::MIN_POSITIVE);
-        // The best with each head on either side.
         let mut best = vec![[f64::NEG_INFINITY; 2]; own.len()];
+        let mut likeliest = (f64::NEG_INFINITY, sides.to_vec());
         for choice in 0..1_usize << own.len() {
             own.iter().enumerate().for_each(|(k, h)| sides[*h] = [1, -1][choice >> k & 1]);
             let (_, explained) = self.solved(sides);
@@ -250,10 +250,18 @@ impl<'h> Gaps<'h> {
                 let best = &mut best[choice >> k & 1];
                 *best = best.max(explained);
             }
+            if explained > likeliest.0 {
+                likeliest = (explained, sides.to_vec());
+            }
         }
+        let (most, likeliest) = likeliest;
         for (h, [up, down]) in own.into_iter().zip(best) {
             let nats = (up - down) / (2.0 * variance);
-            sides[h] = if nats.abs() < SURE { 0 } else { nats.signum() as i8 };
+            // What lies in the middle is on neither side, though on one it is less far off.
+            let mut middle = likeliest.clone();
+            middle[h] = 0;
+            let told = nats.abs() >= SURE && most >= self.solved(&middle).1;
+            sides[h] = if told { nats.signum() as i8 } else { 0 };
         }
     }
 }

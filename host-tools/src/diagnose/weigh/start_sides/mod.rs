@@ -12,6 +12,7 @@ use truearm::effects::Effect;
 use super::nameless;
 use super::start::Bent;
 use super::weighed::Weighed;
+use crate::diagnose::node::Node;
 use crate::diagnose::question::Question;
 use crate::error::Result;
 use crate::identify::fit::robust::{Flags, RobustFit, robust_fit};
@@ -80,12 +81,23 @@ pub fn found_beside(q: &Question, weighed: &Weighed, data: &Measurements) -> Opt
     Some(with(data, &heads, &sides))
 }
 
-/// Whether some joint came to some row from another side.
+/// Whether sides are others than those that a model was found with, where that may matter: a side
+/// that is told otherwise now, or no longer told of a joint that has a gap in the model.
 #[must_use]
-pub fn differ(a: &Measurements, b: &Measurements) -> bool {
-    let sides = |row: &Row| row.directions.iter().rposition(|side| *side != 0).map_or(0, |k| k + 1);
-    let known = |row: &Row| row.directions[..sides(row)].to_vec();
-    a.rows.iter().zip(&b.rows).any(|(a, b)| known(a) != known(b))
+pub fn differ(next: &Measurements, now: &Measurements, best: &Node) -> bool {
+    let gap = |joint: usize| {
+        let terms = best.fit.fit.state.terms.iter();
+        terms.filter(|term| is_gap(term)).any(|term| term.joints() == [joint + 1])
+    };
+    let gaps: Vec<bool> = (0..next.sides_found.len()).map(gap).collect();
+    let side = |of: &Row, joint: usize| of.directions.get(joint).copied().unwrap_or(0);
+    next.rows.iter().zip(&now.rows).any(|(next, now)| {
+        let differs = |(joint, gap): (usize, &bool)| {
+            let side = [side(next, joint), side(now, joint)];
+            side[0] != side[1] && (side[0] != 0 || *gap)
+        };
+        gaps.iter().enumerate().any(differs)
+    })
 }
 
 /// Whether it is of the side that a joint came from.
