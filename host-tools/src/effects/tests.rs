@@ -61,6 +61,7 @@ fn conditions(known: bool) -> Conditions {
         warming: known.then_some([60.0, 7200.0]),
         direction: known,
         direction_from_order: false,
+        sides_found: Vec::new(),
         before: Vec::new(),
         time: known,
         ordered: known,
