@@ -88,10 +88,11 @@ impl Part {
     }
 
     /// Digests of the parts that it was merged of, in their order; of one that was not merged
-    /// its own.
+    /// its own. Parts without a row are all alike, and none counts anything twice.
     #[must_use]
     pub fn sources(&self) -> Vec<u64> {
         match self.merged.is_empty() {
+            true if self.rows == 0 => Vec::new(),
             true => vec![digest_of_bytes(&self.content())],
             false => self.merged.clone(),
         }

@@ -217,12 +217,7 @@ impl Round<'_> {
         let rule = LambdaRule::ALL.into_iter().find(|r| r.name() == model.provenance.lambda_rule);
         let spread = spread(rule.unwrap_or(LambdaRule::Fixed(lambda)), lambda);
         // About the state the right-hand sides are residuals.
-        let carried = Carried {
-            information: whole.h().into_owned(),
-            square: whole.s(),
-            equations: whole.equations() as f64,
-            alike: 1.0,
-        };
+        let carried = Carried::of_sums(whole, &DVector::zeros(whole.unknowns()));
         let of = Covariances::of_sums(problem, &state, (whole, &carried), (lambda, spread));
         let unknowns = of.total();
         let sigma = |i: usize, k: usize| {

@@ -13,10 +13,10 @@ use crate::diagnose::question::Question;
 /// Candidates of known form, lines near those that the model had, and what stands in for a
 /// refused one.
 ///
-/// A step of something, once found, is taken off the rows before they are scanned for what comes
-/// and goes: each of them is scanned alone, and what imitates half of the step a little explained
-/// more than all that is there beside it (of 25 arms that somebody else gave a step and a joint
-/// that is off with another one 17 lost the second).
+/// What comes and goes is looked for with the steps that were found in the rows and without them:
+/// each course is scanned alone, and what imitates half of a step a little explained more than all
+/// that is there beside it (of 25 arms that somebody else gave a step and a joint that is off with
+/// another one 17 lost the second); and a step that is none must not hide what it imitates.
 pub fn offered(
     q: &Question,
     without: &[nameless::Held],
@@ -34,16 +34,21 @@ pub fn offered(
     out.extend(late.into_iter().map(|c| numbers.offered(c)));
     out.extend(lags::offered(q.problem, refused, &mut numbers));
     let cell = scan::cell(q.problem);
-    let scanned = |problem| scan::columns(problem, state, rows, weights, noise, &cell);
-    let steps: Vec<_> = without.iter().filter(|(what, _)| what.is_step()).cloned().collect();
-    let apart = nameless::without(q.problem, state, &steps);
-    let columns = scanned(&apart);
+    let columns = scan::columns(q.problem, state, rows, weights, noise, &cell);
     out.extend(lines::offered(state, &columns, q.highest_order, (held, closed), &mut numbers));
     out.extend(screen::offered(q.problem, rows, &columns, &mut numbers));
     let mut stepping = slips::offered(q.problem, rows, &columns);
+    let steps: Vec<_> = without.iter().filter(|(what, _)| what.is_step()).cloned().collect();
     if !steps.is_empty() {
+        let apart = nameless::without(q.problem, state, &steps);
+        let beside = scan::columns(&apart, state, rows, weights, noise, &cell);
+        for course in screen::offered(q.problem, rows, &beside, &mut numbers) {
+            if !out.iter().any(|other| other.what == course.what) {
+                out.push(course);
+            }
+        }
         stepping.extend(steps.iter().map(|(what, _)| *what));
-        stepping.extend(slips::offered(q.problem, rows, &scanned(q.problem)));
+        stepping.extend(slips::offered(q.problem, rows, &beside));
     }
     for (k, step) in stepping.iter().enumerate() {
         if !stepping[..k].contains(step) {

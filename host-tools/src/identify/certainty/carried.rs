@@ -3,7 +3,7 @@
 //! Econometrica 48 (1980) 817; of what rows have in common Moulton, Review of Economics and
 //! Statistics 72 (1990) 334).
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::directed::{columns, ways};
@@ -13,6 +13,7 @@ use crate::identify::problem::accumulate::tree;
 use crate::identify::{Linearised, Problem};
 use crate::observations::by_pose;
 use crate::statistics::repeats::common_share;
+use crate::tikhonov::Normal;
 
 /// The noise that a fit finds in its rows.
 #[derive(Debug, Clone)]
@@ -29,39 +30,47 @@ pub struct Carried {
 }
 
 impl Carried {
+    /// By sums of rows, each with noise of its own, at these corrections from where their
+    /// right-hand sides are counted.
+    #[must_use]
+    pub fn of_sums(normal: &Normal, x: &DVector<f64>) -> Self {
+        let information = normal.h().into_owned();
+        let square = normal.s() - 2.0 * normal.g().dot(x) + x.dot(&(&information * x));
+        let equations = normal.equations() as f64;
+        Self { information, square: square.max(0.0), equations, alike: 1.0 }
+    }
+
     /// By rows that the fit kept.
     #[must_use]
     pub fn of(problem: &Problem, found: &Estimate) -> Self {
         let kept = &found.robust.kept;
         let at = problem.linearise(&found.fit.state);
+        let sums = Self::of_sums(&found.fit.normal, at.corrections());
+        // The sums may be of more rows than these: of the repeats of the others nothing is known.
+        let all_here = found.fit.normal.equations() == problem.equations(kept);
+        let repeated = problem.data.poses < problem.data.rows.len();
+        if !all_here || !repeated && problem.scattering.is_empty() {
+            return sums;
+        }
         let residuals: Vec<Vec<f64>> =
             kept.par_iter().map(|row| at.scaled_residual(*row).to_vec()).collect();
-        let equations = residuals.iter().map(Vec::len).sum::<usize>();
-        let square = residuals.iter().flatten().map(|r| r * r).sum();
-        let all =
-            |information, alike| Self { information, square, equations: equations as f64, alike };
         let poses = by_pose(&problem.data.rows, kept);
-        // Where the sums are of more rows than these nothing is known of the repeats of the others.
-        let whole = equations == found.fit.normal.equations();
-        let common = match whole && poses.iter().any(|readings| readings.len() > 1) {
-            true => common_share(
-                &readings(&poses, &residuals),
-                by_means(problem, kept, found.robust.used),
-            ),
-            false => 0.0,
-        };
+        let common =
+            common_share(&readings(&poses, &residuals), by_means(problem, kept, found.robust.used));
         if common == 0.0 && problem.scattering.is_empty() {
-            return all(found.fit.normal.h().into_owned(), 1.0);
+            return sums;
         }
         let rows = |readings: &Vec<usize>| readings.iter().map(|k| kept[*k]).collect();
         let poses: Vec<Vec<usize>> = poses.iter().map(rows).collect();
         let with = |readings: &Vec<usize>| {
-            let equations: usize = readings.iter().map(|row| at.scaled_residual(*row).len()).sum();
-            equations as f64 * (readings.len() as f64 - 1.0)
+            (problem.equations(readings) * readings.len().saturating_sub(1)) as f64
         };
         let pairs: f64 = poses.iter().map(with).sum();
-        let alike = 1.0 + common * common * pairs / f64::max(equations as f64, 1.0);
-        all(information(problem, &at, &poses, common), alike)
+        Self {
+            information: information(problem, &at, &poses, common),
+            alike: 1.0 + common * common * pairs / sums.equations.max(1.0),
+            ..sums
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::model::Measurements;
 
 /// Most heads whose sides are looked for, those of the most rows: others count as in the
 /// middle of the gap.
-const MOST: usize = 200;
+pub const MOST: usize = 200;
 /// Most joints of a stretch of which all sides are tried together.
 pub const TOGETHER: usize = 10;
 
