@@ -24,8 +24,8 @@ pub struct Carried {
     pub square: f64,
     /// How many they are.
     pub equations: f64,
-    /// Of how many of these independent ones would tell as much of the variance: the mean of
-    /// the squares of the correlations of an equation with all.
+    /// So many of them tell as much of the variance as an independent one: the mean over
+    /// equations of the sum of their squared correlations with all.
     pub alike: f64,
 }
 
@@ -118,7 +118,7 @@ impl Sums {
     fn add(&mut self, problem: &Problem, at: &Linearised, readings: &[usize], common: f64) {
         let sources = || problem.scattering.iter().map(|source| source.0);
         let mut means: Option<[DMatrix<f64>; 2]> = None;
-        // Readings of other sizes move otherwise.
+        // Of what a pose has in common its mean is added once below.
         let own = 1.0 - if readings.len() > 1 { common } else { 0.0 };
         for row in readings {
             let e = at.equations_beside(*row, &|i, d| ways(problem, sources(), *row, (i, d)));
