@@ -52,30 +52,38 @@ fn scattering(problem: &Problem, (joint, size): (usize, f64)) -> String {
 /// A remark on an instrument whose line of sight scatters.
 fn sight(problem: &Problem, (source, size): (Scatterer, f64)) -> Option<String> {
     let data = problem.data;
-    let from = source.sight()?;
+    let from = source.instrument()?;
     let at = from.point();
     let distance = |row| Some((kind(row).point(row)? - at).norm());
     let range = median(&data.rows.iter().filter_map(distance).collect::<Vec<f64>>());
     let scatter = to_mm(size * range);
+    let along = matches!(source, Scatterer::Range(_));
+    let (way, share, reads) = match along {
+        true => ("along", format!("{:.0} um/m", size * 1e6), "distances"),
+        false => ("across", format!("{:.0} urad", size * 1e6), "angles"),
+    };
     // Of a place that was looked for the direction is told far better than how far off it is: of
     // 36 whose truth somebody else knew it was wrong by more than half in 12, and so were angles.
-    let across = match from {
+    let scattered = match from {
         Place::ORIGIN => format!(
             "points scatter by {scatter:.3} mm (one standard deviation, at {range:.1} m from the \
-             origin of their coordinates) beyond the noise along the line from there, across it and \
-             in proportion to the distance, {:.0} urad, as where an instrument there reads angles",
-            size * 1e6,
+             origin of their coordinates) beyond the noise {other} the line from there, {way} it and \
+             in proportion to the distance, {share}, as where an instrument there reads {reads}",
+            other = if along { "across" } else { "along" },
         ),
         _ => format!(
-            "points scatter by {scatter:.3} mm (one standard deviation) beyond the noise along the \
-             line from about x {:.1}, y {:.1}, z {:.1} m of their coordinates, across it and the \
-             more the farther off, as where an instrument there reads angles (how far off it \
+            "points scatter by {scatter:.3} mm (one standard deviation) beyond the noise {other} the \
+             line from about x {:.1}, y {:.1}, z {:.1} m of their coordinates, {way} it and the \
+             more the farther off, as where an instrument there reads {reads} (how far off it \
              stands is hardly told)",
-            at.x, at.y, at.z
+            at.x,
+            at.y,
+            at.z,
+            other = if along { "across" } else { "along" },
         ),
     };
     Some(format!(
-        "{}: {across}: it is counted as noise of the measurement, and what is near tells more",
+        "{}: {scattered}: it is counted as noise of the measurement, and what is near tells more",
         data.path.display(),
     ))
 }

@@ -34,6 +34,8 @@ pub fn diagnosed(
     (crowd, mounting): (Crowd, Mounting),
     progress: &dyn Fn(&'static str),
 ) -> Result<Diagnosis> {
+    let numbered = data.numbered();
+    let data = numbered.as_ref().unwrap_or(data);
     let assumed = (!data.has_torques()).then(|| stated.with_assumed_loads(mounting)).flatten();
     let robot = assumed.as_ref().unwrap_or(stated);
     let few = Options { allow_few_poses: options.allow_few_poses, ..Options::default() };

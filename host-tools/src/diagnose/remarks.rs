@@ -17,7 +17,7 @@ use super::tell::place;
 use super::weigh::{Doubt, Named, Weighed, scatter};
 use crate::error::listed;
 use crate::identify::Problem;
-use crate::model::{Measurements, ModelTerm};
+use crate::model::{Clock, Measurements, ModelTerm};
 use crate::observations::kind;
 use crate::statistics::repeats::Scatter;
 use crate::units::to_mm;
@@ -32,6 +32,7 @@ pub fn all<'a>(
     [
         too_many(best),
         guessed(data, best),
+        numbered(data, best),
         loads(data, best),
         beyond_repeats(problem, best),
         few_angles(data, best, &weighed.names),
@@ -250,6 +251,19 @@ fn guessed(data: &Measurements, best: &Node) -> Option<String> {
         format!(
             "{}: no columns dir1..: the sides from which joints came to rest are taken from the \
              order of the rows",
+            data.path.display()
+        )
+    })
+}
+
+/// A remark where a drift by an order that no column says is in the model.
+fn numbered(data: &Measurements, best: &Node) -> Option<String> {
+    let by_rows = |term: &ModelTerm| term.course().is_some_and(|c| c.clock == Clock::Rows);
+    let any = best.fit.fit.state.terms.iter().any(by_rows);
+    (data.order_from_rows && any).then(|| {
+        format!(
+            "{}: no column time_s or order: rows are taken to stand in the order in which they were \
+             measured",
             data.path.display()
         )
     })

@@ -38,6 +38,9 @@ const TELLING: usize = 12;
 const NOT_YET: f64 = 5.0;
 /// Columns that others do are no columns: share of their square that is left of them.
 const ALIKE: f64 = 1e-9;
+/// Nor are those that differ between readings by less than this share of what they are: where an
+/// instrument's sight scatters, each reading is whitened along its own, which noise turns.
+const DIFFERS: f64 = 1e-3;
 
 /// What repeats say of the noise, whitened as [`whiten`] does.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -54,6 +57,8 @@ pub struct Repeats {
     /// Products of what may differ between readings of a pose, about their mean, their
     /// residual behind them.
     within: DMatrix<f64>,
+    /// Squares of the same, their mean among them.
+    whole: DVector<f64>,
 }
 
 impl Repeats {
@@ -64,6 +69,8 @@ impl Repeats {
     pub fn of(mut columns: DMatrix<f64>, repeats: usize, share: f64) -> Self {
         let (repeats, h) = (repeats.max(1), share.clamp(0.0, MOST));
         let m = columns.nrows() / repeats;
+        let squares = columns.column_iter().map(|column| column.norm_squared());
+        let whole = DVector::from_iterator(columns.ncols(), squares);
         centre(&mut columns, repeats);
         Self {
             equations: m * (repeats - 1),
@@ -71,6 +78,7 @@ impl Repeats {
             least: m as f64 * (1.0 - h) / (1.0 - h + repeats as f64 * h),
             poses: usize::from(repeats > 1),
             within: columns.tr_mul(&columns),
+            whole,
         }
     }
 
@@ -86,7 +94,8 @@ impl Repeats {
             return 0.0;
         }
         let unit = |k: usize| self.within[(k, k)].sqrt();
-        let own: Vec<usize> = (0..count).filter(|k| unit(*k) > 0.0).collect();
+        let differs = |k: &usize| unit(*k) > DIFFERS * self.whole[*k].sqrt();
+        let own: Vec<usize> = (0..count).filter(differs).collect();
         let (rank, explained) = self.explained(&own, &unit);
         let left = self.equations.saturating_sub(rank);
         if left < TELLING {
@@ -120,16 +129,24 @@ impl Repeats {
         self.least += other.least;
         self.poses += other.poses;
         match self.within.is_empty() {
-            true => self.within.clone_from(&other.within),
+            true => (self.within, self.whole) = (other.within.clone(), other.whole.clone()),
             false if other.within.is_empty() => {}
-            false => self.within += &other.within,
+            false => {
+                self.within += &other.within;
+                self.whole += &other.whole;
+            }
         }
     }
 
     /// At another noise scale.
     #[must_use]
     pub fn over(&self, k2: f64) -> Self {
-        Self { square: self.square / k2, within: &self.within / k2, ..*self }
+        Self {
+            square: self.square / k2,
+            within: &self.within / k2,
+            whole: &self.whole / k2,
+            ..*self
+        }
     }
 }
 

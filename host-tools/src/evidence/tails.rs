@@ -34,16 +34,6 @@ pub struct Rest {
     pub count: f64,
 }
 
-/// Log likelihoods of rows.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Tailed {
-    /// With their tails, at the scale that fits best.
-    pub whole: f64,
-    /// That, less what formulas for normal noise make of rows multiplied by the roots of their
-    /// weights, whose evidence does not know what the weights cost.
-    pub beyond: f64,
-}
-
 /// Equations of rows, as much as each counts.
 fn equations(rows: &[Rest]) -> f64 {
     rows.iter().map(|r| r.equations as f64 * r.count).sum()
@@ -78,14 +68,15 @@ impl Tails {
         if tails.nu.is_finite() { likelihood - WORTH } else { likelihood }
     }
 
-    /// What these rows are worth by these tails.
+    /// Log likelihood of these rows with their tails, less what formulas for normal noise make of
+    /// rows multiplied by the roots of their weights, whose evidence does not know what the weights
+    /// cost.
     #[must_use]
-    pub fn tailed(&self, rows: &[Rest]) -> Tailed {
+    pub fn beyond(&self, rows: &[Rest]) -> f64 {
         let normal = Self { nu: f64::INFINITY, ..*self };
         let weighted: Vec<Rest> =
             rows.iter().map(|r| Rest { square: self.weight(*r) * r.square, ..*r }).collect();
-        let whole = self.log_likelihood(rows, 1.0);
-        Tailed { whole, beyond: whole - normal.log_likelihood(&weighted, 1.0) }
+        self.log_likelihood(rows, 1.0) - normal.log_likelihood(&weighted, 1.0)
     }
 
     fn rescaled(mut self, rows: &[Rest], share: f64) -> Self {

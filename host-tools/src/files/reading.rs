@@ -195,6 +195,7 @@ impl Measurements {
             poses: 0,
             extra_columns: Vec::new(),
             directions_from_order: false,
+            order_from_rows: false,
             sides_found: Vec::new(),
             instruments: Vec::new(),
             known_markers: Vec::new(),

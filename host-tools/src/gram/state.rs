@@ -65,6 +65,7 @@ pub(super) fn no_rows(model: &Model) -> Measurements {
         poses: 0,
         extra_columns: Vec::new(),
         directions_from_order: false,
+        order_from_rows: false,
         sides_found: Vec::new(),
         warnings: Vec::new(),
     }

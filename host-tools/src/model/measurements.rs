@@ -36,6 +36,8 @@ pub struct Measurements {
     pub extra_columns: Vec<String>,
     /// Whether approach sides are those of the order of the rows: no column says them.
     pub directions_from_order: bool,
+    /// Whether rows are numbered as they stand in the file: no column says when they were measured.
+    pub order_from_rows: bool,
     /// Of each joint, how many of them the order left open and what was measured tells; empty
     /// where that was not asked.
     pub sides_found: Vec<usize>,

@@ -31,6 +31,18 @@ impl Measurements {
         out
     }
 
+    /// The same with rows numbered as they stand in the file, where no column says when any was
+    /// measured.
+    #[must_use]
+    pub fn numbered(&self) -> Option<Self> {
+        if self.rows.iter().any(|row| row.clock().is_some()) {
+            return None;
+        }
+        let mut out = Self { order_from_rows: true, ..self.clone() };
+        out.rows.iter_mut().zip(1_u32..).for_each(|(row, n)| row.order = Some(f64::from(n)));
+        Some(out)
+    }
+
     /// The place of each row in the order of measurement.
     #[must_use]
     pub fn places(&self) -> Vec<f64> {

@@ -68,6 +68,7 @@ impl Imagined {
             base: robot.base.pose(),
             extra_columns: Vec::new(),
             directions_from_order: false,
+            order_from_rows: false,
             sides_found: Vec::new(),
             warnings: Vec::new(),
         };

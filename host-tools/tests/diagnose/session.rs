@@ -30,8 +30,38 @@ pub struct Session {
 /// Where the joints are at what is read, and what was read before.
 pub type Real = dyn Fn(&[f64], &[f64]) -> Vec<f64>;
 
+/// How poses are read: so many, each so many times, all of them in every round or each while the
+/// arm stays.
+#[derive(Debug, Clone, Copy)]
+pub struct Readings {
+    pub poses: usize,
+    pub times: usize,
+    pub in_rounds: bool,
+}
+
+impl Readings {
+    pub fn once(poses: usize) -> Self {
+        Self { poses, times: 1, in_rounds: false }
+    }
+
+    /// The pose of each row.
+    pub fn rows(self) -> Vec<usize> {
+        let rows = 0..self.poses * self.times;
+        rows.map(|row| if self.in_rounds { row % self.poses } else { row / self.times }).collect()
+    }
+}
+
 pub fn session(
     rows: usize,
+    seed: u64,
+    real: &Real,
+    moved: &dyn Fn(usize) -> Vector3<f64>,
+) -> Session {
+    session_of(Readings::once(rows), seed, real, moved)
+}
+
+pub fn session_of(
+    readings: Readings,
     seed: u64,
     real: &Real,
     moved: &dyn Fn(usize) -> Vector3<f64>,
@@ -42,12 +72,13 @@ pub fn session(
         let degrees = |_| (rng.random_range(-140.0..140.0_f64) * 1e4).round() / 1e4;
         (0..6).map(degrees).map(f64::to_radians).collect::<Vec<f64>>()
     };
-    let poses: Vec<Vec<f64>> = (0..rows).map(|_| pose(&mut rng)).collect();
+    let drawn: Vec<Vec<f64>> = (0..readings.poses).map(|_| pose(&mut rng)).collect();
+    let poses: Vec<Vec<f64>> = readings.rows().iter().map(|k| drawn[*k].clone()).collect();
     let point = |k: usize| {
         let before = &poses[k.saturating_sub(1)];
         truth.point(&real(&poses[k], before), 0, 0) + moved(k) + vector(&mut rng) * SIGMA
     };
-    let points = (0..rows).map(point).collect();
+    let points = (0..poses.len()).map(point).collect();
     Session { truth, poses, points }
 }
 

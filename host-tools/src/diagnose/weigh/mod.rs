@@ -12,6 +12,7 @@ mod joint_curves;
 mod judge;
 mod lags;
 mod late;
+mod likelihood;
 mod lines;
 mod nameless;
 mod offered;

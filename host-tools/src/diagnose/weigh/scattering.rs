@@ -4,10 +4,11 @@
 use rayon::prelude::*;
 use truearm::effects::Effect;
 
+use super::likelihood::Likelihood;
 use super::nameless;
 use super::possible::{What, members_of};
 use super::search_result::Searched;
-use super::sheet::{Scattered, Sheet, Weights};
+use super::sheet::{Sheet, Weights};
 use super::sights;
 use super::start::Start;
 use super::weights::Left;
@@ -91,7 +92,8 @@ pub fn next(q: &Question, found: &Searched, dropped: &[Scatterer]) -> Option<Cha
         let bare: Vec<usize> = members.iter().copied().filter(|m| !fitted(m)).collect();
         let noise = compared.noise(&[&known[..], &[source]].concat());
         // Nothing that it has may be its scatter: what is left has to say so by itself.
-        let alone = bare.len() == members.len() && noise.whole() < plain.whole() + enough;
+        let alone =
+            bare.len() == members.len() && noise.likelihood.whole < plain.likelihood.whole + enough;
         let ratio = noise.weights.scattering.last().map_or(0.0, |s| s.1);
         let denied = || compared.left.denied(&noise.weights.scattering) > enough;
         (ratio > 0.0 && !alone && !denied()).then_some((source, bare, noise))
@@ -131,7 +133,7 @@ fn unasked(
     let asked: Vec<Scatterer> = [known, dropped].concat();
     let joints = (0..problem.nominal.len()).map(Scatterer::Joint);
     let mut out: Vec<Scatterer> = joints.filter(|joint| !asked.contains(joint)).collect();
-    if asked.iter().all(|source| source.sight().is_none()) {
+    if asked.iter().all(|source| source.instrument().is_none()) {
         let fit = &found.best.fit;
         let (left, _) = Left::of(bare, &found.best, known).without(known);
         out.extend(sights::possible(problem, &fit.fit.state, &fit.kept, &left));
@@ -188,28 +190,21 @@ struct Compared<'a> {
 /// Noise of a fit beside what scatters.
 struct Noise {
     weights: Weights,
-    scattered: Scattered,
-}
-
-impl Noise {
-    /// Log likelihood of what the fit leaves, up to a constant of the rows.
-    fn whole(&self) -> f64 {
-        self.weights.tailed.whole - 0.5 * self.scattered.log_det
-    }
+    likelihood: Likelihood,
 }
 
 impl Compared<'_> {
     /// That of these, as large as what is left says.
     fn noise(&self, sources: &[Scatterer]) -> Noise {
         let weights = self.left.weights(sources);
-        let scattered = self.left.scattered(&weights.scattering);
-        Noise { weights, scattered }
+        let likelihood = self.left.likelihood(&weights);
+        Noise { weights, likelihood }
     }
 
     /// Log evidence of the best of some models under such noise, up to a constant of the rows.
     fn evidence(&self, noise: &Noise, models: &[&[usize]]) -> f64 {
         let Self { q, found, problem, .. } = self;
-        let Noise { weights, scattered } = noise;
+        let Noise { weights, likelihood } = noise;
         let (state, rows) = (&found.best.fit.fit.state, &found.best.fit.kept);
         let all = asked(found);
         let possible: Vec<_> = all.iter().map(|m| found.possible[*m].clone()).collect();
@@ -238,7 +233,7 @@ impl Compared<'_> {
         };
         let best = models.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         // Formulas for normal noise do not know what tails cost.
-        best + weights.tailed.beyond - 0.5 * scattered.log_det
+        best + weights.beyond + likelihood.beside
     }
 }
 

@@ -1,4 +1,5 @@
-//! Where an instrument stands whose line of sight may scatter: at the origin of the coordinates,
+//! Where an instrument stands whose line of sight may scatter, in its angles or in its distance, as
+//! trackers and cameras do: at the origin of the coordinates,
 //! or, where those are the robot's, as programs of trackers are often told to write them, somewhere
 //! around it.
 
@@ -23,8 +24,8 @@ const LOOKS: usize = 500;
 const FIRST_STEP: f64 = 0.3;
 const LAST_STEP: f64 = 0.02;
 
-/// The line of sight that may scatter, where what a fit leaves of its rows is `left`: from the
-/// origin or from where it is likeliest. Of other kinds of measurement than points and poses their
+/// Lines of sight that may scatter, across and along, where what a fit leaves of its rows is
+/// `left`: from the origin or from where it is likeliest. Of other kinds of measurement than points and poses their
 /// own noise was found beside that of points.
 #[must_use]
 pub fn possible(
@@ -32,7 +33,16 @@ pub fn possible(
     state: &State,
     kept: &[usize],
     left: &[Vec<f64>],
-) -> Option<Scatterer> {
+) -> Vec<Scatterer> {
+    instruments(problem, state, kept, left).unwrap_or_default()
+}
+
+fn instruments(
+    problem: &Problem,
+    state: &State,
+    kept: &[usize],
+    left: &[Vec<f64>],
+) -> Option<Vec<Scatterer>> {
     let rows = &problem.data.rows;
     let base_of = |row: &Row| state.bases[row.station].translation;
     let far = |row: &Row| {
@@ -42,29 +52,49 @@ pub fn possible(
     let far: Vec<f64> = rows.iter().map(far).collect::<Option<_>>()?;
     // An arm does not let one stand so near its base, whose frame these coordinates are then. There
     // joints 1 and 2 together turn a target across the line from the origin, as a sight does.
-    let origin = (median(&far) > APART).then_some(Scatterer::Sight(Place::ORIGIN));
-    if rows.iter().any(|row| row.station != rows[0].station) {
-        return origin;
-    }
+    let is_origin = median(&far) > APART;
+    let several = rows.iter().any(|row| row.station != rows[0].station);
     let every = kept.len().div_ceil(LOOKS).max(1);
     let look = |(row, left): (&usize, &Vec<f64>)| {
         let point = kind(&rows[*row]).point(&rows[*row])?;
         Some((point, Vector3::from_column_slice(left.get(..3)?)))
     };
     let looks: Vec<Look> = kept.iter().zip(left).step_by(every).filter_map(look).collect();
-    let found = Scatterer::Sight(Place::near(&around(&base_of(&rows[0]), &looks)));
-    let worth = |source: &Scatterer| {
-        let place = source.sight().unwrap_or(Place::ORIGIN).point();
-        likelihood(&place, &looks) * every as f64 - price(*source, kept.len())
+    let base = base_of(&rows[0]);
+    let likeliest = |way: Way| {
+        let origin = is_origin.then_some(Place::ORIGIN);
+        let found = (!several).then(|| Place::near(&around(&base, &looks, way)));
+        let worth = |place: &Place| {
+            let likelihood = likelihood(&place.point(), &looks, way) * every as f64;
+            likelihood - price(way.of(*place), kept.len())
+        };
+        let places = origin.into_iter().chain(found);
+        places.max_by(|a, b| worth(a).total_cmp(&worth(b))).map(|place| way.of(place))
     };
-    origin.into_iter().chain([found]).max_by(|a, b| worth(a).total_cmp(&worth(b)))
+    Some([Way::Across, Way::Along].into_iter().filter_map(likeliest).collect())
 }
 
-/// What the place of a sight costs that was looked for: as much as three numbers that a fit of
-/// so many rows finds (Schwarz, Annals of Statistics 6 (1978) 461).
+/// What scatters of a line of sight.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Across,
+    Along,
+}
+
+impl Way {
+    fn of(self, place: Place) -> Scatterer {
+        match self {
+            Self::Across => Scatterer::Sight(place),
+            Self::Along => Scatterer::Range(place),
+        }
+    }
+}
+
+/// What the place of an instrument costs that was looked for: as much as three numbers that a fit
+/// of so many rows finds (Schwarz, Annals of Statistics 6 (1978) 461).
 #[must_use]
 pub fn price(source: Scatterer, rows: usize) -> f64 {
-    let looked_for = source.sight().is_some_and(|place| place != Place::ORIGIN);
+    let looked_for = source.instrument().is_some_and(|place| place != Place::ORIGIN);
     if looked_for { 1.5 * (rows.max(1) as f64).ln() } else { 0.0 }
 }
 
@@ -72,7 +102,7 @@ pub fn price(source: Scatterer, rows: usize) -> f64 {
 type Look = (Vector3<f64>, Vector3<f64>);
 
 /// The likeliest place of an instrument around an arm that stands at `base`.
-fn around(base: &Vector3<f64>, looks: &[Look]) -> Vector3<f64> {
+fn around(base: &Vector3<f64>, looks: &[Look], way: Way) -> Vector3<f64> {
     let reach = looks.iter().map(|(point, _)| (point - base).norm()).fold(0.0, f64::max);
     let allowed = |place: &Vector3<f64>| {
         (NEAREST * reach..=FARTHEST * reach).contains(&(place - base).norm())
@@ -82,7 +112,7 @@ fn around(base: &Vector3<f64>, looks: &[Look]) -> Vector3<f64> {
     let ways = (0..27).map(|k| Vector3::new(step(k, 0), step(k, 1), step(k, 2)));
     let ways: Vec<Vector3<f64>> = ways.filter(|way| way.norm() > 0.0).collect();
     let best_of = |places: &mut dyn Iterator<Item = Vector3<f64>>| {
-        let rated = places.map(|place| (likelihood(&place, looks), place));
+        let rated = places.map(|place| (likelihood(&place, looks, way), place));
         rated.max_by(|a, b| a.0.total_cmp(&b.0))
     };
     let mut tried = ways
@@ -101,17 +131,23 @@ fn around(base: &Vector3<f64>, looks: &[Look]) -> Vector3<f64> {
     best
 }
 
-/// Log likelihood of points that scatter across their lines from a place, as much as is likeliest.
-fn likelihood(place: &Vector3<f64>, looks: &[Look]) -> f64 {
+/// Log likelihood of points that scatter so about their lines from a place, as much as is
+/// likeliest.
+fn likelihood(place: &Vector3<f64>, looks: &[Look], way: Way) -> f64 {
     let seen = |(point, left): &Look| {
         let line = point - place;
         // A target may have been read at the origin itself.
         let square = line.norm_squared().max(f64::MIN_POSITIVE);
         let along = left.dot(&line).powi(2) / square;
         let across = left.norm_squared() - along;
-        // Two ways across, as large in the mean.
-        let half = Seen { square, along: 0.5 * across, across: 0.0, equations: 0 };
-        [Seen { across: along, equations: 3, ..half }, half]
+        match way {
+            // Two ways across, as large in the mean.
+            Way::Across => {
+                let half = Seen { square, along: 0.5 * across, across: 0.0, equations: 0 };
+                vec![Seen { across: along, equations: 3, ..half }, half]
+            }
+            Way::Along => vec![Seen { square, along, across, equations: 3 }],
+        }
     };
     let seen: Vec<Seen> = looks.iter().flat_map(seen).collect();
     Seen::log_likelihood(&seen, directed::ratio(&seen))
@@ -139,7 +175,7 @@ mod tests {
                 (point, noise + turned)
             };
             let looks: Vec<Look> = (0..400).map(look).collect();
-            let found = around(&Vector3::zeros(), &looks);
+            let found = around(&Vector3::zeros(), &looks, Way::Across);
             let off = found.normalize().dot(&stands.normalize());
             assert!(off > 0.97, "{found} for {stands}");
         }

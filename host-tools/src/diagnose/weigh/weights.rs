@@ -4,7 +4,7 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::sheet::{Moved, Scattered, Weights, counted, seen, turning};
+use super::sheet::{Moved, Weights, counted, seen, turning};
 use crate::diagnose::node::Node;
 use crate::evidence::directed::{self, Seen};
 use crate::evidence::tails::{Rest, Tails};
@@ -15,10 +15,10 @@ use crate::statistics::repeats::{self, Readings, Scatter, Used, common_share};
 
 /// What a fit leaves of the rows that it kept, and how each of some sources moves them.
 pub struct Left<'a> {
-    problem: &'a Problem<'a>,
-    node: &'a Node,
+    pub(super) problem: &'a Problem<'a>,
+    pub(super) node: &'a Node,
     sources: Vec<Scatterer>,
-    rows: Vec<Moved>,
+    pub(super) rows: Vec<Moved>,
 }
 
 impl<'a> Left<'a> {
@@ -54,17 +54,11 @@ impl<'a> Left<'a> {
             rows[*row] = tails.weight(*rest);
         }
         let turning = turning(problem, kept, &residuals, common);
-        Weights { rows, common, turning, scattering, tailed: tails.tailed(&rests) }
-    }
-
-    /// What they make of the noise of the rows.
-    #[must_use]
-    pub fn scattered(&self, scattering: &[(Scatterer, f64)]) -> Scattered {
-        Scattered::of_moved(&self.rows, &self.placed(scattering))
+        Weights { rows, common, turning, scattering, beyond: tails.beyond(&rests) }
     }
 
     /// Each at its place among the sources.
-    fn placed(&self, scattering: &[(Scatterer, f64)]) -> Vec<(usize, f64)> {
+    pub(super) fn placed(&self, scattering: &[(Scatterer, f64)]) -> Vec<(usize, f64)> {
         let place = |source: &Scatterer| self.sources.iter().position(|s| s == source);
         scattering.iter().filter_map(|(source, ratio)| Some((place(source)?, *ratio))).collect()
     }

@@ -43,6 +43,7 @@ pub fn columns(
             block.columns(at - ends, ends).into_owned()
         }
         Scatterer::Sight(from) => sight(problem, index, *from),
+        Scatterer::Range(from) => range(problem, index, *from),
     };
     let all = sources.iter().map(of).collect();
     (block.columns(0, own).into_owned(), all)
@@ -64,4 +65,15 @@ fn sight(problem: &Problem, index: usize, from: Place) -> DMatrix<f64> {
         _ => 0.0,
     };
     DMatrix::from_fn(scale.len(), scale.len(), way)
+}
+
+/// How the distance from a place moves the equations of a row; no column where no point was read.
+/// Turns of a target are not asked.
+fn range(problem: &Problem, index: usize, from: Place) -> DMatrix<f64> {
+    let row = &problem.data.rows[index];
+    let scale = problem.scale(index);
+    let Some(point) = kind(row).point(row) else { return DMatrix::zeros(scale.len(), 0) };
+    let line = point - from.point();
+    let way = |component: usize, _| line.get(component).map_or(0.0, |x| x / scale[component]);
+    DMatrix::from_fn(scale.len(), 1, way)
 }

@@ -10,6 +10,9 @@ pub enum Scatterer {
     /// The line of sight from a place in a station's coordinates: its angles, rad, so that a
     /// point is read the worse the farther away it is, across that line.
     Sight(Place),
+    /// The distance from such a place, so that a point is read the worse the farther away it is,
+    /// along that line; 1 is as much as the distance itself.
+    Range(Place),
 }
 
 /// Where an instrument stands in the coordinates of its points, mm: nearer than what tells it.
@@ -39,16 +42,16 @@ impl Scatterer {
     pub fn joint(self) -> Option<usize> {
         match self {
             Self::Joint(joint) => Some(joint),
-            Self::Sight(_) => None,
+            Self::Sight(_) | Self::Range(_) => None,
         }
     }
 
-    /// From where a line of sight goes out.
+    /// Where the instrument stands whose readings scatter.
     #[must_use]
-    pub fn sight(self) -> Option<Place> {
+    pub fn instrument(self) -> Option<Place> {
         match self {
             Self::Joint(_) => None,
-            Self::Sight(place) => Some(place),
+            Self::Sight(place) | Self::Range(place) => Some(place),
         }
     }
 }

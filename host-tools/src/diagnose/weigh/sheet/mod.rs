@@ -21,7 +21,6 @@ use super::curve::{self, Curve};
 use super::possible::{Possible, of_arm};
 use crate::diagnose::bending::Bending;
 use crate::diagnose::policy::POLICY;
-use crate::evidence::tails::Tailed;
 use crate::identify::{Linearised, Problem, Scatterer, State, Unknown};
 use crate::model::arm::Derivatives;
 use beside_springs::shares;
@@ -49,8 +48,8 @@ pub struct Weights {
     /// What scatters by itself, and the ratio of its variance, rad^2 or m^2, to that of the
     /// stated noise.
     pub scattering: Vec<(Scatterer, f64)>,
-    /// Log likelihood of the tails that the weights of rows stand for.
-    pub tailed: Tailed,
+    /// Log likelihood of the tails that the weights of rows stand for, which the evidence lacks.
+    pub beyond: f64,
 }
 
 impl Weights {
@@ -62,7 +61,7 @@ impl Weights {
             common: 0.0,
             turning: 0.0,
             scattering: Vec::new(),
-            tailed: Tailed::default(),
+            beyond: 0.0,
         }
     }
 }

@@ -85,7 +85,7 @@ pub fn seen(source: Scatterer, ways: &DMatrix<f64>, residual: &Values) -> Vec<Se
     let tells = match source {
         // What both ends of a pair scatter is not told apart.
         Scatterer::Joint(_) => ways.ncols() == 1,
-        Scatterer::Sight(_) => ways.ncols() > 0,
+        Scatterer::Sight(_) | Scatterer::Range(_) => ways.ncols() > 0,
     };
     let seen = || Seen::each(ways, &DVector::from_column_slice(residual));
     if tells { seen() } else { Vec::new() }
@@ -162,14 +162,10 @@ impl Scattered {
         Self::sum(rows.par_iter().map(of_row))
     }
 
-    /// Of rows that are so moved by some sources and scattered by these, each at its place among
+    /// Of a row that is so moved by some sources and scattered by these, each at its place among
     /// them.
     #[must_use]
-    pub fn of_moved(rows: &[Moved], all: &[(usize, f64)]) -> Self {
-        Self::sum(rows.par_iter().map(|row| Self::of_row(row, all)))
-    }
-
-    fn of_row(moved: &Moved, all: &[(usize, f64)]) -> Self {
+    pub fn of_row(moved: &Moved, all: &[(usize, f64)]) -> Self {
         let of_source = |(k, (source, ratio)): (usize, &(usize, f64))| {
             let (ways, _) = moved.beside(*source, &[]);
             let (beside, _) = moved.beside(*source, &all[..k]);
