@@ -17,7 +17,7 @@ use crate::error::Result;
 use crate::identify::certainty::scale;
 use crate::identify::fit::folds;
 use crate::identify::fit::robust::{Crowd, Flags};
-use crate::identify::start::registration::register;
+use crate::identify::start::first;
 use crate::identify::typical::as_measured;
 use crate::identify::{Conditions, Noise, Options, Problem, Scaling, State, enough};
 use crate::model::{ErrorCurve, Measurements, Mounting, Robot};
@@ -68,7 +68,7 @@ fn of_arm(
     let robot = arm.robot;
     let problem = Problem::new(data, robot, Scaling::Prior);
     let rows = problem.counted();
-    let start = register(data, &problem.nominal, robot.tool)?;
+    let start = first(&problem, robot.tool)?;
     let mut problem = problem.about(&start);
     problem.noise = kind_noise::noise(&problem, &rows, &start, crowd)?;
     let flags = Flags { lambda: 1.0, gross: POLICY.gross, crowd };

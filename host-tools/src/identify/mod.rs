@@ -42,7 +42,6 @@ use cross_validation::cross_validate;
 use fit::estimate::{Estimate, estimate};
 use fit::folds;
 use fit::{Freedom, fit};
-use start::registration;
 
 /// What the user may choose.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -106,7 +105,7 @@ pub fn identify(
     enough(&Problem::rigid(data, robot, options.scaling), options)?;
     let robot = &*typical::as_measured(robot, data)?;
     let problem = Problem::rigid(data, robot, options.scaling);
-    let start = registration::register(data, &problem.nominal, robot.tool)?;
+    let start = start::first(&problem, robot.tool)?;
     let mut problem = problem.about(&start);
     let rows = problem.counted();
     let blamed = |problem: &Problem, e: Error| blame::named(problem, &rows, &start, e);

@@ -8,7 +8,7 @@ use nalgebra::DVector;
 use truearm::LinkParameter;
 
 use super::problem::{Problem, Scaling};
-use super::start::registration;
+use super::start;
 use super::{LambdaRule, noise_estimate};
 use crate::error::Result;
 use crate::identify::fit::estimate::estimate;
@@ -88,7 +88,7 @@ pub fn as_measured<'r>(robot: &'r Robot, data: &Measurements) -> Result<Cow<'r, 
 /// What rows say of the links alone where nothing is known of the type but the mean.
 fn links(robot: &Robot, data: &Measurements) -> Result<Normal> {
     let problem = Problem::rigid(data, robot, Scaling::Prior);
-    let start = registration::register(data, &problem.nominal, robot.tool)?;
+    let start = start::first(&problem, robot.tool)?;
     let mut problem = problem.about(&start);
     let rows = problem.counted();
     problem.noise = noise_estimate::noise(&problem, &rows, &start)?;

@@ -12,6 +12,7 @@ mod judged;
 mod late;
 mod lines;
 mod noise;
+mod one_point;
 mod other_arms;
 mod other_cells;
 mod repeats;

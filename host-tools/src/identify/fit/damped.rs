@@ -113,6 +113,14 @@ fn ended(problem: &Problem, place: Place, steps: usize) -> Result<Fit> {
     ))
 }
 
+/// What such a fit makes least, of all unknowns at this lambda.
+#[must_use]
+pub fn cost_at(problem: &Problem, rows: &[usize], state: &State, lambda: f64) -> f64 {
+    let at = problem.linearise(state);
+    let held = at.normal(rows, None).plus(&Normal::new(&problem.of_targets(state)));
+    cost(&held, at.corrections(), problem.unknowns.free(), Freedom::All(lambda))
+}
+
 /// Sum of squares and penalty at the corrections `x`.
 fn cost(normal: &Normal, x: &DVector<f64>, free: usize, freedom: Freedom) -> f64 {
     let square = normal.s() - 2.0 * normal.g().dot(x) + (x.transpose() * normal.h() * x)[0];

@@ -17,7 +17,6 @@ use crate::identify::problem::{Linearised, State};
 use crate::model::Values;
 use crate::observations::Residual;
 use crate::tikhonov::{Factorised, Normal, Triangle};
-use damped::damped;
 
 /// A step below this many tolerances (a picometre, a nanoradian) is no step.
 pub const CONVERGED: f64 = 1e-6;
@@ -27,7 +26,7 @@ const PLAIN_STEPS: usize = 12;
 /// triangle, and far cheaper.
 const SAFE: f64 = 1e-3;
 
-pub use damped::{ANOTHER_ARM, Fit, Freedom};
+pub use damped::{ANOTHER_ARM, Fit, Freedom, cost_at, damped};
 pub use l_curve_points::{LCurvePoint, l_curve};
 pub use lambda::{LambdaChoice, LambdaRule, choose, lambda_of};
 

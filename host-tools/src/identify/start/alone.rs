@@ -1,6 +1,6 @@
 //! Geometry alone, before anything else is asked of measurements.
 
-use super::registration::register;
+use super::turned::first;
 use crate::identify::fit::robust::{Flags, RobustFit, robust_fit};
 use crate::identify::noise_estimate;
 use crate::identify::problem::{Problem, Scaling};
@@ -19,7 +19,7 @@ impl<'a> Alone<'a> {
     #[must_use]
     pub fn of(robot: &Robot, data: &'a Measurements) -> Option<Self> {
         let problem = Problem::rigid(data, robot, Scaling::Prior);
-        let start = register(data, &problem.nominal, robot.tool).ok()?;
+        let start = first(&problem, robot.tool).ok()?;
         let mut problem = problem.about(&start);
         let rows = problem.counted();
         problem.noise = noise_estimate::noise(&problem, &rows, &start).ok()?;

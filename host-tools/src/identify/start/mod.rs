@@ -6,6 +6,8 @@ mod instruments;
 pub mod registration;
 mod rigid;
 pub mod tool;
+mod turned;
 pub mod zeros;
 
 pub use rigid::{Pairs, frame_between, on_a_line, rigid_transform};
+pub use turned::first;
