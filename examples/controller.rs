@@ -91,7 +91,9 @@ impl Supervisor {
             Status::Off => self.off += 1,
             Status::Ramping => self.ramping += 1,
             Status::On => self.on += 1,
-            // The joints are safe to command, but nobody knows where to: stop.
+            // A sensor or a command is wrong: stop. Until the arm stands the joints are to be sent:
+            // finite, and without a step where a reading is missing. A command that is finite is
+            // not judged; limits of joints and speeds are the controller's.
             Status::Refused(_) => self.refused += 1,
             _ => return false,
         }

@@ -33,6 +33,37 @@ pub struct State<T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> State<T, N> {
+    /// Whether every number of it is one, and torques are there if they are `needed`.
+    // In every tick: a number times zero is zero; an infinity or a NaN is NaN.
+    #[inline]
+    pub(crate) fn is_finite(&self, needed: bool) -> bool {
+        let zero = self.payload * T::ZERO + self.temperature * T::ZERO;
+        match &self.torque {
+            Some(torque) => torque.iter().fold(zero, |zero, t| zero + *t * T::ZERO) == T::ZERO,
+            None => !needed && zero == T::ZERO,
+        }
+    }
+
+    /// The same with the numbers of the `last` where it has none.
+    pub(crate) fn completed(&self, last: &Self) -> Self {
+        let number = |value: T, last: T| if value.is_finite() { value } else { last };
+        let mut out = *self;
+        out.payload = number(self.payload, last.payload);
+        out.temperature = number(self.temperature, last.temperature);
+        match (&mut out.torque, &last.torque) {
+            (Some(torque), Some(last)) => {
+                for (torque, last) in torque.iter_mut().zip(last) {
+                    *torque = number(*torque, *last);
+                }
+            }
+            // Those that masses give count where none were ever read.
+            (torque, last) => {
+                *torque = torque.filter(|t| t.iter().all(|t| t.is_finite())).or(*last)
+            }
+        }
+        out
+    }
+
     /// Every number of it.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = &T> {
         [&self.payload, &self.temperature].into_iter().chain(self.torque.iter().flatten())
@@ -219,12 +250,15 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         self.gravity.is_none() && self.folded.needs_torque()
     }
 
-    /// Whether all that a term depends on is a number in this state.
+    /// Whether all that a term depends on is there in this state, and a number.
     #[cold]
     #[inline(never)]
     pub(crate) fn can_be_in(&self, state: &State<T, N>) -> bool {
         let payload = self.gravity.is_none() || state.payload.is_finite();
-        let torque = state.torque.iter().flatten().all(|torque| torque.is_finite());
+        let torque = match &state.torque {
+            Some(torque) => torque.iter().all(|torque| torque.is_finite()),
+            None => !self.reads_torques(),
+        };
         let loads = payload && (torque || !self.folded.needs_torque());
         loads && (!self.folded.needs_warmth() || state.temperature.is_finite())
     }

@@ -4,7 +4,8 @@
 //! Two layers. The **law** gives the correction c of a command:
 //!
 //! * c depends on the command and on the state of the arm, on nothing else: not
-//!   on the ticks before, nor on the way to the command.
+//!   on the ticks before, nor on the way to the command. A reading of the state that is no number
+//!   and that a term needs is in its place what it was last.
 //! * c is continuous in the command, the payload, the temperature and the torques, except
 //!   where a term itself jumps (approach, the side of a gap that gravity
 //!   chooses).
@@ -27,7 +28,8 @@
 //! step is rounded as sums are, by at most a 32nd of the smallest `max_change` and two
 //! millionths of the usual one in `f32`: by that share of the ticks, and one more, it may be
 //! later, and by that share a change may be larger. On the
-//! way there, as after [`Compensator::set_arm`] or where a fast motion near a
+//! way there, as after [`Compensator::set_arm`], where the joints may first have to come in from
+//! beyond narrower limits, or where a fast motion near a
 //! singular pose asks for more than `max_change` a tick, nothing is claimed but that.
 //!
 //! Each is a property test of `tests/compensate`; `docs/compensation.md` says
@@ -57,6 +59,9 @@ pub struct Compensator<'t, T, const N: usize> {
     active: bool,
     /// Ticks of the ramp that have passed, 0 to `ramp_ticks`.
     ramp: u32,
+    /// The state that a correction was last computed in; its values stand in for readings that
+    /// are missing.
+    known: Option<State<T, N>>,
     /// The applied correction.
     applied: [T; N],
     /// Joints of the last tick.
@@ -89,6 +94,7 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
             law,
             active: false,
             ramp: 0,
+            known: None,
             applied,
             joints: *joints,
             correction,
@@ -157,13 +163,20 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
 
     /// One tick: the joints at which the real tool is where the nominal model
     /// has it at `command` (rad or m), in this state of the arm. Never fails: where
-    /// nothing can be computed it goes back to the command, without a step, and
-    /// says why. What no term depends on is not looked at in the state; of torques that are
-    /// read all joints' are, where a term follows any.
+    /// nothing can be computed it goes back to the command, and
+    /// says why ([`Status::Refused`]). What no term depends on is not looked at in the state; of
+    /// torques that are read all joints' are, where a term follows any.
     #[inline]
     pub fn tick(&mut self, command: &[T; N], state: &State<T, N>) -> Tick<T, N> {
         if self.is_idle() {
             return self.pass(command);
+        }
+        if self.arm.bends() {
+            // What is no number but not needed, either, is no reason.
+            if !state.is_finite(self.arm.reads_torques()) && !self.arm.can_be_in(state) {
+                return self.fade(command, state);
+            }
+            self.known = Some(*state);
         }
         self.law.correct(&self.arm, command, state, &mut self.correction);
         if !self.correction.is_finite() {
@@ -181,6 +194,19 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
             tick.left = self.left(state);
         }
         tick
+    }
+
+    /// One tick of a controller that does not know the state of the arm at all, as after a bus
+    /// is lost: as [`Self::tick`] in the state of the last one, with its correction fading as if
+    /// switched off for this tick; [`Refusal::StateNotFinite`].
+    pub fn tick_without_state(&mut self, command: &[T; N]) -> Tick<T, N> {
+        if self.is_idle() {
+            return self.pass(command);
+        }
+        let none = T::from_f32(f32::NAN);
+        let nothing = State { payload: none, torque: Some([none; N]), ..State::at(none) };
+        let approach = self.known.map_or(nothing.approach, |known| known.approach);
+        self.fade(command, &State { approach, ..nothing })
     }
 
     /// The law alone: the correction of a command (rad or m) in a state of the
@@ -231,6 +257,36 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         self.report(Status::Refused(Refusal::CommandNotFinite { joint }))
     }
 
+    /// Goes back to the command along the ramp, in a state whose missing readings are what they
+    /// were last.
+    #[cold]
+    #[inline(never)]
+    fn fade(&mut self, command: &[T; N], state: &State<T, N>) -> Tick<T, N> {
+        let refusal = match self.why(command, state) {
+            // Of a state that nobody knows, in which an arm without terms has a correction.
+            Refusal::OutOfRange => Refusal::StateNotFinite,
+            refusal => refusal,
+        };
+        if matches!(refusal, Refusal::CommandNotFinite { .. }) {
+            return self.hold(command);
+        }
+        let last = self.known.unwrap_or(self.arm.state());
+        let state = state.completed(&last);
+        self.law.correct(&self.arm, command, &state, &mut self.correction);
+        let corrected = self.correction.is_finite();
+        if corrected {
+            self.known = Some(state);
+        }
+        let active = core::mem::replace(&mut self.active, false);
+        let mut clamped = self.apply(command, corrected);
+        self.active = active;
+        if corrected {
+            clamped.bound = self.correction.bound;
+            clamped.limit.join(self.correction.limited);
+        }
+        Tick { clamped, ..self.report(Status::Refused(refusal)) }
+    }
+
     /// Goes back to the command.
     #[cold]
     #[inline(never)]
@@ -277,7 +333,8 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
             smooth(self.ramp, ticks)
         };
         let mut clamped = Clamped::default();
-        let before = self.joints;
+        let near = self.correction.near_limit;
+        let was = near.then_some((self.joints, self.applied));
         let corrections = self.correction.joints.iter().zip(&self.settings.max_change);
         let places = self.joints.iter_mut().zip(&mut self.applied);
         for (i, (((joint, applied), q), (correction, change))) in
@@ -293,8 +350,8 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
             *joint = *q + *applied;
         }
         // Elsewhere no correction reaches a limit.
-        if self.correction.near_limit {
-            self.stop(command, &before, &mut clamped.limit);
+        if let Some((before, had)) = was {
+            self.stop(command, [&before, &had], &mut clamped.limit);
         }
         clamped
     }
@@ -302,18 +359,21 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     /// Stops joints at their limits.
     #[cold]
     #[inline(never)]
-    fn stop(&mut self, command: &[T; N], before: &[T; N], stopped: &mut Joints) {
-        let joints = self.joints.iter_mut().zip(&mut self.applied).zip(command.iter().zip(before));
+    fn stop(&mut self, command: &[T; N], [before, had]: [&[T; N]; 2], stopped: &mut Joints) {
+        let was = before.iter().zip(had);
+        let joints = self.joints.iter_mut().zip(&mut self.applied).zip(command.iter().zip(was));
         let bounds = self.law.limits.iter().zip(&self.settings.max_change);
-        for (i, (((joint, applied), (q, before)), (limits, change))) in
+        for (i, (((joint, applied), (q, (before, had))), (limits, change))) in
             joints.zip(bounds).enumerate()
         {
             let [low, high] = *limits;
             if *joint < low || *joint > high {
-                let stop = stopped.stop(i, [*q, *joint, *before], *change, *limits);
+                let stop = stopped.stop(i, [*q, *joint], [*before, *had], *change, *limits);
+                let outward = if *joint < low { *applied < T::ZERO } else { *applied > T::ZERO };
                 // Only what a limit takes away is told from a joint value: where nothing is,
-                // its rounding could undo a step.
-                if stop != *joint {
+                // its rounding could undo a step. At a command so far beyond that it swallows
+                // its correction that one must go all the same, or it would be there at the next.
+                if stop != *joint || (stop == *q && outward) {
                     (*joint, *applied) = (stop, stop - *q);
                 }
             }
