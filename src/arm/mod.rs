@@ -28,7 +28,10 @@ pub struct State<T, const N: usize> {
     pub temperature: T,
     /// What loads each joint, as sensors or motor currents tell, N m or N, positive where it
     /// pulls towards +q as gravity's torque does: the opposite of what the joint holds. It
-    /// counts in place of the torques that masses give; `None` where nothing is read.
+    /// counts in place of the torques that masses give; `None` where nothing is read. To be
+    /// filtered: what trembles makes the correction tremble, by springs in proportion and, about
+    /// the friction of a gap, from one side of it to the other. Currents of a joint that moves
+    /// hold friction and acceleration as well.
     pub torque: Option<[T; N]>,
 }
 
@@ -158,7 +161,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
 
     /// The same arm with the production tool, a pose in the flange frame. Not looked at: where
     /// it comes from outside as a matrix, [`Pose::from_rows`] refuses one that is scaled or
-    /// left-handed, of which the third axis would be made anew here from the first two.
+    /// left-handed, of which the third axis would be made anew here from the first two. The other
+    /// arm takes 3 KB of stack; [`Self::set_tool`] needs none.
     #[must_use]
     pub fn with_tool(&self, tool: Pose<T>) -> Self {
         let mut other = self.clone();
@@ -166,7 +170,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         other
     }
 
-    /// The production tool, a pose in the flange frame.
+    /// The production tool, a pose in the flange frame, in place; not looked at, as for
+    /// [`Self::with_tool`].
     pub fn set_tool(&mut self, tool: &Pose<T>) {
         self.nominal.set_tool(tool);
         self.real.set_tool(tool);

@@ -18,7 +18,8 @@ use crate::scalar::Scalar;
 /// Writes a blob into the front of `out` and returns its length. Reals are
 /// rounded to binary32, orders of terms to 1/64 (frictions and time constants as FORMAT.md
 /// has them). The result has been read back
-/// and found acceptable.
+/// and found acceptable. What was there in `out`, as far as a blob reaches, is lost also where it
+/// is refused, but for too little room.
 ///
 /// # Errors
 /// Too little room, an order the layout cannot hold, or a value that a reader

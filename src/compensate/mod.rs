@@ -122,7 +122,8 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
 
     /// Another arm, after a re-identification ([`Arm::with_parameters`], which keeps the
     /// production tool) or with another tool. What is applied goes over to its correction
-    /// by at most `max_change` a tick.
+    /// by at most `max_change` a tick. From a buffer that is used again:
+    /// [`ArmParameters::detached`](crate::ArmParameters::detached), and the example `update`.
     ///
     /// # Errors
     /// [`SettingError::OrientationNotIdentified`]; the arm is then the old one.
@@ -143,7 +144,8 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     }
 
     /// Switches compensation on or off from the next tick on; it is faded in
-    /// or out, also half way.
+    /// or out, also half way: from where it is along the same ramp, see
+    /// [`Settings::ramp_ticks`].
     pub fn set_active(&mut self, active: bool) {
         self.active = active;
     }

@@ -38,7 +38,7 @@ pub enum StreamingError {
     },
     /// The L-curve has no corner.
     NoCorner,
-    /// No measurement was held out to judge lambda by.
+    /// No measurement was held out to judge lambda by, or none by which a lambda could be judged.
     NothingHeldOut,
     /// Neither the measurements nor lambda determine this parameter.
     Undetermined {
