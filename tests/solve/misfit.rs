@@ -77,6 +77,26 @@ fn honest_sessions_are_taken_and_so_are_those_of_a_sigma_that_is_half() {
     }
 }
 
+/// The same where the tracker has moved, of which nothing is known: twelve unknowns.
+#[test]
+fn honest_sessions_of_a_tracker_that_moved_are_taken() {
+    let was = arms::stored::<f32, 6>(ur10(), TOOL);
+    let unknowns: [Parameter; 12] = core::array::from_fn(|k| match k {
+        0..6 => Parameter::STATION[k],
+        _ => CHOSEN[k - 6],
+    });
+    let (mut refused, mut sum) = (0, 0.0);
+    for seed in 0..1000 {
+        let mut tracker = Tracker::<f32, 6>::new(&slipped(seed), SIGMA, seed);
+        let points = tracker.points(5 + (seed % 20) as usize);
+        let found = Reidentify::new(&was, unknowns, SIGMA as f32).fit(&was, &points).unwrap();
+        sum += f64::from(found.misfit.reduced()) / 1000.0;
+        refused += u32::from(found.judged().is_err());
+    }
+    println!("{refused} of 1000 refused, misfit {sum:.3}");
+    assert!(refused == 0 && (sum - 1.0).abs() < 0.05, "{refused} {sum}");
+}
+
 /// The mean of the misfit is 1 whatever the number of points, with a prior that holds some
 /// directions and with readings that fade.
 #[test]
