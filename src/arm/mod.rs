@@ -47,24 +47,19 @@ impl<T: Scalar, const N: usize> State<T, N> {
         }
     }
 
-    /// The same with the numbers of the `last` where it has none.
-    pub(crate) fn completed(&self, last: &Self) -> Self {
-        let number = |value: T, last: T| if value.is_finite() { value } else { last };
-        let mut out = *self;
-        out.payload = number(self.payload, last.payload);
-        out.temperature = number(self.temperature, last.temperature);
-        match (&mut out.torque, &last.torque) {
-            (Some(torque), Some(last)) => {
-                for (torque, last) in torque.iter_mut().zip(last) {
-                    *torque = number(*torque, *last);
-                }
-            }
-            // Those that masses give count where none were ever read.
-            (torque, last) => {
-                *torque = torque.filter(|t| t.iter().all(|t| t.is_finite())).or(*last)
+    /// Becomes the state `now`, but for numbers that are none: these stay.
+    pub(crate) fn learn(&mut self, now: &Self) {
+        self.approach = now.approach;
+        learn(&mut self.payload, now.payload);
+        learn(&mut self.temperature, now.temperature);
+        if let Some(read) = &now.torque {
+            match &mut self.torque {
+                Some(known) => known.iter_mut().zip(read).for_each(|(a, b)| learn(a, *b)),
+                None if read.iter().all(|torque| torque.is_finite()) => self.torque = now.torque,
+                // Those that masses give count where none were ever read.
+                None => (),
             }
         }
-        out
     }
 
     /// Every number of it.
@@ -78,6 +73,15 @@ impl<T: Scalar, const N: usize> State<T, N> {
     pub const fn at(temperature: T) -> Self {
         let approach = [Approach::Unknown; N];
         Self { approach, payload: T::ZERO, temperature, torque: None }
+    }
+}
+
+// Not inlined: rare, and there are as many as joints.
+#[cold]
+#[inline(never)]
+fn learn<T: Scalar>(known: &mut T, now: T) {
+    if now.is_finite() {
+        *known = now;
     }
 }
 

@@ -128,6 +128,8 @@ fn put(place: Option<&mut [u8]>, bytes: &[u8]) {
     place.iter_mut().zip(bytes).for_each(|(place, byte)| *place = *byte);
 }
 
+// One copy for blobs and for what is only judged, as of the next.
+#[inline(never)]
 fn write_header<T: Scalar, const N: usize>(
     header: &mut [u8],
     p: &ArmParameters<T, N>,
@@ -168,6 +170,7 @@ fn write_records<T: Scalar, const N: usize>(
 }
 
 /// That of a joint, counted from 0; nothing where there is none.
+#[inline(never)]
 fn write_record<T: Scalar, const N: usize>(
     record: &mut [u8],
     joint: usize,
@@ -199,6 +202,7 @@ fn write_record<T: Scalar, const N: usize>(
 /// Whether [`encode`] takes these parameters: every number of header, records and terms is
 /// judged as a reader judges it, a record at a time, without room for a blob. Of their curves
 /// only whose they are: [`crate::Curves`] are checked bytes.
+#[inline(never)]
 pub(crate) fn storable<T: Scalar, const N: usize>(
     parameters: &ArmParameters<T, N>,
 ) -> Result<(), EncodeError> {

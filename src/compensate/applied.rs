@@ -6,45 +6,31 @@ use crate::arm::State;
 use crate::scalar::Scalar;
 
 impl<T: Scalar, const N: usize> Compensator<'_, T, N> {
-    /// Goes back to the command along the ramp, in a state whose missing readings are what they
-    /// were last.
+    /// Goes back to the command: along the ramp where it is the state that is not known, in one
+    /// whose missing readings are what they were last.
     #[cold]
     #[inline(never)]
-    pub(super) fn fade(&mut self, command: &[T; N], state: &State<T, N>) -> Tick<T, N> {
-        let refusal = match self.why(command, state) {
-            // Of a state that nobody knows, in which an arm without terms has a correction.
-            Refusal::OutOfRange => Refusal::StateNotFinite,
-            refusal => refusal,
-        };
+    pub(super) fn refuse(&mut self, command: &[T; N], state: Option<&State<T, N>>) -> Tick<T, N> {
+        let refusal = self.why(command, state);
+        // Repeats the joints of the last tick.
         if matches!(refusal, Refusal::CommandNotFinite { .. }) {
-            return self.hold(command);
+            return self.report(Status::Refused(refusal));
         }
-        let last = self.known.unwrap_or(self.arm.state());
-        let state = state.completed(&last);
-        self.law.correct(&self.arm, command, &state, &mut self.correction);
-        let corrected = self.correction.is_finite();
-        if corrected {
-            self.known = Some(state);
+        let (active, mut limited) = (self.active, Joints::default());
+        let mut corrected = false;
+        if refusal != Refusal::OutOfRange {
+            let known = self.known.get_or_insert(self.arm.state());
+            if let Some(state) = state {
+                known.learn(state);
+            }
+            self.law.correct(&self.arm, command, known, &mut self.correction);
+            corrected = self.correction.is_finite();
+            limited = self.correction.limited;
+            self.active = false;
         }
-        let active = core::mem::replace(&mut self.active, false);
         let mut clamped = self.apply(command, corrected);
         self.active = active;
-        if corrected {
-            clamped.bound = self.correction.bound;
-            clamped.limit.join(self.correction.limited);
-        }
-        Tick { clamped, ..self.report(Status::Refused(refusal)) }
-    }
-
-    /// Goes back to the command.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn refuse(&mut self, command: &[T; N], state: &State<T, N>) -> Tick<T, N> {
-        let refusal = self.why(command, state);
-        if matches!(refusal, Refusal::CommandNotFinite { .. }) {
-            return self.hold(command);
-        }
-        let clamped = self.apply(command, false);
+        clamped.limit.join(limited);
         Tick { clamped, ..self.report(Status::Refused(refusal)) }
     }
 

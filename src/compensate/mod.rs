@@ -177,13 +177,13 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         if self.arm.bends() {
             // What is no number but not needed, either, is no reason.
             if !state.is_finite(self.arm.reads_torques()) && !self.arm.can_be_in(state) {
-                return self.fade(command, state);
+                return self.refuse(command, Some(state));
             }
             self.known = Some(*state);
         }
         self.law.correct(&self.arm, command, state, &mut self.correction);
         if !self.correction.is_finite() {
-            return self.refuse(command, state);
+            return self.refuse(command, Some(state));
         }
         let mut clamped = self.apply(command, true);
         clamped.bound = self.correction.bound;
@@ -206,10 +206,7 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         if self.is_idle() {
             return self.pass(command);
         }
-        let none = T::from_f32(f32::NAN);
-        let nothing = State { payload: none, torque: Some([none; N]), ..State::at(none) };
-        let approach = self.known.map_or(nothing.approach, |known| known.approach);
-        self.fade(command, &State { approach, ..nothing })
+        self.refuse(command, None)
     }
 
     /// The law alone: the correction of a command (rad or m) in a state of the
@@ -220,7 +217,11 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     pub fn correction(&self, command: &[T; N], state: &State<T, N>) -> Result<[T; N], Refusal> {
         let mut correction = Correction::none(self.settings.max_correction);
         self.law.correct(&self.arm, command, state, &mut correction);
-        if correction.is_finite() { Ok(correction.joints) } else { Err(self.why(command, state)) }
+        if correction.is_finite() {
+            Ok(correction.joints)
+        } else {
+            Err(self.why(command, Some(state)))
+        }
     }
 
     /// By how much the tool misses where the nominal model has it at `command`,
@@ -248,24 +249,19 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     /// Switched off: the joints are the command, if that is finite.
     fn pass(&mut self, command: &[T; N]) -> Tick<T, N> {
         if !finite(command) {
-            return self.hold(command);
+            return self.refuse(command, None);
         }
         self.joints = *command;
         self.report(Status::Off)
     }
 
-    /// Repeats the joints of the last tick, as the command is not finite.
-    fn hold(&self, command: &[T; N]) -> Tick<T, N> {
-        let joint = command.iter().position(|q| !q.is_finite()).unwrap_or(N);
-        self.report(Status::Refused(Refusal::CommandNotFinite { joint }))
-    }
-
     /// Why no correction could be computed.
     #[cold]
-    fn why(&self, command: &[T; N], state: &State<T, N>) -> Refusal {
+    fn why(&self, command: &[T; N], state: Option<&State<T, N>>) -> Refusal {
         if let Some(joint) = command.iter().position(|q| !q.is_finite()) {
             return Refusal::CommandNotFinite { joint };
         }
+        let Some(state) = state else { return Refusal::StateNotFinite };
         if self.arm.reads_torques() && state.torque.is_none() {
             return Refusal::TorqueUnknown;
         }

@@ -41,7 +41,8 @@ impl Joints {
     /// reasons; and not further in than by `change` from where it was `before`,
     /// if an arm with narrower limits left it outside. That is told by the correction that it
     /// `had`: by a command it may have been anywhere.
-    #[inline]
+    // Not inlined: unrolled for every joint it would take a kilobyte.
+    #[inline(never)]
     pub(super) fn stop<T: Scalar>(
         &mut self,
         index: usize,

@@ -14,8 +14,8 @@
 //!
 //! Memory: the measurements stay with the caller; beside them one [`Triangle`] of P
 //! parameters with a copy for the solve and an [`Arm`] with two sets of parameters. On a
-//! Cortex-M4F in `f32` ten points take 0.34 million instructions for five unknowns, 0.98
-//! million for eleven, 60 touches 2.31 million for seven (counted by `reidentify` and
+//! Cortex-M4F in `f32` ten points take 0.37 million instructions for five unknowns, 1.03
+//! million for eleven, 60 touches 2.38 million for seven (counted by `reidentify` and
 //! `touches` in tests/firmware/src/bin).
 
 mod error;
@@ -311,6 +311,8 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
     }
 
     /// What the model leaves of the measurements.
+    // Not inlined: it is asked for twice.
+    #[inline(never)]
     fn residuals<const N: usize>(
         &self,
         at: &Reidentified<T, N, P>,
