@@ -36,7 +36,9 @@ enum Uncompensated {
 fn load<'t>(slot: &'t [u8], start: &Joints) -> Result<Compensator<'t, f32, 6>, Uncompensated> {
     let blob = Acceptance::of(ROBOT_ID, 6).check(slot).map_err(Uncompensated::Blob)?;
     let parameters = blob.parameters().map_err(|error| Uncompensated::Blob(error.into()))?;
-    let arm = Arm6::new(&parameters).with_tool(Pose::translation(0.0, 0.0, 0.15));
+    let mut arm = Arm6::new(&parameters);
+    // In place: `with_tool` makes a second arm, 3 KB of stack.
+    arm.set_tool(&Pose::translation(0.0, 0.0, 0.15));
     // Orientation that the data did not determine is not corrected.
     let task = if arm.orientation_identified() { Task::Pose } else { Task::Position };
     let settings = Settings { ramp_ticks: 500, ..Settings::new(task) };
@@ -91,7 +93,9 @@ impl Supervisor {
             Status::Off => self.off += 1,
             Status::Ramping => self.ramping += 1,
             Status::On => self.on += 1,
-            // The joints are safe to command, but nobody knows where to: stop.
+            // A sensor or a command is wrong: stop. Until the arm stands the joints are to be sent:
+            // finite, and without a step where a reading is missing. A command that is finite is
+            // not judged; limits of joints and speeds are the controller's.
             Status::Refused(_) => self.refused += 1,
             _ => return false,
         }

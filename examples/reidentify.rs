@@ -34,13 +34,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (parameter, (change, sigma)) in chosen.iter().zip(found.change.iter().zip(&found.sigma)) {
         println!("{parameter}: {change:+.6} +- {sigma:.6} {}", parameter.unit(&stored));
     }
-    // What the points leave open stays near its prior: measure more, or elsewhere.
+    // What the points leave open stays near its prior: measure more, or elsewhere. Whether the
+    // points agree with what was found is another question, which `run` has asked.
     assert!(found.determined.iter().all(|by_points| *by_points));
+    println!("the points scatter by {:.2} times what was stated", found.misfit.times());
 
     let [before, after] = [&stored, &found.parameters].map(|p| tracker.error_of(p));
     println!("largest error: {:.3} mm as stored, {:.3} mm now", before * 1e3, after * 1e3);
     assert!(after < 0.02 * before);
     // To be encoded and given to the store: see the example `store`.
     assert_eq!(found.parameters.sequence, stored.sequence + 1);
+
+    // A beam that was lost and found elsewhere, 5 mm off: every parameter would be determined,
+    // to the same sigma, and wrong by far more.
+    let mut points = points;
+    points[7].point.x += 5e-3;
+    match reidentify.run(&stored, &points) {
+        Err(error @ ReidentifyError::Inconsistent { worst: 7, .. }) => println!("{error}"),
+        other => return Err(format!("a point is wrong, but: {other:?}").into()),
+    }
     Ok(())
 }

@@ -42,7 +42,7 @@ pub struct ThermalLag<T> {
     /// The arm's temperature less that reading, K. Not the temperature itself: small steps
     /// would be lost beside it.
     ahead: T,
-    /// Since that reading, s.
+    /// Since that reading, s; without a lag since the last that was a number.
     passed: T,
 }
 
@@ -61,6 +61,28 @@ impl<T: Scalar> ThermalLag<T> {
     #[must_use]
     pub fn time_constant(&self) -> T {
         self.time_constant
+    }
+
+    /// How long ago the last reading was taken that was a number and counted, s, by the `dt` of
+    /// [`Self::step`]; `None` before the first. A thermometer that is dead leaves the temperature as
+    /// it was for as long as one likes: who asks knows when that is too long. Good to a 16,384th of
+    /// the time constant; in `f32` and steps of a millisecond it counts to four hours at least and
+    /// may then stand.
+    ///
+    /// ```
+    /// use truearm::ThermalLag;
+    ///
+    /// let mut lag = ThermalLag::<f32>::new(0.0);
+    /// assert_eq!(lag.since(), None);
+    /// lag.step(1.0, 20.0);
+    /// lag.step(1.0, f32::NAN);
+    /// assert_eq!((lag.step(1.0, f32::NAN), lag.since()), (20.0, Some(2.0)));
+    /// lag.step(1.0, 21.0);
+    /// assert_eq!(lag.since(), Some(0.0));
+    /// ```
+    #[must_use]
+    pub fn since(&self) -> Option<T> {
+        self.reading.map(|_| self.passed)
     }
 
     /// The temperature of the arm, degrees Celsius, at a reading that was taken `dt` seconds
@@ -90,8 +112,9 @@ impl<T: Scalar> ThermalLag<T> {
             if !(reading + ahead).is_finite() {
                 return last + self.ahead;
             }
-            (self.ahead, self.passed) = (ahead, T::ZERO);
+            self.ahead = ahead;
         }
+        self.passed = T::ZERO;
         self.reading = Some(reading);
         reading + self.ahead
     }

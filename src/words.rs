@@ -16,24 +16,28 @@ pub(crate) fn too_few(
     )
 }
 
-/// An error whose `Solve` holds that of a solve: its source, and how one becomes
-/// the other.
-macro_rules! holds_solve_error {
-    ($error:ident) => {
+/// Readings that contradict a fit.
+pub(crate) fn inconsistent(f: &mut core::fmt::Formatter<'_>, times: u32) -> core::fmt::Result {
+    write!(f, "the readings scatter by up to {times} times the stated sigma about what was found")
+}
+
+/// An error whose variants hold those of others: its source, and how one becomes the other.
+macro_rules! holds_errors {
+    ($error:ident: $($variant:ident($held:ty)),*) => {
         impl core::error::Error for $error {
             fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
                 match self {
-                    Self::Solve(error) => Some(error),
+                    $(Self::$variant(error) => Some(error),)*
                     _ => None,
                 }
             }
         }
 
-        impl From<crate::solve::SolveError> for $error {
-            fn from(error: crate::solve::SolveError) -> Self {
-                Self::Solve(error)
+        $(impl From<$held> for $error {
+            fn from(error: $held) -> Self {
+                Self::$variant(error)
             }
-        }
+        })*
     };
 }
-pub(crate) use holds_solve_error;
+pub(crate) use holds_errors;

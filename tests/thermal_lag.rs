@@ -116,6 +116,36 @@ fn without_a_time_constant_the_arm_has_what_is_read() {
     }
 }
 
+/// A thermometer that is dead for a day is told, whatever is kept of it.
+#[test]
+fn how_long_ago_a_reading_counted_is_known() {
+    for tau in [0.0_f32, 1500.0] {
+        let mut lag = ThermalLag::new(tau);
+        assert_eq!(lag.since(), None);
+        lag.step(1.0, f32::NAN);
+        assert_eq!(lag.since(), None);
+        for _ in 0..100 {
+            lag.step(1.0, 20.0);
+            assert_eq!(lag.since(), Some(0.0));
+        }
+        for second in 1..=86_400_u32 {
+            lag.step(1.0, f32::NAN);
+            assert_eq!(lag.since(), Some(second as f32));
+        }
+        lag.step(1.0, 21.0);
+        assert_eq!(lag.since(), Some(0.0));
+        // In ticks of a millisecond, of which not every one makes a step.
+        for _ in 0..10_000 {
+            lag.step(1e-3, 21.0);
+            assert!(lag.since().is_some_and(|since| since <= tau / 16_384.0));
+        }
+        for _ in 0..14_400_000 {
+            lag.step(1e-3, f32::NAN);
+        }
+        assert!(lag.since().is_some_and(|since| since > 14_000.0), "{:?}", lag.since());
+    }
+}
+
 proptest! {
     /// Whatever bits a thermometer and a clock have: nothing panics, and from the first
     /// reading on the arm has a temperature, which the first reading and those that are

@@ -16,7 +16,7 @@ mod types;
 use core::ffi::c_void;
 
 use truearm::blob::{Acceptance, AcceptanceError, Covariance};
-use truearm::{Arm6, Compensator, Pose, State, ThermalLag};
+use truearm::{Arm6, Compensator, Pose, ThermalLag};
 
 use convert::settings_of;
 use pointer::{handle, input, writable};
@@ -52,8 +52,6 @@ pub struct Truearm {
     /// Of the arm that is loaded.
     lag: ThermalLag<f32>,
     compensator: Option<Compensation>,
-    /// Of the last tick that took one: in another the correction would be another.
-    state: Option<State<f32, TRUEARM_JOINTS>>,
 }
 
 type Compensation = Compensator<'static, f32, TRUEARM_JOINTS>;
@@ -72,9 +70,8 @@ impl Truearm {
     }
 
     /// What a tick takes.
-    fn ticking(&mut self) -> Result<(&mut Compensation, &mut Option<State<f32, TRUEARM_JOINTS>>)> {
-        let compensator = self.compensator.as_mut().ok_or(TruearmError::NotLoaded)?;
-        Ok((compensator, &mut self.state))
+    fn ticking(&mut self) -> Result<&mut Compensation> {
+        self.compensator.as_mut().ok_or(TruearmError::NotLoaded)
     }
 
     /// A new compensator, switched off; nothing changes on an error.
@@ -88,7 +85,6 @@ impl Truearm {
         let compensator =
             Compensator::new(arm, settings, joints).map_err(|_| TruearmError::BadSetting)?;
         self.compensator = Some(compensator);
-        self.state = None;
         Ok(())
     }
 }
@@ -144,7 +140,6 @@ pub unsafe extern "C" fn truearm_init(
             covariance: None,
             lag: ThermalLag::new(0.0),
             compensator: None,
-            state: None,
         };
         // SAFETY: the caller's promise; size and alignment have been checked.
         unsafe {

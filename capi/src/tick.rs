@@ -95,13 +95,13 @@ pub unsafe extern "C" fn truearm_tick(
         writable(tick)?;
         // SAFETY: the caller's promise.
         let (command, this) = unsafe { (input(command.cast::<Joints>()), handle(arm)) };
-        let (compensator, before) = this.and_then(Truearm::ticking).inspect_err(|_| {
+        let compensator = this.and_then(Truearm::ticking).inspect_err(|_| {
             // SAFETY: the caller's promise; not NULL and aligned.
             unsafe { uncorrected(command, tick) }
         })?;
         // SAFETY: the caller's promise.
         let state = unsafe { state_or_neutral(compensator.arm(), state) };
-        let done = step(compensator, command, state, before);
+        let done = step(compensator, command, &state);
         // SAFETY: the caller's promise; not NULL and aligned.
         unsafe { tick.write(done) };
         command.and(state.map(|_| ()))
@@ -112,30 +112,18 @@ pub unsafe extern "C" fn truearm_tick(
 fn step(
     compensator: &mut Compensator<'_, f32, TRUEARM_JOINTS>,
     command: Result<Joints>,
-    state: Result<State<f32, TRUEARM_JOINTS>>,
-    before: &mut Option<State<f32, TRUEARM_JOINTS>>,
+    state: &Result<State<f32, TRUEARM_JOINTS>>,
 ) -> TruearmTick {
     // Of a command that is no number the last joints are repeated.
     let command = command.unwrap_or([f32::NAN; TRUEARM_JOINTS]);
-    let active = compensator.is_active();
-    compensator.set_active(active && state.is_ok());
-    // What fades is the correction of the state that it was.
-    let known = state.unwrap_or_else(|_| before.unwrap_or_else(|| compensator.arm().state()));
-    let done = TruearmTick::from(&compensator.tick(&command, &known));
-    if matches!(done.status, TruearmStatus::On | TruearmStatus::Ramping) {
-        *before = Some(known);
-    }
-    compensator.set_active(active);
-    if state.is_ok() || done.status == TruearmStatus::CommandNotFinite {
-        return done;
-    }
-    // What is left of the error in a state that nobody knows is not known, either.
-    TruearmTick {
-        held_by_change: done.held_by_change,
-        held_by_limit: done.held_by_limit,
-        orientation_identified: done.orientation_identified,
-        ..TruearmTick::refused(done.joints, TruearmStatus::StateNotFinite)
-    }
+    let Ok(state) = state else {
+        let done = TruearmTick::from(&compensator.tick_without_state(&command));
+        // Also while it is off: the caller is told of an error.
+        let off = done.status == TruearmStatus::Off;
+        let status = if off { TruearmStatus::StateNotFinite } else { done.status };
+        return TruearmTick { status, ..done };
+    };
+    TruearmTick::from(&compensator.tick(&command, state))
 }
 
 /// The tick of no arm: the command, or whatever joints lie there if it cannot be sent.

@@ -28,11 +28,40 @@ pub struct State<T, const N: usize> {
     pub temperature: T,
     /// What loads each joint, as sensors or motor currents tell, N m or N, positive where it
     /// pulls towards +q as gravity's torque does: the opposite of what the joint holds. It
-    /// counts in place of the torques that masses give; `None` where nothing is read.
+    /// counts in place of the torques that masses give; `None` where nothing is read. To be
+    /// filtered: what trembles makes the correction tremble, by springs in proportion and, about
+    /// the friction of a gap, from one side of it to the other. Currents of a joint that moves
+    /// hold friction and acceleration as well.
     pub torque: Option<[T; N]>,
 }
 
 impl<T: Scalar, const N: usize> State<T, N> {
+    /// Whether every number of it is one, and torques are there if they are `needed`.
+    // In every tick: a number times zero is zero; an infinity or a NaN is NaN.
+    #[inline]
+    pub(crate) fn is_finite(&self, needed: bool) -> bool {
+        let zero = self.payload * T::ZERO + self.temperature * T::ZERO;
+        match &self.torque {
+            Some(torque) => torque.iter().fold(zero, |zero, t| zero + *t * T::ZERO) == T::ZERO,
+            None => !needed && zero == T::ZERO,
+        }
+    }
+
+    /// Becomes the state `now`, but for numbers that are none: these stay.
+    pub(crate) fn learn(&mut self, now: &Self) {
+        self.approach = now.approach;
+        learn(&mut self.payload, now.payload);
+        learn(&mut self.temperature, now.temperature);
+        if let Some(read) = &now.torque {
+            match &mut self.torque {
+                Some(known) => known.iter_mut().zip(read).for_each(|(a, b)| learn(a, *b)),
+                None if read.iter().all(|torque| torque.is_finite()) => self.torque = now.torque,
+                // Those that masses give count where none were ever read.
+                None => (),
+            }
+        }
+    }
+
     /// Every number of it.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = &T> {
         [&self.payload, &self.temperature].into_iter().chain(self.torque.iter().flatten())
@@ -44,6 +73,15 @@ impl<T: Scalar, const N: usize> State<T, N> {
     pub const fn at(temperature: T) -> Self {
         let approach = [Approach::Unknown; N];
         Self { approach, payload: T::ZERO, temperature, torque: None }
+    }
+}
+
+// Not inlined: rare, and there are as many as joints.
+#[cold]
+#[inline(never)]
+fn learn<T: Scalar>(known: &mut T, now: T) {
+    if now.is_finite() {
+        *known = now;
     }
 }
 
@@ -127,7 +165,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
 
     /// The same arm with the production tool, a pose in the flange frame. Not looked at: where
     /// it comes from outside as a matrix, [`Pose::from_rows`] refuses one that is scaled or
-    /// left-handed, of which the third axis would be made anew here from the first two.
+    /// left-handed, of which the third axis would be made anew here from the first two. The other
+    /// arm takes 3 KB of stack; [`Self::set_tool`] needs none.
     #[must_use]
     pub fn with_tool(&self, tool: Pose<T>) -> Self {
         let mut other = self.clone();
@@ -135,7 +174,8 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         other
     }
 
-    /// The production tool, a pose in the flange frame.
+    /// The production tool, a pose in the flange frame, in place; not looked at, as for
+    /// [`Self::with_tool`].
     pub fn set_tool(&mut self, tool: &Pose<T>) {
         self.nominal.set_tool(tool);
         self.real.set_tool(tool);
@@ -219,12 +259,15 @@ impl<'t, T: Scalar, const N: usize> Arm<'t, T, N> {
         self.gravity.is_none() && self.folded.needs_torque()
     }
 
-    /// Whether all that a term depends on is a number in this state.
+    /// Whether all that a term depends on is there in this state, and a number.
     #[cold]
     #[inline(never)]
     pub(crate) fn can_be_in(&self, state: &State<T, N>) -> bool {
         let payload = self.gravity.is_none() || state.payload.is_finite();
-        let torque = state.torque.iter().flatten().all(|torque| torque.is_finite());
+        let torque = match &state.torque {
+            Some(torque) => torque.iter().all(|torque| torque.is_finite()),
+            None => !self.reads_torques(),
+        };
         let loads = payload && (torque || !self.folded.needs_torque());
         loads && (!self.folded.needs_warmth() || state.temperature.is_finite())
     }

@@ -61,6 +61,31 @@ pub struct ArmParameters<'t, T, const N: usize> {
 }
 
 impl<T: Scalar, const N: usize> ArmParameters<'_, T, N> {
+    /// The same, of which nothing is borrowed from a blob any more: for an arm that outlives the
+    /// buffer its blob was received in. `None` where there are curves, which stay where the blob
+    /// is; without them it would be another arm.
+    ///
+    /// ```
+    /// use truearm::{Arm6, blob::Blob};
+    ///
+    /// fn received(buffer: &[u8]) -> Option<Arm6<'static, f32>> {
+    ///     let parameters = Blob::check(buffer).ok()?.parameters().ok()?;
+    ///     Some(Arm6::new(&parameters.detached()?))
+    /// }
+    ///
+    /// # let slot = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/firmware/ur10.blob"));
+    /// let mut buffer = [0xff; 1024];
+    /// buffer[..slot.len()].copy_from_slice(slot);
+    /// let arm = received(&buffer).ok_or("no parameters")?;
+    /// buffer.fill(0xff);
+    /// assert!(arm.real_pose(&[0.1, -1.2, 1.6, -1.2, -1.57, 0.8]).translation.norm() > 0.1);
+    /// # Ok::<(), &str>(())
+    /// ```
+    #[must_use]
+    pub fn detached(&self) -> Option<ArmParameters<'static, T, N>> {
+        self.curves.is_empty().then(|| ArmParameters { curves: Curves::NONE, ..self.clone() })
+    }
+
     /// Becomes a set after this one, identified on the controller: of the next sequence
     /// number, and nobody knows when, nor how well it would stand a cross-validation.
     /// `None` after the last number that can be followed.

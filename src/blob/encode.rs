@@ -1,7 +1,8 @@
 use nalgebra::Vector3;
 
 use super::check::Blob;
-use super::error::{DecodeError, EncodeError};
+use super::curves;
+use super::error::{DecodeError, EncodeError, Record};
 use super::fields;
 use super::layout::{
     CHECKSUM, CREATED, FLAG_COVARIANCE, FLAG_CURVES, FLAG_MASSES, FLAG_ORIENTATION, FLAG_TORQUES,
@@ -17,7 +18,8 @@ use crate::scalar::Scalar;
 /// Writes a blob into the front of `out` and returns its length. Reals are
 /// rounded to binary32, orders of terms to 1/64 (frictions and time constants as FORMAT.md
 /// has them). The result has been read back
-/// and found acceptable.
+/// and found acceptable. What was there in `out`, as far as a blob reaches, is lost also where it
+/// is refused, but for too little room.
 ///
 /// # Errors
 /// Too little room, an order the layout cannot hold, or a value that a reader
@@ -73,13 +75,7 @@ pub fn encode_with<T: Scalar, const N: usize>(
         return Err(EncodeError::LastSequence);
     }
     let flags = flags_of(p, factor.is_some());
-    let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
-    let masses = p.masses.unwrap_or(Masses {
-        gravity: none,
-        mass: [T::ZERO; N],
-        com: [none; N],
-        payload_com: none,
-    });
+    let masses = masses_of(p);
     out.fill(0);
     let (header, rest) = out.split_at_mut_checked(HEADER).unwrap_or_default();
     write_header(header, p, &masses, flags, needed);
@@ -104,6 +100,17 @@ pub fn encode_with<T: Scalar, const N: usize>(
     Ok(needed)
 }
 
+/// Zeros where there are none.
+fn masses_of<T: Scalar, const N: usize>(p: &ArmParameters<T, N>) -> Masses<T, N> {
+    let none = Vector3::new(T::ZERO, T::ZERO, T::ZERO);
+    p.masses.unwrap_or(Masses {
+        gravity: none,
+        mass: [T::ZERO; N],
+        com: [none; N],
+        payload_com: none,
+    })
+}
+
 /// What a blob of these parameters holds.
 fn flags_of<T: Scalar, const N: usize>(p: &ArmParameters<T, N>, covariance: bool) -> u8 {
     let held = [
@@ -121,6 +128,8 @@ fn put(place: Option<&mut [u8]>, bytes: &[u8]) {
     place.iter_mut().zip(bytes).for_each(|(place, byte)| *place = *byte);
 }
 
+// One copy for blobs and for what is only judged, as of the next.
+#[inline(never)]
 fn write_header<T: Scalar, const N: usize>(
     header: &mut [u8],
     p: &ArmParameters<T, N>,
@@ -155,24 +164,74 @@ fn write_records<T: Scalar, const N: usize>(
     p: &ArmParameters<T, N>,
     masses: &Masses<T, N>,
 ) {
+    for (joint, record) in records.chunks_exact_mut(RECORD).enumerate() {
+        write_record(record, joint, p, masses);
+    }
+}
+
+/// That of a joint, counted from 0; nothing where there is none.
+#[inline(never)]
+fn write_record<T: Scalar, const N: usize>(
+    record: &mut [u8],
+    joint: usize,
+    p: &ArmParameters<T, N>,
+    masses: &Masses<T, N>,
+) {
     let joints = p.nominal.iter().zip(&p.corrections);
     let ranges = p.limits.iter().zip(&p.covered);
     let loads = masses.mass.iter().zip(&masses.com);
-    let joints = joints.zip(ranges).zip(loads);
-    for ((joint, (mass, com)), record) in joints.zip(records.chunks_exact_mut(RECORD)) {
-        let ((link, correction), (limits, covered)) = joint;
-        let kind = match link.kind {
-            JointKind::Revolute => 0,
-            JointKind::Prismatic => 1,
-        };
-        let has = |range: &Option<_>, bit| if range.is_some() { bit } else { 0 };
-        let presence = has(limits, HAS_LIMITS) | has(covered, HAS_COVERED);
-        put(record.get_mut(..2), &[kind, presence]);
-        fields::NOMINAL.write(record, &link.parameters.to_array());
-        fields::CORRECTION.write(record, &correction.to_array());
-        fields::LIMITS.write(record, &limits.unwrap_or([T::ZERO; 2]));
-        fields::COVERED.write(record, &covered.unwrap_or([T::ZERO; 2]));
-        fields::MASS.write(record, &[*mass]);
-        fields::CENTRE_OF_MASS.write(record, com.as_slice());
+    let mut joints = joints.zip(ranges).zip(loads);
+    let Some((((link, correction), (limits, covered)), (mass, com))) = joints.nth(joint) else {
+        return;
+    };
+    let kind = match link.kind {
+        JointKind::Revolute => 0,
+        JointKind::Prismatic => 1,
+    };
+    let has = |range: &Option<_>, bit| if range.is_some() { bit } else { 0 };
+    let presence = has(limits, HAS_LIMITS) | has(covered, HAS_COVERED);
+    put(record.get_mut(..2), &[kind, presence]);
+    fields::NOMINAL.write(record, &link.parameters.to_array());
+    fields::CORRECTION.write(record, &correction.to_array());
+    fields::LIMITS.write(record, &limits.unwrap_or([T::ZERO; 2]));
+    fields::COVERED.write(record, &covered.unwrap_or([T::ZERO; 2]));
+    fields::MASS.write(record, &[*mass]);
+    fields::CENTRE_OF_MASS.write(record, com.as_slice());
+}
+
+/// Whether [`encode`] takes these parameters: every number of header, records and terms is
+/// judged as a reader judges it, a record at a time, without room for a blob. Of their curves
+/// only whose they are: [`crate::Curves`] are checked bytes.
+#[inline(never)]
+pub(crate) fn storable<T: Scalar, const N: usize>(
+    parameters: &ArmParameters<T, N>,
+) -> Result<(), EncodeError> {
+    let p = parameters;
+    if N == 0 || N > MAX_JOINTS {
+        return Err(EncodeError::Refused(DecodeError::JointCount(N.min(255) as u8)));
     }
+    if p.sequence == u32::MAX {
+        return Err(EncodeError::LastSequence);
+    }
+    let (flags, masses) = (flags_of(p, false), masses_of(p));
+    let present = p.masses.is_some();
+    let mut header = [0; HEADER];
+    write_header(&mut header, p, &masses, flags, 0);
+    fields::check(Record::Header, &header, present, 0)?;
+    for joint in 0..N as u8 {
+        let mut record = [0; RECORD];
+        write_record(&mut record, usize::from(joint), p, &masses);
+        let [_, presence, ..] = record;
+        fields::check(Record::Joint(joint), &record, present, presence)?;
+    }
+    let mut late = None;
+    for (term, index) in p.terms.iter().zip(0..) {
+        term::check(index, &term::to_bytes(index, term)?, (N as u8, flags), &mut late)?;
+    }
+    let turns = |joint: u8| {
+        p.nominal.get(usize::from(joint)).is_some_and(|link| link.kind == JointKind::Revolute)
+    };
+    let cut = |expected| DecodeError::Length { stored: 0, expected };
+    curves::check(p.curves.as_bytes(), turns, cut)?;
+    Ok(())
 }

@@ -31,6 +31,7 @@ pub use auth::{Key, sign};
 pub use check::Blob;
 pub use covariance::{Covariance, CovarianceError};
 pub use curves::{curve_len, encode_curve, encode_curve_with, gaps_len};
+pub(crate) use encode::storable;
 pub use encode::{encode, encode_with};
 pub use error::{DecodeError, EncodeError, FieldName, Flaw, Record};
 pub(crate) use frame::Frame;

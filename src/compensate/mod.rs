@@ -4,7 +4,8 @@
 //! Two layers. The **law** gives the correction c of a command:
 //!
 //! * c depends on the command and on the state of the arm, on nothing else: not
-//!   on the ticks before, nor on the way to the command.
+//!   on the ticks before, nor on the way to the command. A reading of the state that is no number
+//!   and that a term needs is in its place what it was last.
 //! * c is continuous in the command, the payload, the temperature and the torques, except
 //!   where a term itself jumps (approach, the side of a gap that gravity
 //!   chooses).
@@ -27,12 +28,14 @@
 //! step is rounded as sums are, by at most a 32nd of the smallest `max_change` and two
 //! millionths of the usual one in `f32`: by that share of the ticks, and one more, it may be
 //! later, and by that share a change may be larger. On the
-//! way there, as after [`Compensator::set_arm`] or where a fast motion near a
+//! way there, as after [`Compensator::set_arm`], where the joints may first have to come in from
+//! beyond narrower limits, or where a fast motion near a
 //! singular pose asks for more than `max_change` a tick, nothing is claimed but that.
 //!
 //! Each is a property test of `tests/compensate`; `docs/compensation.md` says
 //! why they must hold and where they end.
 
+mod applied;
 mod correction;
 mod damped;
 mod law;
@@ -57,6 +60,9 @@ pub struct Compensator<'t, T, const N: usize> {
     active: bool,
     /// Ticks of the ramp that have passed, 0 to `ramp_ticks`.
     ramp: u32,
+    /// The state that a correction was last computed in; its values stand in for readings that
+    /// are missing.
+    known: Option<State<T, N>>,
     /// The applied correction.
     applied: [T; N],
     /// Joints of the last tick.
@@ -89,6 +95,7 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
             law,
             active: false,
             ramp: 0,
+            known: None,
             applied,
             joints: *joints,
             correction,
@@ -116,7 +123,8 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
 
     /// Another arm, after a re-identification ([`Arm::with_parameters`], which keeps the
     /// production tool) or with another tool. What is applied goes over to its correction
-    /// by at most `max_change` a tick.
+    /// by at most `max_change` a tick. From a buffer that is used again:
+    /// [`ArmParameters::detached`](crate::ArmParameters::detached), and the example `update`.
     ///
     /// # Errors
     /// [`SettingError::OrientationNotIdentified`]; the arm is then the old one.
@@ -137,7 +145,8 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     }
 
     /// Switches compensation on or off from the next tick on; it is faded in
-    /// or out, also half way.
+    /// or out, also half way: from where it is along the same ramp, see
+    /// [`Settings::ramp_ticks`].
     pub fn set_active(&mut self, active: bool) {
         self.active = active;
     }
@@ -157,17 +166,24 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
 
     /// One tick: the joints at which the real tool is where the nominal model
     /// has it at `command` (rad or m), in this state of the arm. Never fails: where
-    /// nothing can be computed it goes back to the command, without a step, and
-    /// says why. What no term depends on is not looked at in the state; of torques that are
-    /// read all joints' are, where a term follows any.
+    /// nothing can be computed it goes back to the command, and
+    /// says why ([`Status::Refused`]). What no term depends on is not looked at in the state; of
+    /// torques that are read all joints' are, where a term follows any.
     #[inline]
     pub fn tick(&mut self, command: &[T; N], state: &State<T, N>) -> Tick<T, N> {
         if self.is_idle() {
             return self.pass(command);
         }
+        if self.arm.bends() {
+            // What is no number but not needed, either, is no reason.
+            if !state.is_finite(self.arm.reads_torques()) && !self.arm.can_be_in(state) {
+                return self.refuse(command, Some(state));
+            }
+            self.known = Some(*state);
+        }
         self.law.correct(&self.arm, command, state, &mut self.correction);
         if !self.correction.is_finite() {
-            return self.refuse(command, state);
+            return self.refuse(command, Some(state));
         }
         let mut clamped = self.apply(command, true);
         clamped.bound = self.correction.bound;
@@ -183,6 +199,16 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
         tick
     }
 
+    /// One tick of a controller that does not know the state of the arm at all, as after a bus
+    /// is lost: as [`Self::tick`] in the state of the last one, with its correction fading as if
+    /// switched off for this tick; [`Refusal::StateNotFinite`].
+    pub fn tick_without_state(&mut self, command: &[T; N]) -> Tick<T, N> {
+        if self.is_idle() {
+            return self.pass(command);
+        }
+        self.refuse(command, None)
+    }
+
     /// The law alone: the correction of a command (rad or m) in a state of the
     /// arm, whatever is applied at present. What a tick goes to.
     ///
@@ -191,7 +217,11 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     pub fn correction(&self, command: &[T; N], state: &State<T, N>) -> Result<[T; N], Refusal> {
         let mut correction = Correction::none(self.settings.max_correction);
         self.law.correct(&self.arm, command, state, &mut correction);
-        if correction.is_finite() { Ok(correction.joints) } else { Err(self.why(command, state)) }
+        if correction.is_finite() {
+            Ok(correction.joints)
+        } else {
+            Err(self.why(command, Some(state)))
+        }
     }
 
     /// By how much the tool misses where the nominal model has it at `command`,
@@ -219,105 +249,24 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
     /// Switched off: the joints are the command, if that is finite.
     fn pass(&mut self, command: &[T; N]) -> Tick<T, N> {
         if !finite(command) {
-            return self.hold(command);
+            return self.refuse(command, None);
         }
         self.joints = *command;
         self.report(Status::Off)
     }
 
-    /// Repeats the joints of the last tick, as the command is not finite.
-    fn hold(&self, command: &[T; N]) -> Tick<T, N> {
-        let joint = command.iter().position(|q| !q.is_finite()).unwrap_or(N);
-        self.report(Status::Refused(Refusal::CommandNotFinite { joint }))
-    }
-
-    /// Goes back to the command.
-    #[cold]
-    #[inline(never)]
-    fn refuse(&mut self, command: &[T; N], state: &State<T, N>) -> Tick<T, N> {
-        let refusal = self.why(command, state);
-        if matches!(refusal, Refusal::CommandNotFinite { .. }) {
-            return self.hold(command);
-        }
-        let clamped = self.apply(command, false);
-        Tick { clamped, ..self.report(Status::Refused(refusal)) }
-    }
-
     /// Why no correction could be computed.
     #[cold]
-    fn why(&self, command: &[T; N], state: &State<T, N>) -> Refusal {
+    fn why(&self, command: &[T; N], state: Option<&State<T, N>>) -> Refusal {
         if let Some(joint) = command.iter().position(|q| !q.is_finite()) {
             return Refusal::CommandNotFinite { joint };
         }
+        let Some(state) = state else { return Refusal::StateNotFinite };
         if self.arm.reads_torques() && state.torque.is_none() {
             return Refusal::TorqueUnknown;
         }
         let known = self.arm.can_be_in(state);
         if known { Refusal::OutOfRange } else { Refusal::StateNotFinite }
-    }
-
-    /// Moves what is applied towards the ramped correction, within all bounds;
-    /// the joints follow.
-    #[inline(never)]
-    fn apply(&mut self, command: &[T; N], corrected: bool) -> Clamped {
-        let ticks = self.settings.ramp_ticks;
-        if self.active {
-            self.ramp = if self.ramp < ticks { self.ramp + 1 } else { ticks };
-        } else {
-            self.ramp = self.ramp.saturating_sub(1);
-        }
-        let share = if !corrected {
-            self.correction.joints = [T::ZERO; N];
-            T::ZERO
-        } else if self.active && self.ramp >= ticks {
-            T::ONE
-        } else if self.ramp == 0 {
-            T::ZERO
-        } else {
-            smooth(self.ramp, ticks)
-        };
-        let mut clamped = Clamped::default();
-        let before = self.joints;
-        let corrections = self.correction.joints.iter().zip(&self.settings.max_change);
-        let places = self.joints.iter_mut().zip(&mut self.applied);
-        for (i, (((joint, applied), q), (correction, change))) in
-            places.zip(command).zip(corrections).enumerate()
-        {
-            let wanted = *correction * share;
-            let moved = wanted - *applied;
-            *applied = if moved.abs() > *change {
-                clamped.change.hold(i, *applied, moved, *change)
-            } else {
-                wanted
-            };
-            *joint = *q + *applied;
-        }
-        // Elsewhere no correction reaches a limit.
-        if self.correction.near_limit {
-            self.stop(command, &before, &mut clamped.limit);
-        }
-        clamped
-    }
-
-    /// Stops joints at their limits.
-    #[cold]
-    #[inline(never)]
-    fn stop(&mut self, command: &[T; N], before: &[T; N], stopped: &mut Joints) {
-        let joints = self.joints.iter_mut().zip(&mut self.applied).zip(command.iter().zip(before));
-        let bounds = self.law.limits.iter().zip(&self.settings.max_change);
-        for (i, (((joint, applied), (q, before)), (limits, change))) in
-            joints.zip(bounds).enumerate()
-        {
-            let [low, high] = *limits;
-            if *joint < low || *joint > high {
-                let stop = stopped.stop(i, [*q, *joint, *before], *change, *limits);
-                // Only what a limit takes away is told from a joint value: where nothing is,
-                // its rounding could undo a step.
-                if stop != *joint {
-                    (*joint, *applied) = (stop, stop - *q);
-                }
-            }
-        }
     }
 
     fn report(&self, status: Status) -> Tick<T, N> {
@@ -335,14 +284,4 @@ impl<'t, T: Scalar, const N: usize> Compensator<'t, T, N> {
 
 fn finite<T: Scalar, const M: usize>(values: &[T; M]) -> bool {
     values.iter().all(|value| value.is_finite())
-}
-
-/// From 0 to 1 without a step in velocity or acceleration at the ends:
-/// `x^3 (10 - 15 x + 6 x^2)`.
-#[inline]
-fn smooth<T: Scalar>(tick: u32, ticks: u32) -> T {
-    // Both at most 2^24, see the settings: exact.
-    let x = T::from_f32(tick as f32 / ticks as f32);
-    let c = |c: f32| T::from_f32(c);
-    x * x * x * (c(10.0) + x * (x * c(6.0) - c(15.0)))
 }

@@ -39,12 +39,15 @@ impl Joints {
     /// Where a joint that would be beyond a limit stands instead: at that limit;
     /// at the command where this is beyond it already, as the controller may have
     /// reasons; and not further in than by `change` from where it was `before`,
-    /// if an arm with narrower limits left it outside.
-    #[inline]
+    /// if an arm with narrower limits left it outside. That is told by the correction that it
+    /// `had`: by a command it may have been anywhere.
+    // Not inlined: unrolled for every joint it would take a kilobyte.
+    #[inline(never)]
     pub(super) fn stop<T: Scalar>(
         &mut self,
         index: usize,
-        [command, joint, before]: [T; 3],
+        [command, joint]: [T; 2],
+        [before, had]: [T; 2],
         change: T,
         [low, high]: [T; 2],
     ) -> T {
@@ -52,10 +55,12 @@ impl Joints {
         let least = |a: T, b: T| if a < b { a } else { b };
         let most = |a: T, b: T| if a > b { a } else { b };
         if joint < low {
-            let stop = least(least(low, command), before + change);
+            let end = least(low, command);
+            let stop = least(end, most(before, end + had) + change);
             most(stop, joint)
         } else {
-            let stop = most(most(high, command), before - change);
+            let end = most(high, command);
+            let stop = most(end, least(before, end + had) - change);
             least(stop, joint)
         }
     }
@@ -92,10 +97,12 @@ pub enum Refusal {
         /// Joint, counted from 0.
         joint: usize,
     },
-    /// The payload, the temperature or a torque is infinite or NaN, and a term depends on it.
+    /// The payload, the temperature or a torque is infinite or NaN, and a term depends on it: its
+    /// last good value counts, and the correction fades.
     StateNotFinite,
-    /// A term follows torques that are read, and the state has none:
-    /// [`Arm::reads_torques`](crate::Arm::reads_torques).
+    /// A term follows torques that are read, and the state has none,
+    /// [`Arm::reads_torques`](crate::Arm::reads_torques): the last ones count, and the correction
+    /// fades.
     TorqueUnknown,
     /// A result is not finite: a joint, or a joint times the order of a periodic error, beyond the
     /// range of [`crate::Scalar::sin_cos`] (8192 rad in `f32`), or lengths beyond that of the number type.
@@ -128,8 +135,11 @@ pub enum Status {
     Ramping,
     /// The whole correction, but for what [`Tick::clamped`] says.
     On,
-    /// No correction could be computed; what was applied goes back to zero by
-    /// at most `max_change` a tick.
+    /// No correction of this command and state could be computed. Where a reading of the state
+    /// is missing, what it was last counts in its place, and the correction fades by the ramp, as
+    /// if switched off for this tick: one that is missed is no step, and one that stays away is
+    /// gone after [`super::Settings::ramp_ticks`]. Beyond the range of numbers what was applied
+    /// goes back to zero by at most `max_change` a tick.
     Refused(Refusal),
 }
 
@@ -158,7 +168,10 @@ impl<T: Scalar> From<Twist<T>> for TaskError<T> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use = "`joints` are what the arm is to be commanded to"]
 pub struct Tick<T, const N: usize> {
-    /// Joints to command, rad or m: always finite.
+    /// Joints to command, rad or m: always finite, and the command but for a correction within
+    /// its bounds, or the joints of the last tick where the command is not finite. Whether the
+    /// arm may go where it is commanded is not judged here: one that is finite and absurd is
+    /// handed on, also where it is [refused](Refusal::OutOfRange).
     pub joints: [T; N],
     /// How far it went.
     pub status: Status,

@@ -36,10 +36,16 @@ pub struct Settings<T, const N: usize> {
     /// singular pose or wrong parameters from moving the arm elsewhere.
     pub max_correction: [T; N],
     /// Largest change of a joint's correction from tick to tick, rad or m; at least what
-    /// `max_correction` is rounded by, 2^-19 of it in `f32`.
+    /// `max_correction` is rounded by, 2^-19 of it in `f32`. It bounds the following of fast
+    /// motions and transitions alike: at 1 kHz the usual 1e-3 is 1 rad/s (1 m/s on a rail), by
+    /// which an arm, a tool or a payload is changed over to. Where that is a step, switch off
+    /// and wait until it [is idle](super::Compensator::is_idle) before an arm or a tool is set,
+    /// and let a payload grow over some hundred ticks.
     pub max_change: [T; N],
     /// Ticks in which the correction is faded in and out, with neither a step
-    /// in velocity nor in acceleration; at most 2^24.
+    /// in velocity nor in acceleration; at most 2^24. Turned round half way, as when it is switched
+    /// off while it is faded in, it goes back as it came: its velocity, up to 1.9 corrections a
+    /// ramp, changes sign from tick to tick.
     pub ramp_ticks: u32,
     /// Length that weighs orientation against position, m, 0.001 to 10: an
     /// error of 1 rad counts as much as one of this length.

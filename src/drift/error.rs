@@ -1,5 +1,5 @@
 use crate::solve::SolveError;
-use crate::words::{BAD_SIGMA, holds_solve_error};
+use crate::words::{BAD_SIGMA, holds_errors};
 
 /// Why a point was not taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,4 +24,4 @@ impl core::fmt::Display for DriftError {
     }
 }
 
-holds_solve_error!(DriftError);
+holds_errors!(DriftError: Solve(SolveError));

@@ -111,14 +111,19 @@ impl<'t> Curve<'t> {
         self.gaps
     }
 
-    /// Whether it is known at encoder reading `q`, rad, of any number of turns.
+    /// Whether it is known at encoder reading `q`, rad, of any number of turns that leaves an
+    /// angle: one that has gaps is known nowhere beyond 2^22 nodes (in `f32`; 1e5 rad of 256 a
+    /// turn), nor at what is no number.
     #[must_use]
     #[inline(never)]
     pub fn knows<T: Scalar>(&self, q: T) -> bool {
         let Some(gaps) = &self.gaps else { return true };
-        let (below, _) = (q * per_radian(self.nodes.len())).floor_and_rest();
+        let place = q * per_radian(self.nodes.len());
+        let (below, _) = place.floor_and_rest();
+        // Where its low bits mean something; a NaN is not below, either.
+        let within = place.abs() < T::from_f32(0.5) / T::EPSILON;
         let stretch = below as usize & self.nodes.len().wrapping_sub(1);
-        gaps.known.get(stretch / 8).is_some_and(|bits| bits >> (stretch % 8) & 1 != 0)
+        within && gaps.known.get(stretch / 8).is_some_and(|bits| bits >> (stretch % 8) & 1 != 0)
     }
 
     /// One standard deviation of the curve at encoder reading `q`, rad.
@@ -136,7 +141,8 @@ impl<'t> Curve<'t> {
     }
 
     /// What is added to the joint's angle at encoder reading `q`, rad; of any number
-    /// of turns.
+    /// of turns within 2^22 nodes in `f32` (1e5 rad of 256 a turn), 2^51 in `f64`. Without meaning
+    /// beyond.
     #[must_use]
     pub fn at<T: Scalar>(&self, q: T) -> T {
         let [value, _] = self.value_and_slope(q);

@@ -26,6 +26,11 @@
 //! `rank` of a result say which that is: read them before parameters are stored. What
 //! closes it is another plane, a distance, a point.
 //!
+//! **What one wrong reading does.** As much as a right one, and `determined`, `rank` and sigma,
+//! which are of where the arm stood, do not show it: the [`misfit`](crate::solve::Misfit) of a
+//! result does, and what contradicts the stated noise is refused. Take readings to spare: as
+//! many equations as unknowns agree with anything.
+//!
 //! ```
 //! use truearm::measurement::Plane;
 //! use truearm::nalgebra::Vector3;

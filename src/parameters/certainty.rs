@@ -28,6 +28,20 @@ impl<T: Scalar, const P: usize> Certainty<T, P> {
         Ok(Self { sigma, determined, rank })
     }
 
+    /// How many unknowns the points determine, the shares that the prior holds taken off:
+    /// the trace of what takes readings to fitted ones. `scale` and `lambda` of the solve.
+    pub fn fitted(&self, lambda: T, scale: &[T; P]) -> T {
+        let root = lambda.sqrt();
+        let mut fitted = T::ZERO;
+        for (sigma, scale) in self.sigma.iter().zip(scale) {
+            let held = *sigma * root / *scale;
+            let held = held * held;
+            // Roundings may take it beyond; of an infinite scale nothing is held.
+            fitted += if held < T::ONE { T::ONE - held } else { T::ZERO };
+        }
+        fitted
+    }
+
     /// The first that nothing determines.
     pub fn undetermined(&self) -> Option<usize> {
         self.sigma.iter().position(|sigma| !sigma.is_finite())

@@ -1,7 +1,8 @@
+use crate::blob::EncodeError;
 use crate::measurement::MeasurementError;
 use crate::parameters::Parameter;
 use crate::solve::SolveError;
-use crate::words::{BAD_SIGMA, LAST_SEQUENCE, holds_solve_error, too_few};
+use crate::words::{BAD_SIGMA, LAST_SEQUENCE, holds_errors, inconsistent, too_few};
 
 /// Why a re-identification gave no parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +52,18 @@ pub enum ReidentifyError {
     LastSequence,
     /// The steps do not become small: joints or measurements are not what they seem.
     NotConverged,
+    /// The readings contradict what was found, see [`Misfit`](crate::solve::Misfit): one of them
+    /// is wrong, something moved that is none of the parameters, or sigma is less than half of
+    /// what it is.
+    Inconsistent {
+        /// How many times sigma they scatter about it, rounded up.
+        times: u32,
+        /// 0-based index of the measurement that is farthest from it: of one that is wrong, as a
+        /// rule that one.
+        worst: usize,
+    },
+    /// What was found is beyond what any arm is off by, or was so before.
+    NotStorable(EncodeError),
     /// A solve failed.
     Solve(SolveError),
 }
@@ -82,9 +95,14 @@ impl core::fmt::Display for ReidentifyError {
             }
             Self::LastSequence => f.write_str(LAST_SEQUENCE),
             Self::NotConverged => f.write_str("the steps do not become small"),
+            Self::Inconsistent { times, worst } => {
+                inconsistent(f, *times)?;
+                write!(f, "; measurement {} is farthest off", worst + 1)
+            }
+            Self::NotStorable(error) => write!(f, "{error}"),
             Self::Solve(error) => write!(f, "{error}"),
         }
     }
 }
 
-holds_solve_error!(ReidentifyError);
+holds_errors!(ReidentifyError: Solve(SolveError), NotStorable(EncodeError));

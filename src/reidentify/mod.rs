@@ -14,23 +14,27 @@
 //!
 //! Memory: the measurements stay with the caller; beside them one [`Triangle`] of P
 //! parameters with a copy for the solve and an [`Arm`] with two sets of parameters. On a
-//! Cortex-M4F in `f32` ten points take 0.34 million instructions for five unknowns, 0.98
-//! million for eleven, 60 touches 2.31 million for seven (counted by `reidentify` and
+//! Cortex-M4F in `f32` ten points take 0.37 million instructions for five unknowns, 1.03
+//! million for eleven, 60 touches 2.38 million for seven (counted by `reidentify` and
 //! `touches` in tests/firmware/src/bin).
 
 mod error;
+mod outcome;
 mod station;
 
 pub use error::ReidentifyError;
+pub use outcome::Reidentified;
+use outcome::Residuals;
 
 use nalgebra::Vector3;
 
 use crate::arm::{Arm, ArmParameters};
+use crate::blob::storable;
 use crate::kinematics::Pose;
 use crate::measurement::{Equations, Measurement, Unknowns};
 use crate::parameters::{Certainty, Parameter, apply, first_bad, first_bad_scale};
 use crate::scalar::Scalar;
-use crate::solve::{SolveError, Triangle};
+use crate::solve::{Misfit, SolveError, Triangle};
 
 /// Steps at most; three are usual.
 const MOST_STEPS: u8 = 10;
@@ -75,43 +79,11 @@ pub struct Reidentify<T, const P: usize> {
     /// How far each may have moved, 1 sigma, in its unit; infinite for no prior, as those
     /// of a tracker's place must be.
     pub scale: [T; P],
-    /// Standard deviation of a measured coordinate, height or distance, m.
+    /// Standard deviation of a measured coordinate, height or distance about the model, m: of
+    /// the instrument and of what the stored parameters leave of a sound arm, which is their
+    /// `rms_after` over sqrt 3 and as a rule the more. Stated as less than half, it makes a sound
+    /// session look like one that contradicts it.
     pub sigma: T,
-}
-
-/// The outcome of [`Reidentify::run`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Reidentified<'t, T, const N: usize, const P: usize> {
-    /// To be stored: the chosen parameters changed, `sequence` one higher; `created`,
-    /// `rms_before` and `rms_after` are 0, unknown: a controller that counts with one of them,
-    /// as with the sigma of a [`DriftWatch`](crate::drift::DriftWatch), says what holds now
-    /// before it stores. `covered` is that of the stored set: these measurements mend its
-    /// identification and do not replace it.
-    pub parameters: ArmParameters<'t, T, N>,
-    /// From the commanded to the points' frame; the identity unless the
-    /// tracker's place was unknown.
-    pub station: Pose<T>,
-    /// By how much each parameter changed, in its unit; zero for the tracker. Of a plane
-    /// or an anchor from where it is stated to be, see
-    /// [`Plane::found`](crate::measurement::Plane::found).
-    pub change: [T; P],
-    /// Standard deviation of each after the fit, in its unit.
-    pub sigma: [T; P],
-    /// Whether the measurements, rather than the prior, determine it: its standard
-    /// deviation is less than half of its scale. Always so without a prior, though
-    /// it may be that of another parameter which does, as the base's beside an unknown
-    /// tracker: then `rank` is less than the number of parameters.
-    pub determined: [bool; P],
-    /// Independent directions among the parameters that the measurements show.
-    pub rank: usize,
-    /// RMS distance of the measurements from the stored model, m; of points in 3-D. With
-    /// a tracker, plane or anchor of unknown place after fitting that alone.
-    pub rms_before: T,
-    /// The same from the new model. Of fitted measurements: no measure of quality.
-    pub rms_after: T,
-    /// Gauss-Newton steps taken.
-    pub steps: u8,
 }
 
 /// What is being fitted.
@@ -134,11 +106,44 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
     }
 
     /// Fits the parameters to measurements, [`CheckPoint`](crate::check_point::CheckPoint)s
-    /// or any others, starting from the stored parameters.
+    /// or any others, starting from the stored parameters. What it gives can be stored:
+    /// [`encode`](crate::blob::encode) takes it, and the measurements agree with it.
     ///
     /// # Errors
     /// See [`ReidentifyError`].
     pub fn run<'t, M, const N: usize>(
+        &self,
+        stored: &ArmParameters<'t, T, N>,
+        measurements: &[M],
+    ) -> Result<Reidentified<'t, T, N, P>, ReidentifyError>
+    where
+        M: Copy + Into<Measurement<T, N>>,
+    {
+        let found = self.fitted(stored, measurements)?.judged()?;
+        storable(&found.parameters)?;
+        Ok(found)
+    }
+
+    /// The same whatever the [`Misfit`], where this is asked for: to find out by it which
+    /// parameters moved, or which measurement is wrong. To be [judged](Reidentified::judged)
+    /// before it is stored.
+    ///
+    /// # Errors
+    /// See [`ReidentifyError`]; never [`ReidentifyError::Inconsistent`].
+    pub fn fit<'t, M, const N: usize>(
+        &self,
+        stored: &ArmParameters<'t, T, N>,
+        measurements: &[M],
+    ) -> Result<Reidentified<'t, T, N, P>, ReidentifyError>
+    where
+        M: Copy + Into<Measurement<T, N>>,
+    {
+        let found = self.fitted(stored, measurements)?;
+        storable(&found.parameters)?;
+        Ok(found)
+    }
+
+    fn fitted<'t, M, const N: usize>(
         &self,
         stored: &ArmParameters<'t, T, N>,
         measurements: &[M],
@@ -157,6 +162,8 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
             rank: 0,
             rms_before: T::ZERO,
             rms_after: T::ZERO,
+            misfit: Misfit { chi_square: T::ZERO, freedom: T::ZERO },
+            worst: 0,
             steps: 0,
         };
         if self.parameters.iter().any(|parameter| parameter.is_station()) {
@@ -165,15 +172,20 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         if !self.parameters.iter().all(|parameter| parameter.is_of_arm()) {
             self.settle(&mut out, all.clone(), Freedom::Places)?;
         }
-        out.rms_before = self.rms(&out, all.clone());
+        out.rms_before = self.residuals(&out, all.clone()).rms();
         let triangle = self.settle(&mut out, all.clone(), Freedom::All)?;
-        out.rms_after = self.rms(&out, all);
+        let left = self.residuals(&out, all);
+        (out.rms_after, out.worst) = (left.rms(), left.worst);
         let certainty = Certainty::of(&triangle, T::ONE, &self.scale)?;
         if let Some(index) = certainty.undetermined() {
             return Err(ReidentifyError::Undetermined { index });
         }
+        let equations = T::from_f32(left.equations as f32);
+        let freedom = equations - certainty.fitted(T::ONE, &self.scale);
+        out.misfit = Misfit { chi_square: left.sum / self.sigma / self.sigma, freedom };
         Certainty { sigma: out.sigma, determined: out.determined, rank: out.rank } = certainty;
-        if !(out.rms_before.is_finite() && out.rms_after.is_finite()) {
+        let figures = [out.rms_before, out.rms_after, out.misfit.chi_square];
+        if !figures.iter().all(|figure| figure.is_finite()) {
             return Err(SolveError::Overflow.into());
         }
         out.parameters.follow().ok_or(ReidentifyError::LastSequence)?;
@@ -298,19 +310,29 @@ impl<T: Scalar, const P: usize> Reidentify<T, P> {
         sizes
     }
 
-    /// RMS distance of the measurements from the model, m.
-    fn rms<const N: usize>(
+    /// What the model leaves of the measurements.
+    // Not inlined: it is asked for twice.
+    #[inline(never)]
+    fn residuals<const N: usize>(
         &self,
         at: &Reidentified<T, N, P>,
         all: impl Iterator<Item = Measurement<T, N>>,
-    ) -> T {
+    ) -> Residuals<T> {
         let arm = Arm::new(&at.parameters);
-        let (mut sum, mut count) = (T::ZERO, T::ZERO);
-        for measurement in all {
+        let mut left = Residuals { sum: T::ZERO, count: T::ZERO, equations: 0, worst: 0 };
+        let mut most = T::ZERO;
+        for (index, measurement) in all.enumerate() {
             let point = at.station.transform_point(&measurement.predicted(&arm));
-            sum += measurement.reading.miss_square(&point, &self.parameters, &at.change);
-            count += T::ONE;
+            let square = measurement.reading.miss_square(&point, &self.parameters, &at.change);
+            let equations = measurement.equations();
+            let each = square / T::from_f32(equations as f32);
+            if each > most {
+                (most, left.worst) = (each, index);
+            }
+            left.sum += square;
+            left.count += T::ONE;
+            left.equations = left.equations.saturating_add(equations);
         }
-        (sum / count).sqrt()
+        left
     }
 }

@@ -72,7 +72,8 @@ pub trait Scalar:
     /// Angle of the point (x, `self`) from the x axis, rad; on an axis exact to the
     /// last bit. For load time, not for a tick.
     ///
-    /// * `f32`: absolute error below 4e-7 rad.
+    /// * `f32`: absolute error below 4e-7 rad for coordinates up to 1e38. Without meaning where
+    ///   the sum of both does not fit; NaN for an infinity.
     /// * `f64`: `libm`, below 1 ulp.
     fn atan2(self, x: Self) -> Self;
     /// Square root, correctly rounded; NaN below zero.

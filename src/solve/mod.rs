@@ -15,8 +15,10 @@
 //!   and its corner.
 //! * [`StreamingTikhonov`] holds points back to judge lambda by, and
 //!   [`most_parameters`] says what fits a controller.
+//! * [`Misfit`] says whether a fit agrees with the noise that was stated.
 
 mod memory;
+mod misfit;
 mod normal;
 mod spectrum;
 mod streaming;
@@ -28,6 +30,7 @@ use core::cmp::Ordering;
 use crate::scalar::Scalar;
 
 pub use memory::{Memory, most_parameters};
+pub use misfit::Misfit;
 pub use normal::NormalEquations;
 pub use spectrum::Spectrum;
 pub use streaming::{LambdaChoice, StreamingTikhonov};

@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 /// # fn main() -> Result<(), truearm::solve::SolveError> {
 /// let mut equations = NormalEquations::<f64, 2>::new();
 /// for (x, y) in [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)] {
-///     equations.push(&[1.0, x], y);
+///     equations.push(&[1.0, x], y)?;
 /// }
 /// let line = equations.solve(0.0, &[1.0; 2])?;
 /// assert!((line.x[0] - 1.0).abs() < 1e-12 && (line.x[1] - 2.0).abs() < 1e-12);

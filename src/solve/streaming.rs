@@ -54,7 +54,8 @@ const BLOCK: u32 = 512;
 pub struct LambdaChoice<T> {
     /// The corner of the L-curve of the fitted points; `None` if it has none.
     pub l_curve: Option<T>,
-    /// After the two steps; `None` without held-out points.
+    /// After the two steps, above 0; `None` without held-out points, and where no lambda could be
+    /// tried or judged, as rows are beyond the number type.
     pub two_step: Option<T>,
     /// `|U x - S|^2` of the held-out points at `two_step`.
     pub held_out_square: T,
@@ -189,7 +190,8 @@ impl<T: Scalar, const P: usize> StreamingTikhonov<T, P> {
             *slot = judged(decade * power(TENTH, k));
         }
         let (two_step, held_out_square) = best(&tried, least);
-        Ok(LambdaChoice { two_step: Some(two_step), held_out_square, ..none })
+        let two_step = (two_step > T::ZERO).then_some(two_step);
+        Ok(LambdaChoice { two_step, held_out_square, ..none })
     }
 }
 

@@ -1,7 +1,8 @@
+use crate::blob::EncodeError;
 use crate::measurement::MeasurementError;
 use crate::parameters::Parameter;
 use crate::solve::SolveError;
-use crate::words::{BAD_SIGMA, LAST_SEQUENCE, holds_solve_error, too_few};
+use crate::words::{BAD_SIGMA, LAST_SEQUENCE, holds_errors, inconsistent, too_few};
 
 /// Why a measurement was not taken or no parameters were given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,7 +38,7 @@ pub enum StreamingError {
     },
     /// The L-curve has no corner.
     NoCorner,
-    /// No measurement was held out to judge lambda by.
+    /// No measurement was held out to judge lambda by, or none by which a lambda could be judged.
     NothingHeldOut,
     /// Neither the measurements nor lambda determine this parameter.
     Undetermined {
@@ -46,6 +47,15 @@ pub enum StreamingError {
     },
     /// The stored set has the last sequence number that can be followed by one.
     LastSequence,
+    /// The readings contradict what was found, see [`Misfit`](crate::solve::Misfit): one of them
+    /// is wrong, something moved that is none of the parameters, more moved than one
+    /// linearisation holds for, or sigma is less than half of what it is.
+    Inconsistent {
+        /// How many times sigma they scatter about it, rounded up.
+        times: u32,
+    },
+    /// What was found is beyond what any arm is off by, or was so before.
+    NotStorable(EncodeError),
     /// A row was refused or a solve failed.
     Solve(SolveError),
 }
@@ -75,9 +85,11 @@ impl core::fmt::Display for StreamingError {
                 write!(f, "the measurements do not determine parameter {place}, and lambda is zero")
             }
             Self::LastSequence => f.write_str(LAST_SEQUENCE),
+            Self::Inconsistent { times } => inconsistent(f, *times),
+            Self::NotStorable(error) => write!(f, "{error}"),
             Self::Solve(error) => write!(f, "{error}"),
         }
     }
 }
 
-holds_solve_error!(StreamingError);
+holds_errors!(StreamingError: Solve(SolveError), NotStorable(EncodeError));

@@ -4,8 +4,10 @@
 //! Linear in the parameters: each measurement's equations are taken at the stored ones. What
 //! that leaves out is of second order, half of the distance that a rotation of the
 //! identified size moves the tool, times that rotation: 0.5 um a metre for 1 mrad, 50 um
-//! for 10 mrad. [`StreamingIdentification::relinearise`] takes the measurements from then on
-//! at what was found; where only a few are there and the change is large,
+//! for 10 mrad; a fit that it is too much for contradicts its measurements and is refused
+//! ([`StreamingError::Inconsistent`]). [`StreamingIdentification::relinearise`] takes the
+//! measurements from then on at what was found, [`StreamingIdentification::fit`], whatever that
+//! leaves; where only a few are there and the change is large,
 //! [`crate::reidentify`] iterates over them instead. Touches and distances, also of planes
 //! and anchors of unknown place: [`crate::measurement`].
 //!
@@ -42,14 +44,17 @@
 //! ```
 
 mod error;
+mod outcome;
 
 pub use error::StreamingError;
+pub use outcome::Identified;
 
 use crate::arm::{Arm, ArmParameters};
+use crate::blob::storable;
 use crate::measurement::{Equations, Measurement, Unknowns};
 use crate::parameters::{Certainty, Parameter, apply, first_bad, first_bad_scale};
 use crate::scalar::Scalar;
-use crate::solve::{SolveError, StreamingTikhonov, Triangle};
+use crate::solve::{Misfit, SolveError, StreamingTikhonov, Triangle};
 
 /// What to identify, and how well it is measured: at the `tool` of the stored parameters,
 /// not at a production tool.
@@ -62,7 +67,10 @@ pub struct Settings<T, const P: usize> {
     /// How far each may be from the stored one, 1 sigma, in its unit; the unit in which
     /// lambda weighs it. Infinite for no penalty; such parameters come first.
     pub scale: [T; P],
-    /// Standard deviation of a measured coordinate, height or distance, m.
+    /// Standard deviation of a measured coordinate, height or distance about the model, m: of
+    /// the instrument and of what the stored parameters leave of a sound arm, which is their
+    /// `rms_after` over sqrt 3 and as a rule the more. Stated as less than half, it makes a sound
+    /// session look like one that contradicts it.
     pub sigma: T,
     /// Every so many measurements one only judges; none if 0, and then
     /// [`Lambda::TwoStep`] has nothing to judge by.
@@ -87,42 +95,6 @@ pub enum Lambda<T> {
     Fixed(T),
 }
 
-/// The outcome of [`StreamingIdentification::identified`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Identified<'t, T, const N: usize, const P: usize> {
-    /// To be stored: the chosen parameters of the arm changed, `sequence` one higher than
-    /// stored; `created`, `rms_before` and `rms_after` are 0, unknown: a controller that counts
-    /// with one of them says what holds now before it stores. `covered` is that of the stored
-    /// set.
-    pub parameters: ArmParameters<'t, T, N>,
-    /// By how much each parameter differs from the stored one, in its unit; of a plane or
-    /// an anchor from where it is stated to be, see
-    /// [`Plane::found`](crate::measurement::Plane::found).
-    pub change: [T; P],
-    /// Standard deviation of each, in its unit, as lambda / scale^2 and the measurements
-    /// leave it: of noise and prior alone. What linearising leaves comes on top, which
-    /// after a change of some milliradians is more; and those that faded count as
-    /// measured the worse, which overstates it by up to sqrt(2) where nothing moved.
-    pub sigma: [T; P],
-    /// Whether the measurements, rather than the scale, determine it: its standard
-    /// deviation is less than half of `scale / sqrt(lambda)`. Always so without a
-    /// scale, though it may be that of another parameter which does.
-    pub determined: [bool; P],
-    /// Independent directions among the parameters that the measurements show.
-    pub rank: usize,
-    /// The lambda used.
-    pub lambda: T,
-    /// RMS distance of all measurements from the stored model, m; of points in 3-D.
-    pub rms_before: T,
-    /// The same from the new model, linearised. Of fitted measurements: no measure of
-    /// quality.
-    pub rms_after: T,
-    /// RMS distance of the held-out measurements from the model of the fitted ones
-    /// alone, m, linearised; `None` where none was held out.
-    pub held_out: Option<T>,
-}
-
 /// An identification under way.
 ///
 /// Memory: [`crate::solve::Memory`], and the stored parameters with an [`Arm`]. A point
@@ -138,6 +110,8 @@ pub struct StreamingIdentification<'t, T, const N: usize, const P: usize> {
     stream: StreamingTikhonov<T, P>,
     /// Weights of the measurements that are fitted and that judge.
     weights: [T; 2],
+    /// Sums of the weights of all equations and of their squares.
+    weighed: [T; 2],
     equations: u32,
 }
 
@@ -180,6 +154,7 @@ impl<T: Scalar, const P: usize> Settings<T, P> {
             change: [T::ZERO; P],
             stream: StreamingTikhonov::new(self.every, self.forgetting)?,
             weights: [T::ZERO; 2],
+            weighed: [T::ZERO; 2],
             equations: 0,
         })
     }
@@ -217,10 +192,15 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
             Equations::Point(columns, rhs) => self.stream.push(&columns, &rhs)?,
             Equations::Number(columns, rhs) => self.stream.push(&columns, &rhs)?,
         };
-        self.equations = self.equations.saturating_add(measurement.equations());
+        let equations = measurement.equations();
+        self.equations = self.equations.saturating_add(equations);
+        let fading = self.settings.forgetting;
+        for (sum, fading) in self.weighed.iter_mut().zip([fading, fading * fading]) {
+            *sum = *sum * fading + T::from_f32(equations as f32);
+        }
         let [fitted, held_out] = &mut self.weights;
         for (sum, counts) in [(fitted, !judges), (held_out, judges)] {
-            *sum *= self.settings.forgetting;
+            *sum *= fading;
             if counts {
                 *sum += T::ONE;
             }
@@ -234,7 +214,8 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
         self.stream.points()
     }
 
-    /// The parameters as all measurements so far have them.
+    /// The parameters as all measurements so far have them. They can be stored:
+    /// [`encode`](crate::blob::encode) takes them, and the measurements agree with them.
     ///
     /// # Errors
     /// See [`StreamingError`]; the measurements stay.
@@ -242,6 +223,24 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
         &mut self,
         rule: Lambda<T>,
     ) -> Result<Identified<'t, T, N, P>, StreamingError> {
+        let found = self.fitted(rule)?.judged()?;
+        storable(&found.parameters)?;
+        Ok(found)
+    }
+
+    /// The same whatever the [`Misfit`], where this is asked for: for [`Self::relinearise`]
+    /// after a change that one linearisation does not hold for. To be
+    /// [judged](Identified::judged) before it is stored.
+    ///
+    /// # Errors
+    /// See [`StreamingError`]; never [`StreamingError::Inconsistent`].
+    pub fn fit(&mut self, rule: Lambda<T>) -> Result<Identified<'t, T, N, P>, StreamingError> {
+        let found = self.fitted(rule)?;
+        storable(&found.parameters)?;
+        Ok(found)
+    }
+
+    fn fitted(&mut self, rule: Lambda<T>) -> Result<Identified<'t, T, N, P>, StreamingError> {
         let (equations, needed) = (self.equations, P as u32);
         if equations < needed {
             return Err(StreamingError::TooFewEquations { equations, needed });
@@ -254,6 +253,7 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
         if let Some(index) = certainty.undetermined() {
             return Err(StreamingError::Undetermined { index });
         }
+        let misfit = self.misfit(all.residual_square(&change), certainty.fitted(lambda, &scale))?;
         let Certainty { sigma, determined, rank } = certainty;
         let [fitted, judging] = self.weights;
         let rms = |x: &[T; P]| self.rms(&all, x, fitted + judging);
@@ -270,8 +270,22 @@ impl<'t, T: Scalar, const N: usize, const P: usize> StreamingIdentification<'t, 
             lambda,
             rms_before,
             rms_after,
+            misfit,
             held_out,
         })
+    }
+
+    /// Of weighed squared residuals, and so many unknowns that they determine. What fades
+    /// leaves less of its noise in them, but takes less of it into the parameters: of readings
+    /// that are all alike by the share of the squared weights.
+    fn misfit(&self, chi_square: T, fitted: T) -> Result<Misfit<T>, StreamingError> {
+        let [weights, squares] = self.weighed;
+        let freedom = weights - fitted * (squares / weights);
+        if chi_square.is_finite() && freedom.is_finite() {
+            Ok(Misfit { chi_square, freedom })
+        } else {
+            Err(SolveError::Overflow.into())
+        }
     }
 
     /// From now on measurements are linearised about what was found; those before stay as

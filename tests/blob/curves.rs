@@ -226,6 +226,12 @@ fn gaps_are_written_and_read() {
         assert!(fifth.knows(q) && fifth.band_at(q) == fifth.band());
         assert_eq!(curves.know(&[0.0, q, 0.0, 0.0, q, 0.0]), second.knows(q));
     }
+    // No angle, or one of which only turns are left; as found these were known.
+    for q in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e9, -1e9, f32::MAX] {
+        assert!(!second.knows(q) && second.band_at(q) == 3e-4 && fifth.knows(q), "{q}");
+        assert!(f64::from(q).abs() < 1e30 || !second.knows(f64::from(q)), "{q}");
+    }
+    assert!(!second.knows(f64::MAX));
     for nonsense in [f64::NAN, f64::INFINITY, f64::MAX, -f64::MAX] {
         // Somewhere on the turn, whatever: an arm is not covered there by its ranges.
         let band = second.band_at(nonsense);

@@ -8,8 +8,10 @@ mod blobs;
 #[path = "../common/mod.rs"]
 mod common;
 mod law;
+mod limits;
 mod paths;
 mod range;
+mod readings;
 mod shortcuts;
 mod torques;
 mod valid;

@@ -326,8 +326,8 @@ fn reidentification_keeps_the_curves() {
     assert!((found.change[1] - 2e-3).abs() < 1e-6 && found.rms_after < 1e-6, "{found:?}");
     assert_eq!(found.parameters.curves, stored.curves);
     let without = ArmParameters { curves: Curves::NONE, ..stored.clone() };
-    let missed = Reidentify::new(&without, unknowns, 20e-6).run(&without, &points).unwrap();
-    assert!(missed.rms_after > 1e-4, "{missed:?}");
+    let missed = Reidentify::new(&without, unknowns, 20e-6).fit(&without, &points).unwrap();
+    assert!(missed.rms_after > 1e-4 && missed.misfit.contradicts(), "{missed:?}");
 }
 
 /// The band of a curve is an error of its joint's angle beside all others.

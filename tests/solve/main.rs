@@ -5,6 +5,7 @@ mod arms;
 #[path = "../common/mod.rs"]
 mod common;
 mod drift;
+mod misfit;
 mod rail;
 mod reidentify;
 mod streaming;

@@ -305,3 +305,29 @@ proptest! {
         }
     }
 }
+
+/// As found: where no lambda could be judged, as here what is held out is beyond all numbers by
+/// each, the choice was none at all, and the solve went without a penalty.
+#[test]
+fn where_no_lambda_can_be_judged_none_is_chosen() {
+    let mut stream = StreamingTikhonov::<f32, 1>::new(2, 1.0).unwrap();
+    for _ in 0..4 {
+        stream.push(&[[1e-14]], &[1.0]).unwrap();
+        stream.push(&[[1e8]], &[0.0]).unwrap();
+    }
+    let choice = stream.choose(&[1.0]).unwrap();
+    assert!(choice.two_step.is_none(), "{choice:?}");
+}
+
+#[test]
+fn a_factor_that_is_none_forgets_nothing() {
+    let mut triangle = Triangle::<f64, 2>::new();
+    triangle.push(&[[1.0, 0.5], [0.2, 3.0]], &[1.0, -1.0]).unwrap();
+    let before = triangle;
+    for factor in [-1.0, -1e-300, 1.0 + f64::EPSILON, 2.0, f64::NAN, f64::INFINITY, 1.0] {
+        triangle.forget(factor);
+        assert_eq!(triangle, before, "{factor}");
+    }
+    triangle.forget(0.5);
+    assert!(triangle.residual_square(&[0.0; 2]) < before.residual_square(&[0.0; 2]));
+}

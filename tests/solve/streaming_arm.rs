@@ -155,7 +155,7 @@ fn calibration(share: f64, forgetting: f64, points: usize) -> f64 {
         for point in tracker.points(points) {
             stream.push(&point).unwrap();
         }
-        let found = stream.identified(Lambda::Prior).unwrap();
+        let found = stream.fit(Lambda::Prior).unwrap();
         for (k, parameter) in chosen().into_iter().enumerate() {
             let left = value(&found.parameters, parameter) - value(&real, parameter);
             square += (left / found.sigma[k]).powi(2);

@@ -102,6 +102,33 @@ fn of_a_bad_state_what_fades_is_the_correction_that_was() {
     }
 }
 
+/// A sensor that is gone is no worse than a caller that is wrong: one reading that is missed is no
+/// step, and the correction fades as it does of a bad field.
+#[test]
+fn a_reading_that_is_no_number_fades_the_correction_as_a_bad_state_does() {
+    let warm = TruearmState { payload_kg: 3.0, temperature_c: 31.0, ..NEUTRAL };
+    let none = [
+        TruearmState { temperature_c: f32::NAN, ..warm },
+        TruearmState { payload_kg: f32::INFINITY, ..warm },
+        TruearmState { has_torque: 1, torque: [f32::NAN; 6], ..warm },
+    ];
+    for missing in none {
+        let (mut memory, mut memory_of_twin) = (memory(), memory());
+        let (arm, twin) = (on(&mut memory).0, on(&mut memory_of_twin).0);
+        for _ in 0..4 * QUICK {
+            let joints = [arm, twin].map(|arm| tick(arm, Q.as_ptr(), &warm).1.joints);
+            assert_eq!(joints[0], joints[1]);
+        }
+        for _ in 0..QUICK {
+            let (error, done) = tick(arm, Q.as_ptr(), &missing);
+            assert_eq!((error, done.status), (TruearmError::Ok, TruearmStatus::StateNotFinite));
+            let (_, bad) = tick(twin, Q.as_ptr(), &bad_states()[1].0);
+            assert_eq!(done.joints, bad.joints);
+        }
+        assert_eq!(tick(arm, Q.as_ptr(), &missing).1.joints, Q);
+    }
+}
+
 /// A state at a pointer that is none is as bad.
 #[test]
 fn a_state_that_cannot_be_read_is_a_bad_one() {

@@ -184,9 +184,12 @@ impl<T: Scalar, const P: usize> Triangle<T, P> {
     }
 
     /// Weighs everything seen so far by `factor`, between 0 and 1: with one
-    /// factor before each point, old points fade exponentially. `3 P`
-    /// operations.
+    /// factor before each point, old points fade exponentially. Any other one,
+    /// also NaN, forgets nothing. `3 P` operations.
     pub fn forget(&mut self, factor: T) {
+        if !(factor >= T::ZERO && factor <= T::ONE) {
+            return;
+        }
         for value in self.d.iter_mut().chain(&mut self.length) {
             *value *= factor;
             if *value < T::from_f32(TINY) {

@@ -50,6 +50,8 @@ pub type Moved = [bool; JOINTS + 2];
 /// A point.
 pub type Point = CheckPoint<f32, JOINTS>;
 
+type Found<'t> = Reidentified<'t, f32, JOINTS, PARAMETERS>;
+
 /// What is to be stored.
 #[derive(Debug, Clone)]
 pub struct Mended<'t> {
@@ -63,7 +65,8 @@ pub struct Mended<'t> {
 /// that of the watch, m.
 ///
 /// # Errors
-/// As for [`Reidentify::run`].
+/// As for [`Reidentify::run`]; [`ReidentifyError::Inconsistent`] where no set of groups explains
+/// the points.
 pub fn mend<'t>(
     stored: &ArmParameters<'t, f32, JOINTS>,
     suspect: Option<Group>,
@@ -72,22 +75,29 @@ pub fn mend<'t>(
 ) -> Result<Mended<'t>, ReidentifyError> {
     let fitted = |moved: &Moved| fit(stored, moved, points, sigma);
     let mut moved = GROUPS.map(|group| suspect == Some(group));
-    let (mut parameters, mut cost) = fitted(&moved)?;
+    let (mut found, mut cost, mut degrees) = fitted(&moved)?;
     loop {
         let mut best = None;
         for other in neighbours(&moved) {
             // Groups that the points do not tell apart may not settle together.
-            let Ok((fit, price)) = fitted(&other) else { continue };
+            let Ok((fit, price, degrees)) = fitted(&other) else { continue };
             if price < cost {
                 cost = price;
-                best = Some((other, fit));
+                best = Some((other, fit, degrees));
             }
         }
         match best {
-            Some(better) => (moved, parameters) = better,
-            None => return Ok(Mended { parameters, moved }),
+            Some(better) => (moved, found, degrees) = better,
+            None => break,
         }
     }
+    // The best may be as wrong as one of the points.
+    let mut parameters = found.judged()?.parameters;
+    // What points will scatter by from here on, which the watch counts with: as before, and
+    // at other poses the new parameters add their own uncertainty, on average so much.
+    let equations = 3.0 * POINTS as f32;
+    parameters.rms_after = stored.rms_after * Scalar::sqrt(1.0 + degrees / equations);
+    Ok(Mended { parameters, moved })
 }
 
 /// One group more, one less, or one for another.
@@ -103,13 +113,13 @@ fn neighbours(moved: &Moved) -> impl Iterator<Item = Moved> {
     })
 }
 
-/// Parameters with these groups identified anew, and what is to be low.
+/// With these groups identified anew; what is to be low, and degrees of freedom.
 fn fit<'t>(
     stored: &ArmParameters<'t, f32, JOINTS>,
     moved: &Moved,
     points: &[Point; POINTS],
     sigma: f32,
-) -> Result<(ArmParameters<'t, f32, JOINTS>, f32), ReidentifyError> {
+) -> Result<(Found<'t>, f32, f32), ReidentifyError> {
     let mut all = Reidentify::new(stored, core::array::from_fn(parameter), sigma);
     let mut degrees = 0.0;
     for (k, scale) in all.scale.iter_mut().enumerate() {
@@ -122,12 +132,10 @@ fn fit<'t>(
         }
     }
     let all: Reidentify<f32, PARAMETERS> = all;
-    let Reidentified { mut parameters, rms_after, .. } = all.run(stored, points)?;
-    let count = POINTS as f32;
-    // What points will scatter by from here on, which the watch counts with: as before, and
-    // at other poses the new parameters add their own uncertainty, on average so much.
-    parameters.rms_after = stored.rms_after * Scalar::sqrt(1.0 + degrees / (3.0 * count));
-    Ok((parameters, count * rms_after * rms_after / (sigma * sigma) + PRICE * degrees))
+    // Sets that leave the cause out contradict the points, and are compared by how much.
+    let found = all.fit(stored, points)?;
+    let cost = found.misfit.chi_square + PRICE * degrees;
+    Ok((found, cost, degrees))
 }
 
 /// All that may have moved, in the order of [`GROUPS`].

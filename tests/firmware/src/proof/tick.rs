@@ -15,6 +15,7 @@ pub fn load_and_tick<T: Scalar>(bytes: &[u8], q: &[T; 6]) -> Result<(), Acceptan
     header(&blob);
     let parameters = blob.parameters::<T, 6>()?;
     let arm = Arm::new(black_box(&parameters));
+    compute(black_box(&parameters).detached().is_some());
     poses(&blob, &arm, black_box(q));
     for task in [Task::Position, Task::Pose] {
         let settings = black_box(Settings::new(task));
@@ -22,6 +23,7 @@ pub fn load_and_tick<T: Scalar>(bytes: &[u8], q: &[T; 6]) -> Result<(), Acceptan
         if let Ok(mut compensator) = Compensator::new(arm.clone(), settings, black_box(q)) {
             compensator.set_active(black_box(true));
             compute(compensator.tick(black_box(q), black_box(&state)));
+            compute(compensator.tick_without_state(black_box(q)));
             compute(compensator.arm().terms());
             compute(compensator.correction(black_box(q), black_box(&state)).is_ok());
             compute(compensator.error(black_box(q), black_box(q), black_box(&state)));
@@ -48,6 +50,7 @@ fn poses<T: Scalar>(blob: &Blob<'_>, arm: &Arm<'_, T, 6>, q: &[T; 6]) {
     compute(arm.deflection(q, black_box(&state)));
     compute(arm.covers(q));
     let mut lag = black_box(arm.thermal_lag());
+    compute(lag.since());
     compute((lag.step(black_box(x), black_box(y)), lag.step(black_box(y), black_box(x))));
     compute(lag.time_constant());
     let curves = arm.curves();
