@@ -34,7 +34,7 @@ impl Part {
     }
 
     /// Of readings about their mean: contrasts of Helmert are as independent as they are.
-    fn push_contrasts(&mut self, readings: &[(DVector<f64>, f64)]) {
+    fn push_contrasts(&mut self, readings: &[Read]) {
         let Some(((first, _), others)) = readings.split_first() else { return };
         let mut mean = first.clone();
         for (k, (residual, log_det)) in others.iter().enumerate() {
@@ -57,57 +57,16 @@ impl Left<'_> {
     /// Under these weights.
     #[must_use]
     pub fn likelihood(&self, weights: &Weights) -> Likelihood {
-        let rows = &self.problem.data.rows;
-        let kept = &self.node.fit.kept;
-        let all = self.placed(&weights.scattering);
-        let sights: Vec<(Scatterer, f64)> =
-            weights.scattering.iter().filter(|s| s.0.instrument().is_some()).copied().collect();
-        let sights = self.placed(&sights);
-        let read = |k: usize, sources: &[(usize, f64)]| {
-            let residual = self.rows[k].without(sources);
-            let log_det = Scattered::of_row(&self.rows[k], sources).log_det;
-            (DVector::from_column_slice(&residual), log_det)
-        };
-        let common = weights.common;
-        let (mut poses, mut stayed, mut returned) =
-            (Part::default(), Part::default(), Part::default());
-        // Of what is no repeat the evidence knows every equation.
-        let mut more = 0.0;
+        let (rows, kept) = (&self.problem.data.rows, &self.node.fit.kept);
+        let mut sums = Sums::new(self, weights);
         for places in by_pose(rows, kept) {
             let own: Vec<usize> = places.iter().map(|k| kept[*k]).collect();
-            let readings: Vec<(DVector<f64>, f64)> =
-                places.iter().map(|k| read(*k, &all)).collect();
-            let count = readings.len() as f64;
-            let equations = readings[0].0.len() as f64;
-            let together = 1.0 - common + count * common;
-            if !repeat(rows, &own) {
-                for (residual, log_det) in &readings {
-                    let rest = Rest {
-                        square: residual.norm_squared(),
-                        equations: residual.len(),
-                        count: 1.0 / together,
-                    };
-                    poses.rests.push(rest);
-                    poses.log_det += log_det / together;
-                    more += log_det - log_det / together;
-                }
-                more += equations * (together.ln() + (count - 1.0) * (1.0 - common).ln());
-                continue;
+            match repeat(rows, &own) {
+                true => sums.push_repeats(rows, &places, &own),
+                false => sums.push_targets(&places),
             }
-            let (mean, log_det) = mean(&readings);
-            let log_det = log_det + if count > 1.0 { equations * together.ln() } else { 0.0 };
-            poses.push(&mean, mean.norm_squared() * count / together, log_det);
-            let visits = visits(rows, &own);
-            for visit in &visits {
-                let alone = |k: &usize| read(places[*k], &sights);
-                stayed.push_contrasts(&visit.iter().map(alone).collect::<Vec<_>>());
-            }
-            let of_visit = |visit: &Vec<usize>| {
-                let own: Vec<_> = visit.iter().map(|k| readings[*k].clone()).collect();
-                self::mean(&own)
-            };
-            returned.push_contrasts(&visits.iter().map(of_visit).collect::<Vec<_>>());
         }
+        let Sums { poses, stayed, returned, more, .. } = sums;
         let equations: f64 = poses.rests.iter().map(|r| r.equations as f64 * r.count).sum();
         let tails = Tails::of(&poses.rests, self.node.fit.used.min(equations));
         let apart = stayed.likelihood() + returned.likelihood();
@@ -118,8 +77,97 @@ impl Left<'_> {
     }
 }
 
+/// A residual without what scatters, and its `log |V|`.
+type Read = (DVector<f64>, f64);
+
+/// Sums over poses.
+struct Sums<'l> {
+    left: &'l Left<'l>,
+    /// What scatters, with the ratio of its variance to that of what it scatters beside.
+    all: Vec<(usize, f64)>,
+    /// The same beside what readings of a pose do not have in common: what scatters does not
+    /// return with the pose.
+    apart: Vec<(usize, f64)>,
+    /// Of these what an instrument does, which scatters while the arm stays, too.
+    instrument: Vec<(usize, f64)>,
+    /// Share of the variance that readings of a pose have in common.
+    common: f64,
+    poses: Part,
+    /// Readings about their mean, while the arm stayed and where it came back.
+    stayed: Part,
+    returned: Part,
+    /// `log |V|` that the evidence lacks beyond that of the poses.
+    more: f64,
+}
+
+impl<'l> Sums<'l> {
+    fn new(left: &'l Left<'l>, weights: &Weights) -> Self {
+        let Weights { common, scattering, .. } = weights;
+        let apart = |(source, ratio): &(Scatterer, f64)| (*source, ratio / (1.0 - common));
+        let apart: Vec<_> = scattering.iter().map(apart).collect();
+        let of_instrument = apart.iter().filter(|s| s.0.instrument().is_some()).copied();
+        Self {
+            all: left.placed(scattering),
+            instrument: left.placed(&of_instrument.collect::<Vec<_>>()),
+            apart: left.placed(&apart),
+            left,
+            common: *common,
+            poses: Part::default(),
+            stayed: Part::default(),
+            returned: Part::default(),
+            more: 0.0,
+        }
+    }
+
+    fn read(&self, place: usize, sources: &[(usize, f64)]) -> Read {
+        let moved = &self.left.rows[place];
+        let log_det = Scattered::of_row(moved, sources).log_det;
+        (DVector::from_column_slice(&moved.without(sources)), log_det)
+    }
+
+    /// How many times one reading's variance the mean of so many has, times their number.
+    fn together(&self, readings: usize) -> f64 {
+        1.0 - self.common + readings as f64 * self.common
+    }
+
+    /// Several targets, or corners of an image: the evidence knows every equation.
+    fn push_targets(&mut self, places: &[usize]) {
+        let together = self.together(places.len());
+        let mut equations = 0;
+        for place in places {
+            let (residual, log_det) = self.read(*place, &self.all);
+            let (square, count) = (residual.norm_squared(), 1.0 / together);
+            equations = residual.len();
+            self.poses.rests.push(Rest { square, equations, count });
+            self.poses.log_det += log_det * count;
+            self.more += log_det * (1.0 - count);
+        }
+        let others = (places.len() as f64 - 1.0) * (1.0 - self.common).ln();
+        self.more += equations as f64 * (together.ln() + others);
+    }
+
+    /// Readings of one thing in a pose.
+    fn push_repeats(&mut self, rows: &[Row], places: &[usize], own: &[usize]) {
+        let together = self.together(places.len());
+        let readings: Vec<Read> = places.iter().map(|k| self.read(*k, &self.all)).collect();
+        let (mean, log_det) = mean(&readings);
+        let log_det = log_det + mean.len() as f64 * together.ln();
+        let square = mean.norm_squared() * places.len() as f64 / together;
+        self.poses.push(&mean, square, log_det);
+        let visits = visits(rows, own);
+        let read = |visit: &[usize], sources: &[(usize, f64)]| {
+            visit.iter().map(|k| self.read(places[*k], sources)).collect::<Vec<Read>>()
+        };
+        let alone: Vec<_> = visits.iter().map(|visit| read(visit, &self.instrument)).collect();
+        let each: Vec<Read> =
+            visits.iter().map(|visit| self::mean(&read(visit, &self.apart))).collect();
+        alone.iter().for_each(|readings| self.stayed.push_contrasts(readings));
+        self.returned.push_contrasts(&each);
+    }
+}
+
 /// Of some readings the mean, and the mean of their `log |V|`: they scatter alike.
-fn mean(readings: &[(DVector<f64>, f64)]) -> (DVector<f64>, f64) {
+fn mean(readings: &[Read]) -> Read {
     let each = 1.0 / readings.len() as f64;
     let sum =
         readings[1..].iter().fold(readings[0].clone(), |sum, own| (sum.0 + &own.0, sum.1 + own.1));
