@@ -83,6 +83,7 @@ mod tests {
             poses: rows.len(),
             extra_columns: Vec::new(),
             directions_from_order: true,
+            order_from_rows: false,
             sides_found: Vec::new(),
             warnings: Vec::new(),
         }
