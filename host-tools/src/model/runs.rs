@@ -39,7 +39,14 @@ impl Measurements {
             return None;
         }
         let mut out = Self { order_from_rows: true, ..self.clone() };
-        out.rows.iter_mut().zip(1_u32..).for_each(|(row, n)| row.order = Some(f64::from(n)));
+        // What is written twice was measured once.
+        let mut numbers = vec![0_u32; self.rows.len()];
+        let mut last = 0;
+        for (row, first) in self.first_of_copies().into_iter().enumerate() {
+            last += u32::from(first == row);
+            numbers[row] = if first == row { last } else { numbers[first] };
+        }
+        out.rows.iter_mut().zip(numbers).for_each(|(row, n)| row.order = Some(f64::from(n)));
         Some(out)
     }
 

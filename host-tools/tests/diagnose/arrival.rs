@@ -376,3 +376,19 @@ fn a_pose_whose_readings_all_miss_is_a_gross_error() {
     assert_eq!(names(&outcome), [("outliers", vec![])]);
     assert_eq!(outcome.verdict, Verdict::Explained, "{:?}", outcome.unnamed);
 }
+
+/// Where no column says when rows were measured they have the order of the file, for a base that
+/// drifts as for sides: it was said to stand elsewhere from some row on.
+#[test]
+fn a_base_that_drifts_needs_no_clock() {
+    let unmoved = |q: &[f64], _: &[f64]| q.to_vec();
+    for (seed, slope) in [(70, 2e-6), (71, -3e-6)] {
+        let drifts = |row: usize| Vector3::new(0.5, -1.0, 0.3) * (row as f64 * slope);
+        let session = session(80, seed, &unmoved, &drifts);
+        let outcome = diagnosed(&arm(), &with(&session, "", |_| String::new()));
+        assert_eq!(names(&outcome), [("measurement-drift", vec![])], "{:?}", outcome.unnamed);
+        let warned = |words: &str| outcome.figures.warnings.iter().any(|w| w.contains(words));
+        assert!(warned("no column time_s or order"), "{:?}", outcome.figures.warnings);
+        assert_eq!(outcome.verdict, Verdict::Explained, "{:?}", outcome.unnamed);
+    }
+}
