@@ -86,11 +86,9 @@ impl Cloud {
         let each = 1.0 / seen.len().max(1) as f64;
         let measured = seen.iter().map(|pair| pair.0).sum::<Vector3<f64>>() * each;
         let modelled = seen.iter().map(|pair| pair.1).sum::<Vector3<f64>>() * each;
-        let rms = |of: &dyn Fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
-            (seen.iter().map(|pair| of(pair).norm_squared()).sum::<f64>() * each).sqrt()
-        };
-        let radius = rms(&|pair| pair.0 - measured);
-        let left = rms(&|pair| pair.0 - pair.1);
+        let rms = |squares: f64| (squares * each).sqrt();
+        let radius = rms(seen.iter().map(|pair| (pair.0 - measured).norm_squared()).sum());
+        let left = rms(seen.iter().map(|pair| (pair.0 - pair.1).norm_squared()).sum());
         Some(Self { measured, modelled, radius, left })
     }
 }
