@@ -32,7 +32,7 @@ use crate::model::{Form, Instrument, KindId, Measurements, Row, Values};
 pub use column::{Column, Measure};
 pub use partials::{ArmPart, Body, Partials};
 pub use range::ray_of;
-pub use reading::{by_pose, by_target, postures, repeat};
+pub use reading::{by_pose, by_target, postures, repeat, visits};
 pub use references::{Bound, Registry, Told, Unclear};
 pub use residual::{Miss, Residual};
 

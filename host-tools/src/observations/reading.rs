@@ -70,8 +70,37 @@ pub fn repeat(rows: &[Row], readings: &[usize]) -> bool {
     !kind(row).is_image() && others.iter().all(|other| rows[*other].marker == row.marker)
 }
 
+/// Places among the readings of a pose at each of its visits: what a joint is off by as it came to
+/// rest is the same until the arm has been away.
+#[must_use]
+pub fn visits(rows: &[Row], readings: &[usize]) -> Vec<Vec<usize>> {
+    let mut out: Vec<Vec<usize>> = Vec::new();
+    for (k, row) in readings.iter().enumerate() {
+        let stays = |before: &usize| (*before..*row).all(|r| rows[r].pose == rows[*row].pose);
+        match out.last_mut() {
+            Some(visit) if stays(&readings[k - 1]) => visit.push(k),
+            _ => out.push(vec![k]),
+        }
+    }
+    out
+}
+
 /// Rows at which the arm stood for what some rows measure: of a pair both ends.
 #[must_use]
 pub fn postures(rows: &[Row], of: &[usize]) -> Vec<usize> {
     of.iter().flat_map(|row| std::iter::once(*row).chain(rows[*row].partner)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_visit_lasts_until_the_arm_goes_elsewhere() {
+        let at = |pose: usize| Row { pose, ..Row::at(vec![0.0]) };
+        let rows: Vec<Row> = [0, 0, 1, 0, 1, 1, 0].map(at).into();
+        assert_eq!(visits(&rows, &[0, 1, 3, 6]), [vec![0, 1], vec![2], vec![3]]);
+        assert_eq!(visits(&rows, &[2, 4, 5]), [vec![0], vec![1, 2]]);
+        assert_eq!(visits(&rows, &[3]), [[0]]);
+    }
 }

@@ -15,9 +15,14 @@ fn poses_about_one_point_find_their_base() {
         let robot = Robot::read(&folder.join("robot.toml")).unwrap();
         let read = |name| Measurements::read(&folder.join(name), &robot).unwrap();
         let (data, fresh) = (read("measurements.csv"), read("fresh.csv"));
-        let found = identify(&robot, &data, &Options::default(), &|_, _| ()).unwrap();
-        let left = found.figures.identified.unwrap().rms_mm;
-        assert!(left < 0.05, "{set}: {left} mm");
+        let mut wrong = data.clone();
+        wrong.rows[17].measured[1] += 0.5;
+        for (data, gross) in [(&data, 0), (&wrong, 1)] {
+            let found = identify(&robot, data, &Options::default(), &|_, _| ()).unwrap();
+            let left = found.figures.identified.unwrap().rms_mm;
+            assert!(left < 0.05, "{set}: {left} mm");
+            assert_eq!(found.figures.outlier_rows.len(), gross, "{set}");
+        }
         let options = DiagnoseOptions::default();
         let found = diagnose(&robot, &data, Some(&fresh), &options, &|_| ()).unwrap();
         let outcome = found.outcome;

@@ -8,7 +8,7 @@ use super::weights::Left;
 use crate::evidence::tails::{Rest, Tails};
 use crate::identify::Scatterer;
 use crate::model::Row;
-use crate::observations::{by_pose, repeat};
+use crate::observations::{repeat, visits};
 
 /// Log likelihoods up to a constant of the rows.
 #[derive(Debug, Clone, Copy)]
@@ -59,11 +59,11 @@ impl Left<'_> {
     pub fn likelihood(&self, weights: &Weights) -> Likelihood {
         let (rows, kept) = (&self.problem.data.rows, &self.node.fit.kept);
         let mut sums = Sums::new(self, weights);
-        for places in by_pose(rows, kept) {
+        for places in &self.poses {
             let own: Vec<usize> = places.iter().map(|k| kept[*k]).collect();
             match repeat(rows, &own) {
-                true => sums.push_repeats(rows, &places, &own),
-                false => sums.push_targets(&places),
+                true => sums.push_repeats(rows, places, &own),
+                false => sums.push_targets(places),
             }
         }
         let Sums { poses, stayed, returned, more, .. } = sums;
@@ -172,18 +172,4 @@ fn mean(readings: &[Read]) -> Read {
     let sum =
         readings[1..].iter().fold(readings[0].clone(), |sum, own| (sum.0 + &own.0, sum.1 + own.1));
     (sum.0 * each, sum.1 * each)
-}
-
-/// Readings of a pose, at each of its visits: what a joint scatters is the same until the arm has
-/// been away.
-fn visits(rows: &[Row], readings: &[usize]) -> Vec<Vec<usize>> {
-    let mut out: Vec<Vec<usize>> = Vec::new();
-    for (k, row) in readings.iter().enumerate() {
-        let stays = |before: &usize| (*before..*row).all(|r| rows[r].pose == rows[*row].pose);
-        match out.last_mut() {
-            Some(visit) if stays(&readings[k - 1]) => visit.push(k),
-            _ => out.push(vec![k]),
-        }
-    }
-    out
 }

@@ -1,7 +1,6 @@
 //! Where an instrument stands whose line of sight may scatter, in its angles or in its distance, as
-//! trackers and cameras do: at the origin of the coordinates,
-//! or, where those are the robot's, as programs of trackers are often told to write them, somewhere
-//! around it.
+//! trackers and cameras do: at the origin of the coordinates, or, where those are the robot's, as
+//! programs of trackers are often told to write them, somewhere around it.
 
 use nalgebra::Vector3;
 
@@ -25,8 +24,8 @@ const FIRST_STEP: f64 = 0.3;
 const LAST_STEP: f64 = 0.02;
 
 /// Lines of sight that may scatter, across and along, where what a fit leaves of its rows is
-/// `left`: from the origin or from where it is likeliest. Of other kinds of measurement than points and poses their
-/// own noise was found beside that of points.
+/// `left`: from the origin or from where it is likeliest. Of other kinds of measurement than points
+/// and poses their own noise was found beside that of points.
 #[must_use]
 pub fn possible(
     problem: &Problem,

@@ -11,7 +11,7 @@ use crate::evidence::tails::{Rest, Tails};
 use crate::identify::certainty::repeats::{by_means, readings};
 use crate::identify::{Problem, Scatterer};
 use crate::model::Values;
-use crate::observations::{by_pose, by_target, kind, repeat};
+use crate::observations::{by_pose, by_target, kind, repeat, visits};
 use crate::statistics::repeats::{self, Readings, Scatter, Used, common_share};
 
 /// What a fit leaves of the rows that it kept, and how each of some sources moves them.
@@ -20,6 +20,8 @@ pub struct Left<'a> {
     pub(super) node: &'a Node,
     sources: Vec<Scatterer>,
     pub(super) rows: Vec<Moved>,
+    /// Places among them of the readings of each pose.
+    pub(super) poses: Vec<Vec<usize>>,
 }
 
 impl<'a> Left<'a> {
@@ -29,7 +31,8 @@ impl<'a> Left<'a> {
         let at = problem.linearise(&node.fit.fit.state);
         let moved = |row: &usize| Moved::of(&at, problem, *row, sources);
         let rows = node.fit.kept.par_iter().map(moved).collect();
-        Self { problem, node, sources: sources.to_vec(), rows }
+        let poses = by_pose(&problem.data.rows, &node.fit.kept);
+        Self { problem, node, sources: sources.to_vec(), rows, poses }
     }
 
     /// What rows weigh beside those of the sources that scatter.
@@ -40,7 +43,7 @@ impl<'a> Left<'a> {
         let (residuals, scattering) = self.without(scattering);
         let used = node.fit.used;
         // Share of the noise that the readings of a pose have in common.
-        let readings = readings(&by_pose(&problem.data.rows, kept), &residuals);
+        let readings = readings(&self.poses, &residuals);
         let common = common_share(&readings, by_means(problem, kept, used));
         let counted = counted(problem, kept, common);
         let rest = |(r, count): (&Vec<f64>, &f64)| Rest {
@@ -97,30 +100,24 @@ impl<'a> Left<'a> {
     fn returned(&self, source: usize, others: &[(usize, f64)]) -> Vec<Vec<Seen>> {
         let rows = &self.problem.data.rows;
         let mut out = Vec::new();
-        for readings in by_pose(rows, &self.node.fit.kept) {
+        for readings in &self.poses {
             let own: Vec<usize> = readings.iter().map(|k| self.node.fit.kept[*k]).collect();
             if own.len() < 2 || !repeat(rows, &own) {
                 continue;
             }
             let mut mean = DVector::zeros(0);
-            let mut visits = 0.0;
-            for (k, row) in own.iter().enumerate() {
-                let (ways, residual) = self.rows[readings[k]].beside(source, others);
-                let pose = |row: usize| rows[row].pose;
-                let stayed = |before: usize| (before..*row).all(|r| pose(r) == pose(*row));
-                if ways.ncols() == 0 || k > 0 && stayed(own[k - 1]) {
+            for (before, visit) in visits(rows, &own).iter().enumerate() {
+                let (ways, residual) = self.rows[readings[visit[0]]].beside(source, others);
+                let residual = DVector::from_column_slice(&residual);
+                if before == 0 {
+                    mean = residual;
                     continue;
                 }
-                let residual = DVector::from_column_slice(&residual);
-                if visits > 0.0 {
-                    let root = f64::sqrt(visits / (visits + 1.0));
-                    let contrast: Values = ((&mean - &residual) * root).iter().copied().collect();
-                    out.push(seen(self.sources[source], &ways, &contrast));
-                    mean += (residual - &mean) / (visits + 1.0);
-                } else {
-                    mean = residual;
-                }
-                visits += 1.0;
+                let before = before as f64;
+                let root = f64::sqrt(before / (before + 1.0));
+                let contrast: Values = ((&mean - &residual) * root).iter().copied().collect();
+                out.push(seen(self.sources[source], &ways, &contrast));
+                mean += (residual - &mean) / (before + 1.0);
             }
         }
         out.retain(|contrast: &Vec<Seen>| !contrast.is_empty());
@@ -178,14 +175,14 @@ pub fn after(problem: &Problem, node: &Node, scattering: &[Scatterer]) -> Weight
 /// What a fit leaves of each pose, in the mean of its readings.
 #[must_use]
 pub fn left(problem: &Problem, node: &Node, scattering: &[Scatterer]) -> Vec<Rest> {
-    let kept = &node.fit.kept;
-    let (residuals, _) = Left::of(problem, node, scattering).without(scattering);
+    let all = Left::of(problem, node, scattering);
+    let (residuals, _) = all.without(scattering);
     let of = |readings: &Readings| Rest {
         square: readings.norm_squared() / readings.ncols() as f64,
         equations: readings.nrows(),
         count: 1.0,
     };
-    readings(&by_pose(&problem.data.rows, kept), &residuals).iter().map(of).collect()
+    readings(&all.poses, &residuals).iter().map(of).collect()
 }
 
 /// What a fit leaves of the rows that it kept, and of those that it flagged, beside what scatters.

@@ -11,12 +11,16 @@ use crate::identify::fit::{Freedom, cost_at, damped};
 use crate::identify::problem::{Problem, State};
 use crate::model::arm::chain;
 use crate::observations::kind;
+use crate::statistics::median;
 
-/// A cloud is narrow whose radius, a root mean square, is less than so many times what
-/// registration leaves, and than so much, m.
+/// A cloud is narrow whose radius is less than so many times what registration leaves, and than so
+/// much, m; medians, of which a gross error is no part. No study set them.
 const HARDLY: f64 = 20.0;
 const NARROW: f64 = 0.05;
-/// Rows that turns are told by, at most.
+/// A row so many radii away is none of the cloud.
+const STRAY: f64 = 10.0;
+/// Rows that turns are told by, at least and at most.
+const FEWEST: usize = 4;
 const ENOUGH: usize = 200;
 /// Another turn has to end lower by this share: what is as good stays.
 const LOWER: f64 = 0.01;
@@ -39,11 +43,13 @@ pub fn first(problem: &Problem, tool: Vector3<f64>) -> Result<State> {
 fn turned(problem: &Problem, state: &State, station: usize) -> Option<State> {
     let problem = problem.clone().about(state);
     let all = problem.counted();
-    let rows: Vec<usize> = all.iter().copied().step_by(all.len().div_ceil(ENOUGH).max(1)).collect();
+    let mut rows: Vec<usize> =
+        all.iter().copied().step_by(all.len().div_ceil(ENOUGH).max(1)).collect();
     let cloud = Cloud::of(&problem, state, &rows, station)?;
     if cloud.radius > NARROW || cloud.radius > HARDLY * cloud.left {
         return None;
     }
+    rows.retain(|row| !cloud.stray.contains(row));
     let ended = |start: &State| {
         let fit = damped(&problem, &rows, None, start, Freedom::All(1.0)).ok()?;
         Some(cost_at(&problem, &rows, &fit.state, 1.0))
@@ -67,29 +73,39 @@ fn turned(problem: &Problem, state: &State, station: usize) -> Option<State> {
 struct Cloud {
     measured: Vector3<f64>,
     modelled: Vector3<f64>,
-    /// Root mean squares, m: about the middle, and of what the state leaves.
+    /// Medians, m: of the distance from the middle, and of what the state leaves.
     radius: f64,
     left: f64,
+    /// Rows far out of it: gross errors, which no turn may go by.
+    stray: Vec<usize>,
 }
 
 impl Cloud {
-    /// `None` where rows of the station measured something else than points.
+    /// `None` where rows of the station measured something else than points, or are few.
     fn of(problem: &Problem, state: &State, rows: &[usize], station: usize) -> Option<Self> {
         let base = state.bases[station];
-        let seen = |row: &usize| {
-            let row = &problem.data.rows[*row];
+        let seen = |index: &usize| {
+            let row = &problem.data.rows[*index];
             let chain = chain(&state.links, base, state.markers[row.marker]);
-            Some((kind(row).point(row)?, chain.pose(&row.q).translation))
+            Some((*index, kind(row).point(row)?, chain.pose(&row.q).translation))
         };
         let own = rows.iter().filter(|row| problem.data.rows[**row].station == station);
-        let seen: Vec<_> = own.map(seen).collect::<Option<_>>()?;
-        let each = 1.0 / seen.len().max(1) as f64;
-        let measured = seen.iter().map(|pair| pair.0).sum::<Vector3<f64>>() * each;
-        let modelled = seen.iter().map(|pair| pair.1).sum::<Vector3<f64>>() * each;
-        let rms = |squares: f64| (squares * each).sqrt();
-        let radius = rms(seen.iter().map(|pair| (pair.0 - measured).norm_squared()).sum());
-        let left = rms(seen.iter().map(|pair| (pair.0 - pair.1).norm_squared()).sum());
-        Some(Self { measured, modelled, radius, left })
+        let mut seen: Vec<_> = own.map(seen).collect::<Option<_>>()?;
+        let axis = |axis: usize| median(&seen.iter().map(|s| s.1[axis]).collect::<Vec<f64>>());
+        let middle = Vector3::new(axis(0), axis(1), axis(2));
+        let median_of = |of: &mut dyn Iterator<Item = f64>| median(&of.collect::<Vec<f64>>());
+        let radius = median_of(&mut seen.iter().map(|s| (s.1 - middle).norm()));
+        let left = median_of(&mut seen.iter().map(|s| (s.1 - s.2).norm()));
+        let is_stray = |point: &Vector3<f64>| (point - middle).norm() > STRAY * radius;
+        let stray = seen.iter().filter(|s| is_stray(&s.1)).map(|s| s.0).collect();
+        seen.retain(|s| !is_stray(&s.1));
+        if seen.len() < FEWEST {
+            return None;
+        }
+        let each = 1.0 / seen.len() as f64;
+        let measured = seen.iter().map(|s| s.1).sum::<Vector3<f64>>() * each;
+        let modelled = seen.iter().map(|s| s.2).sum::<Vector3<f64>>() * each;
+        Some(Self { measured, modelled, radius, left, stray })
     }
 }
 
